@@ -6,7 +6,7 @@
 // with exported costs, prints how c_min and c_sec of the same hypotheses
 // differ: with the window as tsar_refine samples it (every second row and
 // column), with all 121 pixels of it, and with all pixels of images like those
-// that COLMAP reads (grey by Rec. 709, in whole numbers, black around the
+// that COLMAP reads (gray by Rec. 709, in whole numbers, black around the
 // image).
 //
 // Types of maps without exported costs are passed over.
@@ -35,7 +35,7 @@ namespace {
 // Of the pixels that are compared; all of them would take minutes.
 constexpr int kStride = 3;
 
-// The image as COLMAP reads it, in grey.
+// The image as COLMAP reads it, in gray.
 Image<float> ColmapGray(const Image<Rgb>& color) {
   Image<float> gray(color.Width(), color.Height());
   std::transform(color.begin(), color.end(), gray.begin(), [](const Rgb& c) {
@@ -61,7 +61,7 @@ float SampleInBlack(const ImageView<const float>& image, float x, float y) {
 
 // 1 - NCC with every pixel of the window, in double precision; undefined where
 // a window has no texture by COLMAP's bound (1e-5 of the squared range). The
-// samplers give the grey of the image and of the other at a position.
+// samplers give the gray of the image and of the other at a position.
 template <typename Sampler, typename OtherSampler>
 double FullWindowCost(const Sampler& sample,
                       const OtherSampler& sample_other,
@@ -272,8 +272,8 @@ void Study(const std::string& root, MapType type) {
   sampled_second.Print("c_sec, every 2nd row, column");
   full_first.Print("c_min, whole window");
   full_second.Print("c_sec, whole window");
-  alike_first.Print("c_min, and COLMAP's grey");
-  alike_second.Print("c_sec, and COLMAP's grey");
+  alike_first.Print("c_min, and COLMAP's gray");
+  alike_second.Print("c_sec, and COLMAP's gray");
 }
 
 }  // namespace

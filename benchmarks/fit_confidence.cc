@@ -7,9 +7,9 @@
 // that the others give miss there: the mean difference, over ten classes of the
 // confidence, between it and the share of depths that are right.
 //
-//   fit_confidence MODELLED=REFINED [MODELLED=REFINED ...]
+//   fit_confidence MODELED=REFINED [MODELED=REFINED ...]
 //
-// MODELLED: see ModelledScene; REFINED: a copy of it after pass compose too;
+// MODELED: see ModeledScene; REFINED: a copy of it after pass compose too;
 // all passes with --TsarRefine.experiment cylinders=0, since depths on columns
 // and pipes, which have a constant, would count as interpolated ones.
 
@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/modelled_scene.h"
+#include "benchmarks/modeled_scene.h"
 #include "benchmarks/require_no_cylinders.h"
 #include "benchmarks/run_tool.h"
 #include <Eigen/Core>
@@ -44,7 +44,7 @@ using Scenes = std::vector<std::vector<Sample>>;
 // As RateSceneConfidence() tells them apart, but that depths on curved surfaces
 // are known here by what they are not.
 DepthKind KindAt(const PlaneView& refined,
-                 const ModelledImage& view,
+                 const ModeledImage& view,
                  int x,
                  int y) {
   const auto source = static_cast<Provenance>(refined.provenance(x, y));
@@ -67,7 +67,7 @@ DepthKind KindAt(const PlaneView& refined,
   }
 }
 
-void CollectView(const ModelledImage& view,
+void CollectView(const ModeledImage& view,
                  const PlaneView& refined,
                  Device& device,
                  std::vector<Sample>* samples) {
@@ -91,9 +91,9 @@ void CollectView(const ModelledImage& view,
   }
 }
 
-std::vector<Sample> Collect(const std::string& modelled_root,
+std::vector<Sample> Collect(const std::string& modeled_root,
                             const std::string& refined_root) {
-  const ModelledScene scene(modelled_root);
+  const ModeledScene scene(modeled_root);
   RequireNoCylinders(scene.Model(), scene.Root());
   const Workspace refined(refined_root, MapType::kGeometric);
   const int num_planes = static_cast<int>(scene.Model().planes.size());
@@ -155,7 +155,7 @@ void Fit(int argc, char** argv) {
     const size_t equals = roots.find('=');
     if (equals == std::string::npos) {
       throw Error(ErrorCode::kBadOption,
-                  roots + ": is no MODELLED=REFINED; name two workspaces");
+                  roots + ": is no MODELED=REFINED; name two workspaces");
     }
     scenes.push_back(
         Collect(roots.substr(0, equals), roots.substr(equals + 1)));

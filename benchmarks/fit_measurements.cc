@@ -9,9 +9,9 @@
 // and of the measurements that were right to 1 % those that become wrong by
 // over 2.5 %.
 //
-//   fit_measurements MODELLED [MODELLED ...]
+//   fit_measurements MODELED [MODELED ...]
 //
-// MODELLED: see ModelledScene.
+// MODELED: see ModeledScene.
 
 #include "colmap_tsar/view/measurement_support.h"
 
@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/modelled_scene.h"
+#include "benchmarks/modeled_scene.h"
 #include "benchmarks/run_tool.h"
 #include <Eigen/Core>
 
@@ -41,7 +41,7 @@ struct Sample {
   float rival_error;
 };
 
-Image<float> DepthsOfPlanes(const ModelledImage& view) {
+Image<float> DepthsOfPlanes(const ModeledImage& view) {
   const std::vector<Plane> planes = PlanesOfSuperpixels(view.found.labeled);
   Image<float> depths(view.depth.Width(), view.depth.Height());
   for (int y = 0; y < depths.Height(); ++y) {
@@ -58,7 +58,7 @@ Image<float> DepthsOfPlanes(const ModelledImage& view) {
   return depths;
 }
 
-void CollectView(const ModelledImage& view,
+void CollectView(const ModeledImage& view,
                  Device& device,
                  std::vector<Sample>* samples) {
   const Image<float> rivals = DepthsOfPlanes(view);
@@ -87,7 +87,7 @@ void CollectView(const ModelledImage& view,
 }
 
 std::vector<Sample> Collect(const std::string& root) {
-  const ModelledScene scene(root);
+  const ModeledScene scene(root);
   std::vector<Sample> samples;
   for (const auto& [image, labels] : scene.Model().views) {
     CollectView(scene.Load(image), scene.GetDevice(), &samples);
@@ -150,7 +150,7 @@ void PrintEffect(const char* name,
 void Fit(int argc, char** argv) {
   if (argc < 2) {
     throw Error(ErrorCode::kBadOption,
-                "no workspace; name one or more that are modelled");
+                "no workspace; name one or more that are modeled");
   }
   Scenes scenes;
   for (int i = 1; i < argc; ++i) {

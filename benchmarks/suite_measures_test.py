@@ -19,7 +19,7 @@ from programs import CommandFailed, run
 from suite_parts.agreement import check_sparse, check_view_agreement
 from suite_parts.comparison import compare, judge, Difference
 from suite_parts.harm import Calibration, measure_truth
-from suite_parts.maps import Maps, read_grey_png, write_map
+from suite_parts.maps import Maps, read_gray_png, write_map
 from suite_parts.outliers import measure_outliers
 from suite_parts.photographs import with_noise
 from suite_parts.plots import write_plots
@@ -47,7 +47,7 @@ def filtered(row, above, kind, step):
     return bytes(stored)
 
 
-def write_grey_png(path, pixels, depth=8):
+def write_gray_png(path, pixels, depth=8):
     def chunk(kind, body):
         return (struct.pack(">I", len(body)) + kind + body
                 + struct.pack(">I", zlib.crc32(kind + body)))
@@ -70,16 +70,16 @@ def write_grey_png(path, pixels, depth=8):
 
 def check_png(folder):
     pixels = np.random.default_rng(1).integers(0, 256, (25, 31))
-    write_grey_png(folder / "grey.png", pixels)
-    check((read_grey_png(folder / "grey.png") == pixels).all(),
+    write_gray_png(folder / "gray.png", pixels)
+    check((read_gray_png(folder / "gray.png") == pixels).all(),
           "a PNG is read, whatever its filters")
     deep = np.random.default_rng(1).integers(0, 65536, (25, 31))
-    write_grey_png(folder / "deep.png", deep, 16)
-    check((read_grey_png(folder / "deep.png") == deep).all(),
+    write_gray_png(folder / "deep.png", deep, 16)
+    check((read_gray_png(folder / "deep.png") == deep).all(),
           "a PNG of 16 bits is read")
-    write_grey_png(folder / "packed.png", pixels, 4)
+    write_gray_png(folder / "packed.png", pixels, 4)
     try:
-        read_grey_png(folder / "packed.png")
+        read_gray_png(folder / "packed.png")
         check(False, "a PNG of 4 bits is refused")
     except CommandFailed as failure:
         check("packed.png" in str(failure), "a PNG of 4 bits is refused")
@@ -113,7 +113,7 @@ def check_harm(folder):
     confidence[2:4] = 51
     path = Maps(refined).path("confidence", NAME, "png")
     path.parent.mkdir(parents=True)
-    write_grey_png(path, confidence)
+    write_gray_png(path, confidence)
     scores = measure_truth(scene, Maps(scene), Maps(refined))
     close = {"harm": 14 / 80, "harm_far": 6 / 80, "lost": 2 / 80,
              # 8 of 20 are right at 51 of 255, and 48 of 58 at 238.
@@ -149,7 +149,7 @@ def check_outliers(folder):
     write_map(scene / "ground_truth" / "depth" / f"{NAME}.bin", truth)
     put(scene, "depth", NAME, depth)
     before = measure_outliers(scene, Maps(scene))
-    write_grey_png(Maps(scene).path("provenance", NAME, "png"), origin)
+    write_gray_png(Maps(scene).path("provenance", NAME, "png"), origin)
     after = measure_outliers(scene, Maps(scene))
     for key, value in {"outliers": 34 / 840, "outliers_measured": 16 / 822,
                        "outliers_filled": 1, "outliers_guessed": 1,
@@ -188,7 +188,7 @@ def check_planes_off(folder):
                                                (3, height, width)))
     maps = Maps(scene)
     check(check_planes(scene, model, maps) == {}, "no plane maps, no planes")
-    write_grey_png(maps.path("plane", name, "png"), plane, 16)
+    write_gray_png(maps.path("plane", name, "png"), plane, 16)
     scores = check_planes(scene, model, maps)
     first, second = scores["planes"]
     on_planes = 29 * 40 - 40
@@ -246,7 +246,7 @@ def check_views(folder):
                 put(workspace, "normal", image.name, normals)
                 origin = np.full(shape, 4)
                 origin[:, :3] = 1
-                write_grey_png(Maps(workspace).path(
+                write_gray_png(Maps(workspace).path(
                     "provenance", image.name, "png"), origin)
             maps = Maps(workspace)
             found = check_view_agreement(model, maps)
@@ -299,12 +299,12 @@ def check_model(folder):
 
 def check_noise():
     random = np.random.default_rng(3)
-    grey = with_noise(np.full((200, 300, 3), 128.0), 4, random)
-    middle, corner = grey[90:110, 140:160].mean(), grey[:9, :9].mean()
+    gray = with_noise(np.full((200, 300, 3), 128.0), 4, random)
+    middle, corner = gray[90:110, 140:160].mean(), gray[:9, :9].mean()
     check(0.91 < middle / 128 < 1.09, "the exposure varies by up to 8 %")
     check(0.75 < corner / middle < 0.79, "corners are a quarter darker")
-    spread = grey[90:110, 140:160].std() / math.sqrt(middle / 128)
-    check(3.7 < spread < 4.3, "the noise is 4 levels at mid-grey")
+    spread = gray[90:110, 140:160].std() / math.sqrt(middle / 128)
+    check(3.7 < spread < 4.3, "the noise is 4 levels at mid-gray")
 
 
 def make_runs(scene, role, values, size=640, noise=0):
@@ -387,11 +387,11 @@ def check_cloud_table(report):
 
 
 def check_texture():
-    grey = np.full((20, 40), 100, np.uint8)
-    grey[:, 20::2] = 140  # Stripes on the right.
-    textured = is_textured(grey)
+    gray = np.full((20, 40), 100, np.uint8)
+    gray[:, 20::2] = 140  # Stripes on the right.
+    textured = is_textured(gray)
     check(not textured[:, :17].any() and textured[:, 23:].all(),
-          "texture is where the grey levels vary")
+          "texture is where the gray levels vary")
     truth = np.full((20, 40), 2.0)
     truth[:, 39] = 0  # Unknown.
     depth = truth.copy()

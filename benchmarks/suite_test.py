@@ -163,7 +163,7 @@ def check_sizes(suite, scene):
     check(len(list((suite.folder / "cache").glob("*/made_from.json"))) == 4,
           "workspaces are kept")
     check("min left" not in suite(*options, results="sizes"),
-          "made workspaces are recognised")
+          "made workspaces are recognized")
 
 
 def check_priors(suite, scene):
@@ -180,7 +180,7 @@ def check_priors(suite, scene):
               > scores["default"]["depth_all_0.05"][1],
               f"more is right to 5 cm with the {kind}")
     check("min left" not in suite(*options, results="priors"),
-          "runs with priors are recognised")
+          "runs with priors are recognized")
     check("ground_truth" in suite.fail(
         suite.folder / "bare", "--seeds", 1, "--variant",
         "one=--prior_path {network_prior}"),

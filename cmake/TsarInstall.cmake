@@ -1,5 +1,5 @@
 # Component "runtime": the program, its manual pages and completions, and the
-# licence. Component "development": the library with its headers, and a package
+# license. Component "development": the library with its headers, and a package
 # config by which other projects find it (find_package(ColmapTsar)).
 include(CMakePackageConfigHelpers)
 

@@ -148,12 +148,12 @@ python -m pip wheel --disable-pip-version-check --no-build-isolation --no-deps \
 step "Repair"
 auditwheel repair --wheel-dir "$work/repaired" "$work/plain"/*.whl
 
-# The licences of all that is inside go with it, and the other name of the
+# The licenses of all that is inside go with it, and the other name of the
 # package for CUDA.
 python -m wheel unpack --dest "$work/unpacked" "$work/repaired"/*.whl
 content=$(echo "$work/unpacked"/*)
 info=$(echo "$content"/*.dist-info)
-copy_licences "$info/licenses/libraries"
+copy_licenses "$info/licenses/libraries"
 folder=$(basename "$info")
 renamed=$content/$name-${folder#*-}
 [[ $info == "$renamed" ]] || mv "$info" "$renamed"

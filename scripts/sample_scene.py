@@ -140,8 +140,8 @@ def unpack_maps(archive, depth_dir, normal_dir, suffix):
 
 
 def pack_scans(scans, archive):
-    """Points in the order of the blocks they lie in, so that neighbours in the
-    file are neighbours in space."""
+    """Points in the order of the blocks they lie in, so that neighbors in the
+    file are neighbors in space."""
     with open(archive, "wb") as file:
         for path in sorted(scans.glob("*.ply")):
             header, body = path.read_bytes().split(b"end_header\n", 1)

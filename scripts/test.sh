@@ -3,7 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 #
 # Installs what is missing, builds everything, and runs all tests:
-# - an optimised build, with the benchmarks and the Python module, with CUDA
+# - an optimized build, with the benchmarks and the Python module, with CUDA
 #   where nvcc is found, and warnings as errors: whole runs, the Python module,
 #   and the unit tests of what must give the same bits however it is compiled;
 # - a build under the address and undefined sanitizers: every unit test.

@@ -14,7 +14,7 @@ namespace {
 // Where two surfaces meet, a pixel is the mean of this many rays squared.
 constexpr int kRaysPerSide = 3;
 
-// In grey levels, half the width of the noise of each channel: about what is
+// In gray levels, half the width of the noise of each channel: about what is
 // left of a camera's noise after JPEG.
 constexpr double kNoise = 1.2;
 

@@ -20,7 +20,7 @@ struct RoomHit {
   SurfacePoint point;
 };
 
-// A furnished room, in metres; x right, y down, z to the back wall. Walls,
+// A furnished room, in meters; x right, y down, z to the back wall. Walls,
 // ceiling, floor, table and one cupboard are bare; posters, carpet, crates, a
 // globe and a column have texture.
 class Room {
@@ -29,8 +29,8 @@ class Room {
 
   RoomHit Cast(const Ray& ray) const;
 
-  // The colour of a hit, 0-255 per channel. footprint: the width of a pixel at
-  // the hit, in metres.
+  // The color of a hit, 0-255 per channel. footprint: the width of a pixel at
+  // the hit, in meters.
   Eigen::Vector3d Shade(const Ray& ray,
                         const RoomHit& hit,
                         double footprint) const;

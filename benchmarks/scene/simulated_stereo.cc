@@ -14,12 +14,12 @@
 namespace tsar {
 namespace {
 
-// Windows with less contrast (a standard deviation in grey levels) have nothing
+// Windows with less contrast (a standard deviation in gray levels) have nothing
 // to match.
 constexpr float kMinContrast = 2.5f;
 constexpr int kWindow = 11;
 
-// Spread of good depths in pixels of disparity, for a baseline in metres.
+// Spread of good depths in pixels of disparity, for a baseline in meters.
 constexpr double kMatchingNoise = 0.15;
 constexpr double kBaseline = 0.3;
 // Spread of the normals' components.
@@ -39,7 +39,7 @@ constexpr double kBlobCells = 90.0;
 constexpr double kKeptBlob = 0.75;
 constexpr double kRejectedBlob = 0.7;
 
-// Standard deviation of the grey levels in a window around each pixel.
+// Standard deviation of the gray levels in a window around each pixel.
 Image<float> LocalContrast(const Image<Rgb>& color) {
   const cv::Mat rgb(
       color.Height(), color.Width(), CV_8UC3, const_cast<Rgb*>(color.Data()));

@@ -11,11 +11,11 @@
 
 namespace tsar {
 
-// Colours are 0-255, red first.
+// Colors are 0-255, red first.
 struct Material {
   Eigen::Vector3d base;
-  Eigen::Vector3d accent;  // The colour that the texture goes to.
-  double cell = 0.0;       // Width of the coarsest detail in metres; 0: bare.
+  Eigen::Vector3d accent;  // The color that the texture goes to.
+  double cell = 0.0;       // Width of the coarsest detail in meters; 0: bare.
 
   bool IsBare() const { return cell == 0.0; }
 };
@@ -29,7 +29,7 @@ struct Ray {
 struct SurfacePoint {
   double distance = std::numeric_limits<double>::infinity();
   Eigen::Vector3d normal;  // Unit, towards the ray's origin.
-  // Position on the surface in metres; the seam of round ones is at their back.
+  // Position on the surface in meters; the seam of round ones is at their back.
   double u = 0.0;
   double v = 0.0;
 };

@@ -14,7 +14,7 @@ namespace tsar {
 std::vector<StageCase> TransferCases(const StageInputs& in) {
   const double pixels = in.NumPixels();
   return {
-      // Depth 4, normal 12, colour 3, grey 4; of each source grey and depth.
+      // Depth 4, normal 12, color 3, gray 4; of each source gray and depth.
       {"Upload",
        pixels,
        (23.0 + 8.0 * in.NumSources()) * pixels,
@@ -40,9 +40,9 @@ std::vector<StageCase> MatchingCases(const StageInputs& in) {
   const double sources = in.NumSources();
   return {
       // Items: bilinear samples if every pixel has texture and sees all
-      // sources: the window and its centre in the reference, in each source,
-      // and both again for the way back. Bytes: grey, depth and normal of the
-      // reference, grey of the sources, three costs.
+      // sources: the window and its center in the reference, in each source,
+      // and both again for the way back. Bytes: gray, depth and normal of the
+      // reference, gray of the sources, three costs.
       {"MatchingCosts",
        (kPatchSize + 1.0) * (sources + 3.0) * pixels,
        (20.0 + 4.0 * sources + 12.0) * pixels,

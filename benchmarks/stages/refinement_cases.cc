@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kTaps = 121.0;
 
-// Depth, normal and colour are read, depth and normal written.
+// Depth, normal and color are read, depth and normal written.
 constexpr double kMedianBytes = 16.0 + 3.0 + 16.0;
 
 StageCase MedianCase(const StageInputs& in, int round) {
@@ -67,7 +67,7 @@ std::vector<StageCase> RefinementCases(const StageInputs& in) {
       MedianCase(in, 1),
       MedianCase(in, 4),
       // R1. Items: taps of all rounds. Bytes per round: own depth and normal,
-      // colour, score, mask in and out, and the estimated planes, written and
+      // color, score, mask in and out, and the estimated planes, written and
       // read.
       {"RefineByCorrelation",
        rounds * kTaps * pixels,

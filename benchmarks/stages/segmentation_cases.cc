@@ -15,7 +15,7 @@ std::vector<StageCase> SegmentationCases(const StageInputs& in) {
   const double pixels = in.NumPixels();
   const double raster = in.NumRasterPixels();
   return {
-      // Bytes: colour, the edges.
+      // Bytes: color, the edges.
       {"Roberts",
        raster,
        4.0 * raster,

@@ -5,7 +5,7 @@ need no ground truth."""
 
 import numpy as np
 
-from suite_parts.maps import read_grey_png, read_map
+from suite_parts.maps import read_gray_png, read_map
 
 # Triangulated points that the check trusts, as pixels and images.
 MAX_POINT_ERROR = 1.5
@@ -71,7 +71,7 @@ class FilledView:
     def __init__(self, model, image, maps):
         self.image = image
         self.camera = model.cameras[image.camera_id]
-        origin = read_grey_png(maps.path("provenance", image.name, "png"))
+        origin = read_gray_png(maps.path("provenance", image.name, "png"))
         self.depth = np.where(np.isin(origin, PLANE_PROVENANCES),
                               maps.depth(image.name), 0)
         self.normals = read_map(maps.path("normal", image.name))

@@ -4,7 +4,7 @@
 
 import numpy as np
 
-from suite_parts.maps import at_pixels_of, read_grey_png, read_map
+from suite_parts.maps import at_pixels_of, read_gray_png, read_map
 
 RIGHT = 0.01  # Of the depth; so is the rest.
 HARMED = 0.025
@@ -89,7 +89,7 @@ def measure_truth(scene, before, after):
         harm += count_harm(old, new, truth)
         confidence = after.path("confidence", name, "png")
         if confidence.is_file():
-            calibration.add(read_grey_png(confidence) / 255, new, truth)
+            calibration.add(read_gray_png(confidence) / 255, new, truth)
     if not harm[0]:
         return calibration.scores()
     return {"harm": share(harm[1], harm[0]),

@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Maps of a dense workspace as arrays: COLMAP's format and grey PNG."""
+"""Maps of a dense workspace as arrays: COLMAP's format and gray PNG."""
 
 import struct
 import zlib
@@ -42,8 +42,8 @@ def map_size(path):
     return int(head[0]), int(head[1])
 
 
-def read_grey_png(path):
-    """A grey PNG of 8 or 16 bits without interlacing, as confidence, provenance
+def read_gray_png(path):
+    """A gray PNG of 8 or 16 bits without interlacing, as confidence, provenance
     and plane maps are."""
     data = path.read_bytes()
     if data[:8] != PNG_SIGNATURE:
@@ -58,7 +58,7 @@ def read_grey_png(path):
             packed += body
         at += length + 12
     if head is None or head[2] not in (8, 16) or any(head[3:]):
-        raise CommandFailed(f"{path}: not a grey PNG of 8 or 16 bits without "
+        raise CommandFailed(f"{path}: not a gray PNG of 8 or 16 bits without "
                             "interlacing")
     width, height = head[:2]
     step = head[2] // 8

@@ -5,7 +5,7 @@
 import numpy as np
 
 from suite_parts.harm import share, truth_of
-from suite_parts.maps import read_grey_png
+from suite_parts.maps import read_gray_png
 
 OUTLIER = 0.05  # Of the true depth.
 # The surface around a pixel is smooth where the true depths within so many
@@ -58,7 +58,7 @@ def measure_outliers(scene, maps):
         used = (truth > 0) & (depth > 0)
         outlier = used & (np.abs(depth - truth) > OUTLIER * truth)
         path = maps.path("provenance", name, "png")
-        origin = read_grey_png(path) if path.is_file() else np.ones(depth.shape)
+        origin = read_gray_png(path) if path.is_file() else np.ones(depth.shape)
         masks = {kind: used & np.isin(origin, values)
                  for kind, values in ORIGINS.items()}
         for kind, mask in {"all": used, **masks}.items():

@@ -27,10 +27,10 @@ def load_opencv():
 
 
 def with_noise(values, sigma, random):
-    """Grey values as a camera takes them: exposure and vignetting of the image,
+    """Gray values as a camera takes them: exposure and vignetting of the image,
     and noise that grows with the square root of the light.
 
-    sigma: standard deviation at mid-grey, 128.
+    sigma: standard deviation at mid-gray, 128.
     """
     height, width = values.shape[:2]
     x = (2 * np.arange(width) + 1) / width - 1

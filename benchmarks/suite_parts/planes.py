@@ -5,7 +5,7 @@
 import numpy as np
 
 from suite_parts.harm import truth_of
-from suite_parts.maps import read_grey_png, read_map
+from suite_parts.maps import read_gray_png, read_map
 
 # Smaller planes are left out: of the pixels of planes with a true depth.
 MIN_SHARE = 0.02
@@ -15,7 +15,7 @@ def distances_to_truth(model, image, maps, truth):
     """The plane of each pixel that lies on one and has a true depth, counted
     from 1, and how far it lies behind the true surface along its normal."""
     depth = maps.depth(image.name)
-    plane = read_grey_png(maps.path("plane", image.name, "png"))
+    plane = read_gray_png(maps.path("plane", image.name, "png"))
     normal = read_map(maps.path("normal", image.name))
     y, x = np.nonzero((plane > 0) & (depth > 0) & (truth > 0))
     fx, fy, cx, cy = model.cameras[image.camera_id].intrinsics(depth.shape)

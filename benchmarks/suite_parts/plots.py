@@ -10,7 +10,7 @@ from suite_parts.tables import group_rows
 CURVES = (("cloud F1 at 5 cm", "cloud_0.05", 2),
           ("depth F1 at 5 cm", "depth_all_0.05", 2), ("HARM", "harm", None))
 AXES = {"size": ("long side of the maps, pixels", "noise", True),
-        "noise": ("noise, grey levels", "size", False)}
+        "noise": ("noise, gray levels", "size", False)}
 
 
 def values_along(rows, axis, other, key, index):

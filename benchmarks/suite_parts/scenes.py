@@ -22,7 +22,7 @@ class Configuration:
     role: str
     maps: str
     size: int  # The long side of the maps.
-    noise: float  # Grey levels at mid-grey.
+    noise: float  # Gray levels at mid-gray.
 
     def label(self):
         return (f"{self.scene}, {self.size} px, noise {self.noise:g}, "

@@ -20,8 +20,8 @@ SURFACE_SCALE = 0.06
 WARP = 0.05
 BLUR = 0.005
 NOISE = 0.01
-# Of a sensor: how far it reaches and what it misses beside its noise, in metres
-# and in grey levels.
+# Of a sensor: how far it reaches and what it misses beside its noise, in meters
+# and in gray levels.
 REACH = 5.0
 FLOOR = 0.005
 DARK = 25
@@ -65,7 +65,7 @@ def as_network(cv2, depth, random):
 
 
 def as_sensor(cv2, depth, known, photo, random):
-    """Depth in metres, with holes at steps, far away and on what is dark."""
+    """Depth in meters, with holes at steps, far away and on what is dark."""
     noise = random.standard_normal((2, *depth.shape))
     measured = depth * (1 + NOISE * noise[0]) + FLOOR * noise[1]
     missed = ~known | steps(cv2, depth, 0.05) | (depth > REACH) | (photo < DARK)

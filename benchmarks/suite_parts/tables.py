@@ -37,8 +37,8 @@ COLUMNS = (
     ("seconds", "seconds", None, 1))
 # Those of clouds; the keys of tsar_fuse's begin with its name.
 CLOUD_COLUMNS = (("points", "points", None, 0), *(
-    (f"{name} {centimetres} cm", f"cloud_{centimetres / 100:g}", index, 3)
-    for centimetres in (2, 5, 10)
+    (f"{name} {centimeters} cm", f"cloud_{centimeters / 100:g}", index, 3)
+    for centimeters in (2, 5, 10)
     for name, index in (("F1", 2), ("completeness", 0), ("accuracy", 1))))
 FUSIONS = (("stereo_fusion", ""), ("tsar_fuse", "tsar_fuse_"))
 IDENTITY = ("role", "scene", "size", "noise", "maps", "variant")

@@ -4,7 +4,7 @@
 
 import numpy as np
 
-# Grey levels: the standard deviation of the pixels around a textured one, and
+# Gray levels: the standard deviation of the pixels around a textured one, and
 # how far these reach.
 MIN_DEVIATION = 6
 RADIUS = 3
@@ -20,10 +20,10 @@ def window_mean(values, radius=RADIUS):
             + sums[:-side, :-side]) / side ** 2
 
 
-def is_textured(grey):
-    """Where the grey levels around a pixel vary."""
-    grey = grey.astype(float)
-    variance = window_mean(grey * grey) - window_mean(grey) ** 2
+def is_textured(gray):
+    """Where the gray levels around a pixel vary."""
+    gray = gray.astype(float)
+    variance = window_mean(gray * gray) - window_mean(gray) ** 2
     return variance > MIN_DEVIATION ** 2
 
 

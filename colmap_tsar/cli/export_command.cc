@@ -71,7 +71,7 @@ void ExportCommand::AddTo(OptionSet* set) {
   set->Add("depth_scale",
            &options.depth_scale,
            "For png16: units of the sparse model per step of depth; 0.001 "
-           "makes millimetres of metres. Depths of more than 65535 steps, "
+           "makes millimeters of meters. Depths of more than 65535 steps, "
            "and of less than half a step, are left out.",
            {1e-12, 1e12});
   set->Add("overwrite",

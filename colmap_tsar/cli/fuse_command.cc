@@ -23,7 +23,7 @@ constexpr const char* kSummary =
     "stereo_fusion does, on NVIDIA GPUs and also without any. It knows what "
     "tsar_refine knows of each depth: how precise it is and how certain; "
     "points that other images see through are left out. "
-    "Writes fused.ply, with normals and colours, and fused.ply.vis, the images "
+    "Writes fused.ply, with normals and colors, and fused.ply.vis, the images "
     "that see each point, for poisson_mesher and delaunay_mesher.";
 
 template <typename T>

@@ -85,7 +85,7 @@ void AddConversionOptions(ImportCommand* command, OptionSet* options) {
   options->Add("depth_scale",
                &command->import.depth_scale,
                "Units of the sparse model per stored unit of depth. 0: 0.001 "
-               "for depth images of integers (millimetres), otherwise 1.",
+               "for depth images of integers (millimeters), otherwise 1.",
                {0.0, 1e12});
   options->Add("scale_to_sparse",
                &command->import.scale_to_sparse,

@@ -20,7 +20,7 @@ namespace tsar {
 //
 // The ini file may be the project.ini of a COLMAP project: sections other than
 // the groups of this command are ignored, and so are top-level keys that are
-// not options of this command, unless they look like a misspelt one. An
+// not options of this command, unless they look like a misspelled one. An
 // unknown key in a section of this command is an error.
 class OptionSet {
  public:

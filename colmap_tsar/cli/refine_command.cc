@@ -120,7 +120,7 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                      {"default", "paper", "paper_strict"},
                      "The method of this project; the published one as this "
                      "project reads it; or its equations as printed, for "
-                     "scenes in metres. Options that are given come on top.");
+                     "scenes in meters. Options that are given come on top.");
   AddDeviceArguments(group, &command->devices, options);
   options->Add(
       group + "num_threads",
@@ -138,7 +138,7 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "and images that were done before are done again. Depth is red "
       "near and blue far; normals as tsar_report shows them; values "
       "dark violet where they are 0 and yellow where they are largest; "
-      "labels a colour each; black is none. The pictures: " +
+      "labels a color each; black is none. The pictures: " +
           DebugPicturesText() + ".");
   options->Add(group + "shard",
                &command->shard,

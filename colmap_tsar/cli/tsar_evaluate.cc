@@ -153,7 +153,7 @@ int EvaluateDepth(int argc, char** argv) {
       "depth. Precision is the share of right depths among the estimated ones, "
       "recall the share of right depths among all pixels with ground truth, F1 "
       "their harmonic mean; each for all pixels and for textureless areas, "
-      "where grey values vary by less than 4 of 255 levels (standard deviation "
+      "where gray values vary by less than 4 of 255 levels (standard deviation "
       "in a window of 11 x 11 pixels).",
       "tsar_evaluate depth --workspace_path dense --tolerances 0.02,0.1");
   options.AddRequired("workspace_path",
@@ -176,7 +176,7 @@ int EvaluateDepth(int argc, char** argv) {
   options.Add("tolerances",
               &tolerances,
               "A depth is right if it is off by less than this; rising numbers "
-              "with commas, in units of the model (metres, if it has them).");
+              "with commas, in units of the model (meters, if it has them).");
   options.Add("json", &json, "Print JSON instead of a table.");
   if (!options.Parse(argc, argv)) {
     return 0;
@@ -229,7 +229,7 @@ int EvaluateCloud(int argc, char** argv) {
   options.Add("tolerances",
               &tolerances,
               "Distances up to which a point is right; rising numbers with "
-              "commas, in units of the scans (metres, if they have them).");
+              "commas, in units of the scans (meters, if they have them).");
   options.Add("voxel_size",
               &evaluation_options.voxel_size,
               "Edge length of the voxels, in units of the scans.");
@@ -312,7 +312,7 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
   options.Add("tolerances",
               &tolerances,
               "A depth is right if it is off by less than this; rising numbers "
-              "with commas, in units of the model (metres, if it has them).");
+              "with commas, in units of the model (meters, if it has them).");
   options.Add("json", &json, "Print JSON instead of a table.");
   AddDeviceArguments("", &devices, &options);
   options.Add("num_threads",

@@ -83,8 +83,8 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                      "aligned.");
   options->Add("scale",
                &command->scale,
-               "Metres per unit of the sparse model: what is written is in "
-               "metres, and DXF says so; 1 for a model in metres. 0: not "
+               "Meters per unit of the sparse model: what is written is in "
+               "meters, and DXF says so; 1 for a model in meters. 0: not "
                "known; in units of the model.",
                {0.0, std::numeric_limits<double>::max()});
   options->Add(
@@ -169,7 +169,7 @@ int RunTsarPlanes(int argc, char** argv) {
       });
   TurnUp(EnumValue(kUpAxisNames, command.up), &planes);
   if (command.scale > 0.0) {
-    ScaleToMetres(command.scale, &planes);
+    ScaleToMeters(command.scale, &planes);
   }
   WritePlanes(UserPath(command.output_path), format, planes);
   PrintPlanes(planes, format, command.output_path);

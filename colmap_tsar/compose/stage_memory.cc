@@ -136,8 +136,8 @@ int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels) {
          800 * NumSuperpixels(options, num_pixels);
 }
 
-int64_t NeighbourEvidenceBytes(const RefineOptions& options,
-                               int64_t num_pixels) {
+int64_t NeighborEvidenceBytes(const RefineOptions& options,
+                              int64_t num_pixels) {
   return 6 * MaxRasterPixels(num_pixels) +
          530 * NumSuperpixels(options, num_pixels);
 }

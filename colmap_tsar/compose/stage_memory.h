@@ -45,7 +45,6 @@ int64_t LabelViewMainBytes(const RefineOptions& options,
 // part of this that its neighbors need.
 int64_t MeasuredImageBytes(const RefineOptions& options, int64_t num_pixels);
 int64_t ViewEvidenceBytes(const RefineOptions& options, int64_t num_pixels);
-int64_t NeighbourEvidenceBytes(const RefineOptions& options,
-                               int64_t num_pixels);
+int64_t NeighborEvidenceBytes(const RefineOptions& options, int64_t num_pixels);
 
 }  // namespace tsar

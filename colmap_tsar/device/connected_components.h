@@ -77,7 +77,7 @@ struct JoinRowPieces {
 // Joins pixels of different rows or pieces. A link is omitted if three others
 // around the same corner imply it.
 template <typename Relation>
-struct UniteNeighbours {
+struct UniteNeighbors {
   ImageView<int> labels;
   Relation relation;
   bool eight;
@@ -173,7 +173,7 @@ void LabelComponents(Device& device,
   ParallelFor(device,
               labels.width,
               labels.height,
-              internal::UniteNeighbours<Relation>{
+              internal::UniteNeighbors<Relation>{
                   labels, relation, connectivity == Connectivity::kEight});
   FlattenTrees(device, labels);
 }

@@ -8,7 +8,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
-#include "colmap_tsar/fusion/fusion_neighbours.h"
+#include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/fusion/fusion_run.h"
 #include "colmap_tsar/run/store/changed_results.h"
 #include "colmap_tsar/run/store/count_masks.h"

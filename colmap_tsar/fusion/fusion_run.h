@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/fusion/fuse_view.h"
-#include "colmap_tsar/fusion/fusion_neighbours.h"
+#include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/fusion/fusion_view_cache.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/gpu_workers.h"

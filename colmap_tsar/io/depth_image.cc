@@ -67,8 +67,8 @@ DepthImage ParsePng(std::span<const uint8_t> bytes, const std::string& name) {
         ErrorCode::kUnsupported,
         name,
         "a picture of " + std::to_string(header->bits_per_channel) + " bits" +
-            (header->is_gray ? "" : " in colours") + ", not a depth map",
-        "save depth as PNG of 16 bits in grey, or as EXR, TIFF, "
+            (header->is_gray ? "" : " in colors") + ", not a depth map",
+        "save depth as PNG of 16 bits in gray, or as EXR, TIFF, "
         "PFM or NPY");
   }
   const Image<uint16_t> values =
@@ -269,7 +269,7 @@ FloatMap ParseNormalImage(std::span<const uint8_t> bytes,
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),
                       "not a map of normals, which has three channels",
-                      "save normals as PNG in colours, or as EXR, TIFF, PFM or "
+                      "save normals as PNG in colors, or as EXR, TIFF, PFM or "
                       "NPY of floats");
   }
   if (normals.max_value) {

@@ -67,7 +67,7 @@ class LabelFile {
     if (!header.is_gray) {
       throw Error::File(ErrorCode::kUnsupported,
                         file_.Name(),
-                        "the label image has colours or transparency, which "
+                        "the label image has colors or transparency, which "
                         "are no numbers of segments",
                         kAdvice);
     }

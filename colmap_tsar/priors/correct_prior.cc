@@ -306,13 +306,13 @@ class CorrectionField {
   // as that of a random walk in two dimensions.
   void EstimateVariancesOfCells(const std::vector<double>& weights) {
     variances_.assign(NumCells(), max_variance_);
-    std::vector<std::vector<std::pair<int, double>>> neighbours(NumCells());
+    std::vector<std::vector<std::pair<int, double>>> neighbors(NumCells());
     for (const Step& step : steps_) {
       const double variance = 1.0 / step.precision;
-      neighbours[static_cast<size_t>(step.first)].emplace_back(step.second,
+      neighbors[static_cast<size_t>(step.first)].emplace_back(step.second,
+                                                              variance);
+      neighbors[static_cast<size_t>(step.second)].emplace_back(step.first,
                                                                variance);
-      neighbours[static_cast<size_t>(step.second)].emplace_back(step.first,
-                                                                variance);
     }
     using Entry = std::pair<double, int>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -329,8 +329,7 @@ class CorrectionField {
       if (variance > variances_[static_cast<size_t>(cell)]) {
         continue;
       }
-      for (const auto& [next, of_step] :
-           neighbours[static_cast<size_t>(cell)]) {
+      for (const auto& [next, of_step] : neighbors[static_cast<size_t>(cell)]) {
         double& known = variances_[static_cast<size_t>(next)];
         if (variance + of_step < known) {
           known = variance + of_step;

@@ -67,7 +67,7 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
   }
   // Two threads may read the same file, rather than all wait for one file.
   auto evidence = std::make_shared<const ViewEvidence>(
-      ReadEvidence(Path(image), EvidenceParts::kForNeighbours));
+      ReadEvidence(Path(image), EvidenceParts::kForNeighbors));
   const std::lock_guard<std::mutex> lock(mutex_);
   if (views_.Find(image) == nullptr) {
     views_.Add(image, evidence);

@@ -43,20 +43,20 @@ std::vector<bool> FindListedImages(const Workspace& workspace,
 void RefineListedImages(const Workspace& workspace,
                         const std::filesystem::path& list,
                         bool shares_planes,
-                        ImageCatalogue* catalogue) {
+                        ImageCatalog* catalog) {
   if (list.empty()) {
     return;
   }
-  catalogue->RefineOnly(FindListedImages(workspace, list));
-  if (!shares_planes || !catalogue->IsAnyNeeded()) {
+  catalog->RefineOnly(FindListedImages(workspace, list));
+  if (!shares_planes || !catalog->IsAnyNeeded()) {
     return;
   }
-  for (size_t index = 0; index < catalogue->NumImages(); ++index) {
-    if (!catalogue->IsListed(index) && catalogue->WasRefinedOtherwise(index)) {
+  for (size_t index = 0; index < catalog->NumImages(); ++index) {
+    if (!catalog->IsListed(index) && catalog->WasRefinedOtherwise(index)) {
       throw Error::File(
           ErrorCode::kUnsupported,
           list.string(),
-          "leaves out " + catalogue->Name(catalogue->Reference(index)) +
+          "leaves out " + catalog->Name(catalog->Reference(index)) +
               ", which was refined with other options, or from what has "
               "changed since, and would no longer fit the others",
           "leave " + OptionName("image_list_path") + " out, or give another " +

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/run/image_catalogue.h"
+#include "colmap_tsar/run/image_catalog.h"
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <filesystem>
@@ -18,13 +18,13 @@ namespace tsar {
 std::vector<bool> FindListedImages(const Workspace& workspace,
                                    const std::filesystem::path& list);
 
-// Has the catalogue refine the listed images alone; all where the path is
+// Has the catalog refine the listed images alone; all where the path is
 // empty. shares_planes: whether all images share the planes of the scene. Then
 // throws Error, kUnsupported, where an image that is not listed was refined
 // from other inputs or with other options: those planes are found anew.
 void RefineListedImages(const Workspace& workspace,
                         const std::filesystem::path& list,
                         bool shares_planes,
-                        ImageCatalogue* catalogue);
+                        ImageCatalog* catalog);
 
 }  // namespace tsar

@@ -96,10 +96,10 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
       std::max(plan.result, MeasuredImageBytes(options, num_judged_pixels));
   plan.make_evidence = MakeEvidenceMainBytes(options, num_pixels);
   plan.own_evidence = ViewEvidenceBytes(options, num_judged_pixels);
-  plan.neighbour_evidence = NeighbourEvidenceBytes(options, num_pixels);
+  plan.neighbor_evidence = NeighborEvidenceBytes(options, num_pixels);
   const int num_block_views =
       static_cast<int>(ModelSceneOptions().max_block_views);
-  plan.model_block = num_block_views * plan.neighbour_evidence +
+  plan.model_block = num_block_views * plan.neighbor_evidence +
                      ModelBlockMainBytes(options, num_pixels, num_block_views);
   // A second copy of the view's own evidence, without the part beyond creases.
   const int64_t bounded_evidence =
@@ -177,7 +177,7 @@ size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_images) {
 int64_t EvidenceBytes(const MemoryPlan& plan, size_t num_images) {
   const auto num_views =
       static_cast<int64_t>(NumEvidenceViews(plan.num_sources, num_images));
-  return num_views * plan.neighbour_evidence +
+  return num_views * plan.neighbor_evidence +
          static_cast<int64_t>(num_images) * plan.own_evidence;
 }
 

@@ -47,7 +47,7 @@ struct MemoryPlan {
   // An image's own evidence, with the reduced hypotheses that it scores, and
   // the evidence of one neighbor.
   int64_t own_evidence = 0;
-  int64_t neighbour_evidence = 0;
+  int64_t neighbor_evidence = 0;
 };
 
 // The plan for another workspace with the same options.

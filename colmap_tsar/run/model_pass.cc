@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/run/model_pass.h"
 
-#include "colmap_tsar/run/neighbour_order.h"
+#include "colmap_tsar/run/neighbor_order.h"
 
 #include <cstddef>
 #include <optional>
@@ -19,7 +19,7 @@ std::vector<SceneView> FindViews(const ModelPassInputs& inputs) {
       inputs.workspace.Model().images;
   std::vector<size_t> indices;
   std::vector<std::optional<size_t>> places(images.size());
-  for (const size_t index : OrderByNeighbours(inputs.workspace)) {
+  for (const size_t index : OrderByNeighbors(inputs.workspace)) {
     const int image = inputs.images.Reference(index);
     if (inputs.images.CanRefine(index) && inputs.evidence.IsCurrent(image)) {
       places[static_cast<size_t>(image)] = indices.size();

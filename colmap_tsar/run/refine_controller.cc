@@ -108,19 +108,19 @@ RunSummary RefineController::Run() {
                          NumEvidenceViews(overview_, num_scenes));
   const SceneModelStore model(workspace_, inputs, options_hash);
   // An observer is to see every image.
-  ImageCatalogue catalogue(workspace_,
-                           overview_.has_maps,
-                           options_hash,
-                           inputs,
-                           NeedsEvidence(refine_options_)
-                               ? model.PlanesFingerprint()
-                               : std::string(),
-                           /*reuses_results=*/observer_ == nullptr,
-                           refine_options_.distrust_unmatched);
+  ImageCatalog catalog(workspace_,
+                       overview_.has_maps,
+                       options_hash,
+                       inputs,
+                       NeedsEvidence(refine_options_)
+                           ? model.PlanesFingerprint()
+                           : std::string(),
+                       /*reuses_results=*/observer_ == nullptr,
+                       refine_options_.distrust_unmatched);
   RefineListedImages(workspace_,
                      options_.image_list_path,
                      NeedsEvidence(refine_options_),
-                     &catalogue);
+                     &catalog);
   const RefineRun run = {options_,
                          refine_options_,
                          workspace_,
@@ -129,7 +129,7 @@ RunSummary RefineController::Run() {
                          inputs,
                          evidence,
                          model,
-                         catalogue};
+                         catalog};
   std::unique_ptr<RunAccount> account;
   if (IsShard()) {
     account = std::make_unique<ShardAccount>(run);
@@ -176,7 +176,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
                      : of_all_images;
   };
   const RefineTaskInputs inputs = {
-      run.catalogue, refine_options_, devices_.workers, observer_};
+      run.catalog, refine_options_, devices_.workers, observer_};
   // Images are observed at the size at which they are judged, and composed at
   // that of their maps.
   const bool has_reduced_views = run.HasScenePlanes() &&
@@ -188,16 +188,16 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
                   static_cast<size_t>(is_reduced ? ReducedViewBytes(overview_)
                                                  : ViewBytes(overview_)),
                   [&run, is_reduced](int image) {
-                    return is_reduced ? run.catalogue.LoadReduced(image)
-                                      : run.catalogue.Load(image);
+                    return is_reduced ? run.catalog.LoadReduced(image)
+                                      : run.catalog.Load(image);
                   });
   };
   make_cache(has_reduced_views);
   if (run.HasScenePlanes() && !IsShard()) {
     std::vector<double> costs = kPassCosts;
     // Images that are not listed are only observed.
-    costs.back() *= static_cast<double>(run.catalogue.NumListed()) /
-                    static_cast<double>(run.catalogue.NumImages());
+    costs.back() *= static_cast<double>(run.catalog.NumListed()) /
+                    static_cast<double>(run.catalog.NumImages());
     progress_.PlanPasses(std::move(costs));
   }
   if (options_.pass != RefinePass::kCompose) {
@@ -224,7 +224,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   account.BeforeComposing();
   if (run.HasScenePlanes()) {
     progress_.BeginPass();
-    run.catalogue.UsePlanes(run.model.PlanesFingerprint());
+    run.catalog.UsePlanes(run.model.PlanesFingerprint());
     ComposeTask compose(inputs,
                         workspace_,
                         run.evidence,
@@ -251,7 +251,7 @@ PipelineOutcome RefineController::Observe(const RefineRun& run,
   }
   ObserveTask observe(inputs,
                       run.evidence,
-                      run.catalogue.ReusesResults() && run.model.IsCurrent());
+                      run.catalog.ReusesResults() && run.model.IsCurrent());
   progress_.BeginPass();
   return RunPass(observe, std::move(name), cache);
 }
@@ -263,7 +263,7 @@ bool RefineController::Model(const RefineRun& run, PipelineOutcome* outcome) {
   }
   try {
     return ModelWorkspace(
-        {workspace_, run.catalogue, run.evidence, run.model, refine_options_},
+        {workspace_, run.catalog, run.evidence, run.model, refine_options_},
         devices_.model,
         "Pass 2 of 3, scene model,",
         progress_,
@@ -307,8 +307,8 @@ RunSummary RefineController::Summarize(const RefineRun& run,
   summary.num_masks = run.NumMasks();
   summary.num_priors = run.NumPriors();
   for (size_t i = 0; i < outcome.reports.size(); ++i) {
-    const int image = run.catalogue.Reference(Images()[i]);
-    summary.Add(run.catalogue.Name(image), outcome.reports[i]);
+    const int image = run.catalog.Reference(Images()[i]);
+    summary.Add(run.catalog.Name(image), outcome.reports[i]);
   }
   if (options_.pass == RefinePass::kObserve) {
     summary.num_observed = std::exchange(summary.num_refined, 0);

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/run/evidence_store.h"
-#include "colmap_tsar/run/image_catalogue.h"
+#include "colmap_tsar/run/image_catalog.h"
 #include "colmap_tsar/run/image_tasks.h"
 #include "colmap_tsar/run/refine_devices.h"
 #include "colmap_tsar/view/refine_observer.h"
@@ -23,7 +23,7 @@ namespace tsar {
 // The inputs that the passes of tsar_refine share. All references must outlive
 // the tasks.
 struct RefineTaskInputs {
-  ImageCatalogue& images;
+  ImageCatalog& images;
   const RefineOptions& options;
   std::vector<RefineWorker>& workers;
   // Receives the intermediate results of the stages; may be null.
@@ -62,7 +62,7 @@ class RefineTask : public ImageTasks<RefineResult> {
                   size_t index,
                   const std::string& device) const;
 
-  ImageCatalogue& images_;
+  ImageCatalog& images_;
   const RefineOptions& options_;
   std::vector<RefineWorker>& workers_;
   RefineObserver* const observer_;

@@ -12,9 +12,9 @@
 namespace tsar {
 namespace {
 
-bool WasRefinedBefore(ImageCatalogue& catalogue, size_t index) {
+bool WasRefinedBefore(ImageCatalog& catalog, size_t index) {
   try {
-    return catalogue.HasBeenRefined(index);
+    return catalog.HasBeenRefined(index);
   } catch (const Error&) {
     // The failure may be that this cannot be found out.
     return false;
@@ -68,7 +68,7 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
     outcome.RethrowFailure();
     throw;
   }
-  RequireComplete(outcome, run_.catalogue.NumListed());
+  RequireComplete(outcome, run_.catalog.NumListed());
   // The evidence may also be that of a run with other options.
   EvidenceStore::Clear(run_.workspace);
   if (run_.HasScenePlanes()) {
@@ -91,7 +91,7 @@ Manifest ManifestAccount::Build() const {
   manifest.runtime = RuntimeText(run_.options.devices, run_.devices);
   if (!run_.options.image_list_path.empty()) {
     manifest.runtime["listed_images"] =
-        std::to_string(run_.catalogue.NumListed());
+        std::to_string(run_.catalog.NumListed());
   }
   NoteMasks(run_.NumMasks(), &manifest);
   NotePriors(run_.NumPriors(), &manifest);
@@ -106,7 +106,7 @@ void ManifestAccount::MarkFailures(const PipelineOutcome& outcome,
     }
     Manifest::Entry& entry = manifest->images[i];
     entry.note = FailureText(outcome.failures[i]);
-    if (WasRefinedBefore(run_.catalogue, i)) {
+    if (WasRefinedBefore(run_.catalog, i)) {
       // The image was only to be observed, and its maps are as valid as before.
       entry.note = "cannot be observed for other images: " + entry.note;
     } else {
@@ -126,11 +126,10 @@ void ShardAccount::Begin() {
   record_.num_masks = run_.NumMasks();
   record_.num_priors = run_.NumPriors();
   for (const size_t index : run_.Images()) {
-    record_.images.push_back(
-        {run_.catalogue.Name(run_.catalogue.Reference(index)),
-         State::kNeeded,
-         {},
-         ""});
+    record_.images.push_back({run_.catalog.Name(run_.catalog.Reference(index)),
+                              State::kNeeded,
+                              {},
+                              ""});
   }
   if (!IsObserving()) {
     observed_ = ReadObservedShards(run_.workspace, record_, run_.shards);
@@ -140,9 +139,9 @@ void ShardAccount::Begin() {
 
 void ShardAccount::BeforeObserving() {
   for (size_t i = 0; i < run_.Images().size(); ++i) {
-    const int reference = run_.catalogue.Reference(run_.Images()[i]);
+    const int reference = run_.catalog.Reference(run_.Images()[i]);
     if (!run_.HasScenePlanes() && !run_.workspace.IsOutput() &&
-        run_.catalogue.HasMaps(reference)) {
+        run_.catalog.HasMaps(reference)) {
       // The other shards read the original, whatever becomes of the maps.
       StoreOriginals(run_.workspace, reference);
     }
@@ -153,7 +152,7 @@ void ShardAccount::BeforeObserving() {
 void ShardAccount::BeforeComposing() {
   std::vector<int> own;
   for (const size_t index : run_.Images()) {
-    own.push_back(run_.catalogue.Reference(index));
+    own.push_back(run_.catalog.Reference(index));
   }
   run_.inputs.Expect(observed_.inputs, own);
   for (const int image : own) {
@@ -167,9 +166,8 @@ void ShardAccount::BeforeComposing() {
   }
   run_.evidence.Expect(observed_.with_evidence);
   for (const size_t index : run_.Images()) {
-    if (run_.catalogue.CanRefine(index) &&
-        !run_.catalogue.HasBeenRefined(index)) {
-      for (const int view : run_.catalogue.SourcesAndReference(index)) {
+    if (run_.catalog.CanRefine(index) && !run_.catalog.HasBeenRefined(index)) {
+      for (const int view : run_.catalog.SourcesAndReference(index)) {
         RequireObserved(run_.workspace, view, observed_);
         run_.evidence.IsCurrent(view);
       }
@@ -195,13 +193,13 @@ void ShardAccount::End(const PipelineOutcome& outcome) {
 }
 
 State ShardAccount::ObservedState(size_t index) const {
-  if (!run_.HasScenePlanes() || !run_.catalogue.CanRefine(index)) {
+  if (!run_.HasScenePlanes() || !run_.catalog.CanRefine(index)) {
     return State::kNothing;
   }
-  if (!run_.catalogue.IsNeeded(index)) {
+  if (!run_.catalog.IsNeeded(index)) {
     return State::kNotNeeded;
   }
-  return run_.evidence.IsCurrent(run_.catalogue.Reference(index))
+  return run_.evidence.IsCurrent(run_.catalog.Reference(index))
              ? State::kObserved
              : State::kNothing;
 }

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/run/evidence_store.h"
-#include "colmap_tsar/run/image_catalogue.h"
+#include "colmap_tsar/run/image_catalog.h"
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/pipeline_outcome.h"
 #include "colmap_tsar/run/refine_devices.h"
@@ -39,7 +39,7 @@ struct RefineRun {
   InputFingerprints& inputs;
   EvidenceStore& evidence;
   const SceneModelStore& model;
-  ImageCatalogue& catalogue;
+  ImageCatalog& catalog;
 
   const std::vector<size_t>& Images() const {
     return shards[static_cast<size_t>(options.shard.index)];
@@ -47,7 +47,7 @@ struct RefineRun {
   // Whether some image of the run has yet to be refined and can be.
   bool IsAnyNeeded() const {
     return std::any_of(Images().begin(), Images().end(), [&](size_t index) {
-      return catalogue.IsToBeRefined(index);
+      return catalog.IsToBeRefined(index);
     });
   }
   // The number of the run's images with a mask; nothing without masks.

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/run/neighbour_order.h"
+#include "colmap_tsar/run/neighbor_order.h"
 
 #include <algorithm>
 #include <array>
@@ -123,7 +123,7 @@ std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
   }
   std::vector<std::vector<size_t>> shards(static_cast<size_t>(count));
   int64_t before = 0;
-  for (const size_t image : OrderByNeighbours(workspace)) {
+  for (const size_t image : OrderByNeighbors(workspace)) {
     // The shard in which the middle of the image's work lies.
     const double middle =
         static_cast<double>(before) + 0.5 * static_cast<double>(work[image]);

@@ -9,7 +9,7 @@
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/run/gpu_workers.h"
-#include "colmap_tsar/run/image_catalogue.h"
+#include "colmap_tsar/run/image_catalog.h"
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/model_pass.h"
@@ -58,14 +58,14 @@ void Model(const WorkspaceRefineOptions& options,
   InputFingerprints inputs(workspace);
   inputs.Expect(observed.inputs, {});
   const SceneModelStore store(workspace, inputs, options_hash);
-  ImageCatalogue catalogue(workspace,
-                           overview.has_maps,
-                           options_hash,
-                           inputs,
-                           store.PlanesFingerprint(),
-                           /*reuses_results=*/true,
-                           refine_options.distrust_unmatched);
-  if (store.IsCurrent() || !catalogue.IsAnyNeeded()) {
+  ImageCatalog catalog(workspace,
+                       overview.has_maps,
+                       options_hash,
+                       inputs,
+                       store.PlanesFingerprint(),
+                       /*reuses_results=*/true,
+                       refine_options.distrust_unmatched);
+  if (store.IsCurrent() || !catalog.IsAnyNeeded()) {
     return;
   }
   EvidenceStore evidence(
@@ -74,17 +74,17 @@ void Model(const WorkspaceRefineOptions& options,
       options_hash,
       NumEvidenceViews(overview, static_cast<size_t>(resources.num_views)));
   evidence.Expect(observed.with_evidence);
-  for (size_t index = 0; index < catalogue.NumImages(); ++index) {
-    RequireObserved(workspace, catalogue.Reference(index), observed);
+  for (size_t index = 0; index < catalog.NumImages(); ++index) {
+    RequireObserved(workspace, catalog.Reference(index), observed);
   }
   // A GPU too small for observing or composing may suffice here.
   const std::vector<GpuWorkers> gpus =
       OpenGpus(options.devices,
                ForLabelsAlone(plan),
-               static_cast<int>(catalogue.NumImages()),
+               static_cast<int>(catalog.NumImages()),
                GpuSystem::Cuda());
   AddGpus(gpus, plan, &resources);
-  if (!ModelWorkspace({workspace, catalogue, evidence, store, refine_options},
+  if (!ModelWorkspace({workspace, catalog, evidence, store, refine_options},
                       resources,
                       "Scene model,",
                       progress,

@@ -27,11 +27,11 @@ constexpr int kPlanesPerView = 8;
 constexpr int kMaxBlockPlanes = 400;
 
 // Indices of the model's planes that the views measured, in ascending order.
-std::vector<int> MeasuredPlanes(const std::vector<ModelledView>& views,
+std::vector<int> MeasuredPlanes(const std::vector<ModeledView>& views,
                                 size_t num_planes,
                                 double max_weight) {
   std::vector<double> measured(num_planes, 0.0);
-  for (const ModelledView& view : views) {
+  for (const ModeledView& view : views) {
     for (size_t s = 0; s < view.assignment->size(); ++s) {
       const int plane = (*view.assignment)[s];
       if (plane >= 0) {
@@ -90,7 +90,7 @@ std::vector<int> PlacesOf(const std::vector<int>& numbers, size_t num_planes) {
 }
 
 // The support of the planes with these indices.
-PlaneSupport FindSupport(const std::vector<ModelledView>& views,
+PlaneSupport FindSupport(const std::vector<ModeledView>& views,
                          const std::vector<ModelPlane>& planes,
                          const std::vector<int>& numbers,
                          const std::vector<int>& places,
@@ -101,7 +101,7 @@ PlaneSupport FindSupport(const std::vector<ModelledView>& views,
     near.planes.push_back({plane.plane, plane.support});
   }
   std::vector<ObservedView> observed;
-  for (const ModelledView& view : views) {
+  for (const ModeledView& view : views) {
     observed.push_back(view.observed);
     near.assignment.push_back(Translate(*view.assignment, places));
   }
@@ -131,14 +131,14 @@ BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
           discovered.frame};
 }
 
-LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
+LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
                            const std::vector<ModelPlane>& planes,
                            const std::vector<BoundingCrease>& creases,
                            const RefineOptions& options,
                            const DeviceLender& lend_device,
                            Image<PlaneCost>* costs) {
   std::vector<ObservedView> observed;
-  for (const ModelledView& view : views) {
+  for (const ModeledView& view : views) {
     observed.push_back(view.observed);
   }
   const SceneOptions scene = MakeSceneOptions(options, observed);

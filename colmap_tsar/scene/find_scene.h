@@ -62,7 +62,7 @@ struct LabelsInModel {
 };
 
 // A view, with its assignment to planes of the model and its labels so far.
-struct ModelledView {
+struct ModeledView {
   ObservedView observed;
   // The plane of the model that each superpixel measured, or -1.
   const std::vector<int>* assignment = nullptr;
@@ -80,7 +80,7 @@ using DeviceLender = std::function<void(
 // votes of other views, as set by an earlier call with the same views and
 // planes; empty on the first call. The result has the same bits on every
 // device.
-LabelsInModel LabelInModel(const std::vector<ModelledView>& views,
+LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
                            const std::vector<ModelPlane>& planes,
                            const std::vector<BoundingCrease>& creases,
                            const RefineOptions& options,

@@ -63,18 +63,18 @@ LabelsInModel LabelSweeps::LabelAndKeepCosts(size_t view,
 LabelsInModel LabelSweeps::Label(size_t view,
                                  Device& cpu,
                                  Image<PlaneCost>* costs) {
-  const auto modelled = [&](size_t i, const ViewEvidence& evidence) {
-    return ModelledView{MakeObservedView(evidence, inputs_.views[i].camera),
-                        &inputs_.assignment[i],
-                        labels_.empty() ? nullptr : &labels_[i]};
+  const auto modeled = [&](size_t i, const ViewEvidence& evidence) {
+    return ModeledView{MakeObservedView(evidence, inputs_.views[i].camera),
+                       &inputs_.assignment[i],
+                       labels_.empty() ? nullptr : &labels_[i]};
   };
   const ViewEvidence own = inputs_.evidence.read_all(view);
   std::vector<std::shared_ptr<const ViewEvidence>> others;
-  std::vector<ModelledView> views = {modelled(view, own)};
+  std::vector<ModeledView> views = {modeled(view, own)};
   for (const size_t source : inputs_.views[view].sources) {
     if (source != view) {
       others.push_back(inputs_.evidence.get(source));
-      views.push_back(modelled(source, *others.back()));
+      views.push_back(modeled(source, *others.back()));
     }
   }
   const auto lend_device = [&](int64_t num_bytes,

@@ -30,20 +30,20 @@ namespace tsar {
 namespace {
 
 ViewGraph MakeGraph(const std::vector<SceneView>& views) {
-  ViewGraph neighbours(views.size());
+  ViewGraph neighbors(views.size());
   for (size_t i = 0; i < views.size(); ++i) {
     for (const size_t source : views[i].sources) {
       if (source != i) {
-        neighbours[i].push_back(source);
-        neighbours[source].push_back(i);
+        neighbors[i].push_back(source);
+        neighbors[source].push_back(i);
       }
     }
   }
-  for (std::vector<size_t>& of_view : neighbours) {
+  for (std::vector<size_t>& of_view : neighbors) {
     std::sort(of_view.begin(), of_view.end());
     of_view.erase(std::unique(of_view.begin(), of_view.end()), of_view.end());
   }
-  return neighbours;
+  return neighbors;
 }
 
 class SceneModeler {
@@ -64,7 +64,7 @@ class SceneModeler {
         pass_(pass),
         progress_(progress),
         should_stop_(should_stop),
-        neighbours_(MakeGraph(views)),
+        neighbors_(MakeGraph(views)),
         assignment_(views.size()) {}
 
   std::optional<SceneModel> Run() {
@@ -105,7 +105,7 @@ class SceneModeler {
 
   std::vector<Block> DiscoverBlocks() {
     const std::vector<std::vector<size_t>> parts =
-        SplitIntoBlocks(neighbours_, options_.max_block_views);
+        SplitIntoBlocks(neighbors_, options_.max_block_views);
     std::vector<std::vector<Block>> found(parts.size());
     progress_.Start(static_cast<int>(views_.size()), pass_ + " planes:");
     ForEachView(parts.size(),
@@ -170,9 +170,9 @@ class SceneModeler {
     for (const Block& block : blocks) {
       views.push_back(block.views);
     }
-    const std::vector<std::vector<int>> block_neighbours =
-        FindBlockNeighbours(neighbours_, views);
-    const std::vector<int> components = FindComponents(neighbours_);
+    const std::vector<std::vector<int>> block_neighbors =
+        FindBlockNeighbors(neighbors_, views);
+    const std::vector<int> components = FindComponents(neighbors_);
     std::vector<PlaneBlock> planes;
     std::vector<FrameOfBlock> frames;
     for (size_t b = 0; b < blocks.size(); ++b) {
@@ -184,8 +184,7 @@ class SceneModeler {
         frame.supports.push_back(plane.found.support);
       }
       frames.push_back(std::move(frame));
-      planes.push_back(
-          {std::move(blocks[b].found.planes), block_neighbours[b]});
+      planes.push_back({std::move(blocks[b].found.planes), block_neighbors[b]});
     }
     const JoinedPlanes joined =
         JoinPlanes(std::move(planes),
@@ -346,7 +345,7 @@ class SceneModeler {
         };
     search.should_stop = should_stop_;
     model_.cylinders = FindSceneCylinders(
-        model_.frames, neighbours_, model_.planes, labels, search);
+        model_.frames, neighbors_, model_.planes, labels, search);
   }
 
   void ForEachEvidence(
@@ -396,7 +395,7 @@ class SceneModeler {
   const std::string pass_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
-  const ViewGraph neighbours_;
+  const ViewGraph neighbors_;
   // The measured plane of the model by view and superpixel, or -1.
   std::vector<std::vector<int>> assignment_;
   SceneModel model_;

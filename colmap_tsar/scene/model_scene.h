@@ -73,7 +73,7 @@ struct ModelResources {
 // once these are freed, the outlines of all views (FindSceneCylinders).
 //
 // views: in an order in which views of the same surfaces are close to each
-// other (OrderByNeighbours), since it decides which views share a block.
+// other (OrderByNeighbors), since it decides which views share a block.
 // Result: the same bits for any resources; nothing once should_stop returned
 // true. pass: prefix of the progress messages.
 std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,

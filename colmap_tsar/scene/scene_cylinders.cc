@@ -37,10 +37,10 @@ OutlineView FindOutlines(const ObservedView& view, const AxisFrame& axis) {
 // Finds cylinders along all axes by the outlines of all views, which are freed.
 std::vector<ModelCylinder> FindByOutlines(
     const std::vector<AxisFrame>& axes,
-    const std::vector<std::vector<size_t>>& neighbours,
+    const std::vector<std::vector<size_t>>& neighbors,
     const CylinderSearch& search) {
   std::vector<std::vector<OutlineView>> outlines(
-      axes.size(), std::vector<OutlineView>(neighbours.size()));
+      axes.size(), std::vector<OutlineView>(neighbors.size()));
   search.visit_all("outlines", [&](size_t view, const ObservedView& observed) {
     for (size_t axis = 0; axis < axes.size(); ++axis) {
       outlines[axis][view] = FindOutlines(observed, axes[axis]);
@@ -51,8 +51,8 @@ std::vector<ModelCylinder> FindByOutlines(
   }
   std::vector<std::vector<ModelCylinder>> along(axes.size());
   search.visit_axes("circles", axes.size(), [&](size_t axis, Device& cpu) {
-    along[axis] = FindCylinders(
-        outlines[axis], neighbours, axes[axis], {}, cpu.Threads());
+    along[axis] =
+        FindCylinders(outlines[axis], neighbors, axes[axis], {}, cpu.Threads());
     outlines[axis] = {};
   });
   std::vector<ModelCylinder> cylinders;
@@ -66,7 +66,7 @@ std::vector<ModelCylinder> FindByOutlines(
 
 std::vector<ModelCylinder> FindSceneCylinders(
     const std::vector<Eigen::Matrix3d>& frames,
-    const std::vector<std::vector<size_t>>& neighbours,
+    const std::vector<std::vector<size_t>>& neighbors,
     const std::vector<ModelPlane>& planes,
     const std::vector<const ViewLabels*>& labels,
     const CylinderSearch& search) {
@@ -75,7 +75,7 @@ std::vector<ModelCylinder> FindSceneCylinders(
     return {};
   }
   const std::vector<ModelCylinder> cylinders =
-      FindByOutlines(axes, neighbours, search);
+      FindByOutlines(axes, neighbors, search);
   if (cylinders.empty() || search.should_stop()) {
     return {};
   }

@@ -36,13 +36,13 @@ struct CylinderSearch {
 };
 
 // Finds the columns and pipes of a scene along the axes of its Manhattan
-// frames. neighbours: by view, other views of the same surfaces. planes: of the
+// frames. neighbors: by view, other views of the same surfaces. planes: of the
 // scene; labels: by view. The result is invalid where the run is to stop.
 // Memory holds the outlines of all views, four bytes for each row in which a
 // pair of edges is seen, until the circles are found.
 std::vector<ModelCylinder> FindSceneCylinders(
     const std::vector<Eigen::Matrix3d>& frames,
-    const std::vector<std::vector<size_t>>& neighbours,
+    const std::vector<std::vector<size_t>>& neighbors,
     const std::vector<ModelPlane>& planes,
     const std::vector<const ViewLabels*>& labels,
     const CylinderSearch& search);

@@ -49,7 +49,7 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.measuring.tolerance = tolerance;
   scene.measuring.max_weight = scene.discovery.max_weight;
   scene.labels.tolerance = static_cast<float>(tolerance);
-  scene.labels.unlabelled_cost = static_cast<float>(options.unlabelled_cost);
+  scene.labels.unlabeled_cost = static_cast<float>(options.unlabeled_cost);
   if (!options.bounded_planes) {
     scene.labels.extrapolation_uncertainty = 0.f;
   }

@@ -7,17 +7,17 @@
 
 namespace tsar {
 
-std::vector<int> FindComponents(const ViewGraph& neighbours) {
-  std::vector<int> components(neighbours.size(), -1);
+std::vector<int> FindComponents(const ViewGraph& neighbors) {
+  std::vector<int> components(neighbors.size(), -1);
   int count = 0;
-  for (size_t first = 0; first < neighbours.size(); ++first) {
+  for (size_t first = 0; first < neighbors.size(); ++first) {
     if (components[first] >= 0) {
       continue;
     }
     std::vector<size_t> reached = {first};
     components[first] = count;
     for (size_t i = 0; i < reached.size(); ++i) {
-      for (const size_t other : neighbours[reached[i]]) {
+      for (const size_t other : neighbors[reached[i]]) {
         if (components[other] < 0) {
           components[other] = count;
           reached.push_back(other);
@@ -29,9 +29,9 @@ std::vector<int> FindComponents(const ViewGraph& neighbours) {
   return components;
 }
 
-std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbours,
+std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbors,
                                                  size_t max_size) {
-  const std::vector<int> components = FindComponents(neighbours);
+  const std::vector<int> components = FindComponents(neighbors);
   std::vector<std::vector<size_t>> blocks;
   for (size_t begin = 0; begin < components.size();) {
     size_t end = begin;
@@ -54,10 +54,10 @@ std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbours,
   return blocks;
 }
 
-std::vector<std::vector<int>> FindBlockNeighbours(
-    const ViewGraph& neighbours,
+std::vector<std::vector<int>> FindBlockNeighbors(
+    const ViewGraph& neighbors,
     const std::vector<std::vector<size_t>>& blocks) {
-  std::vector<int> block_of(neighbours.size(), -1);
+  std::vector<int> block_of(neighbors.size(), -1);
   for (size_t b = 0; b < blocks.size(); ++b) {
     for (const size_t view : blocks[b]) {
       block_of[view] = static_cast<int>(b);
@@ -67,7 +67,7 @@ std::vector<std::vector<int>> FindBlockNeighbours(
   for (size_t b = 0; b < blocks.size(); ++b) {
     std::set<int> others;
     for (const size_t view : blocks[b]) {
-      for (const size_t other : neighbours[view]) {
+      for (const size_t other : neighbors[view]) {
         others.insert(block_of[other]);
       }
     }

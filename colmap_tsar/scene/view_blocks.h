@@ -8,24 +8,23 @@
 
 namespace tsar {
 
-// neighbours[i]: the indices of the views that view i reads or that read it.
+// neighbors[i]: the indices of the views that view i reads or that read it.
 using ViewGraph = std::vector<std::vector<size_t>>;
 
 // For each view, the index of its connected component of views; components are
 // in the order of their first views.
-std::vector<int> FindComponents(const ViewGraph& neighbours);
+std::vector<int> FindComponents(const ViewGraph& neighbors);
 
 // Splits the views, in their order, into blocks of at most max_size, the blocks
 // of one component about equally large. Views of different components never
 // share a block, however few they are: they have no surface in common. Views of
 // one component must be contiguous, best with neighbors close to each other.
-std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbours,
+std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbors,
                                                  size_t max_size);
 
-// For each block, in ascending order, the others that hold a neighbour of one
+// For each block, in ascending order, the others that hold a neighbor of one
 // of its views.
-std::vector<std::vector<int>> FindBlockNeighbours(
-    const ViewGraph& neighbours,
-    const std::vector<std::vector<size_t>>& blocks);
+std::vector<std::vector<int>> FindBlockNeighbors(
+    const ViewGraph& neighbors, const std::vector<std::vector<size_t>>& blocks);
 
 }  // namespace tsar

@@ -41,10 +41,10 @@ const std::vector<RefineStageInfo>& RefineStages() {
        "normals of the planes of regions"},
       {RefineStage::kSceneLabels,
        "scene_labels",
-       "surfaces of the scene, a colour each"},
+       "surfaces of the scene, a color each"},
       {RefineStage::kLabelEvidence,
        "label_evidence",
-       "how a surface came there: grey measured, green by other views, purple "
+       "how a surface came there: gray measured, green by other views, purple "
        "guessed"},
       {RefineStage::kScenePlanes,
        "scene_planes",

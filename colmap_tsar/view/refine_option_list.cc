@@ -118,7 +118,7 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        .paper_strict = 1},
       {TSAR_FIELD(pixel_distances),
        .description =
-           "Let a neighbour's weight in weighted medians fall with its "
+           "Let a neighbor's weight in weighted medians fall with its "
            "distance in pixels of a map 3110 wide, as printed in the paper. If "
            "0, with that in steps of the window's sampling.",
        .paper_strict = 1},
@@ -165,13 +165,13 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        .min = 1,
        .max = 100},
       {TSAR_FIELD(spatial_sigma),
-       .description = "How fast a neighbour's weight falls with its distance, "
+       .description = "How fast a neighbor's weight falls with its distance, "
                       "in steps of the window's sampling (alpha in the paper).",
        .min = 0.01,
        .max = 100.0},
       {TSAR_FIELD(color_sigma),
-       .description = "How fast a neighbour's weight falls with the difference "
-                      "of colour, in levels of 0-255 (beta in the paper).",
+       .description = "How fast a neighbor's weight falls with the difference "
+                      "of color, in levels of 0-255 (beta in the paper).",
        .min = 0.01,
        .max = 255.0},
       {TSAR_FIELD(disparity_tolerance),
@@ -311,7 +311,7 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
            "in images reduced to a long side of at most 777.",
        .min = 1.0,
        .max = 1e9},
-      {TSAR_FIELD(unlabelled_cost),
+      {TSAR_FIELD(unlabeled_cost),
        .description =
            "What a pixel costs that is left empty, against 0.05 for one on a "
            "plane that is not known there: the higher, the fewer holes.",

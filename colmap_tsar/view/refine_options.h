@@ -73,7 +73,7 @@ struct RefineOptions {
   bool photometric = true;
   double plane_tolerance = 7.0;
   double min_scene_plane = 100.0;
-  double unlabelled_cost = 0.02;
+  double unlabeled_cost = 0.02;
 
   // The least confidence of depths, and the least ConfidenceInSurface() of
   // depths that were not measured.

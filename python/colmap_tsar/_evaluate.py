@@ -78,7 +78,7 @@ def evaluate_depth(
 ) -> DepthEvaluation:
     """Compares the depth maps of a dense workspace with ground truth depth.
 
-    For all pixels and for textureless areas, where grey values vary by less than 4
+    For all pixels and for textureless areas, where gray values vary by less than 4
     of 255 levels (standard deviation in a window of 11 x 11 pixels).
 
     Args:
@@ -91,7 +91,7 @@ def evaluate_depth(
             COLMAP: a.jpg.png for a.jpg. Pixels where a mask is black (0) are not
             scored. None: no masks.
         tolerances: A depth is right if it is off by less than this; rising numbers,
-            in units of the model (metres, if it has them).
+            in units of the model (meters, if it has them).
     """
     result = _core.evaluate_depth(
         os.fspath(workspace_path),
@@ -121,7 +121,7 @@ def evaluate_cloud(
         scans_path: MeshLab project that lists the scans (PLY, each in its scanner's
             frame) and their poses.
         tolerances: Distances up to which a point is right; rising numbers, in units
-            of the scans (metres, if they have them).
+            of the scans (meters, if they have them).
         voxel_size: Edge length of the voxels over which scores are averaged, in
             units of the scans.
         beam_radius: Radius of a laser beam at the scanner, in units of the scans.

@@ -13,7 +13,7 @@ from workspace import check_model, write_workspace
 
 CALIBRATION = "dslr_calibration_undistorted"
 SCANS = pathlib.Path("dslr_scan_eval", "scan_alignment.mlp")
-TOLERANCES = "0.01,0.02,0.05,0.1,0.2,0.5"  # Metres; those of the benchmark.
+TOLERANCES = "0.01,0.02,0.05,0.1,0.2,0.5"  # Meters; those of the benchmark.
 PAPER_FRACTION = 0.5  # Of the images' size, which the paper's maps have.
 SUBMISSION = "high_res_multi_view"
 TRAINING = ("courtyard", "delivery_area", "electro", "facade", "kicker", "meadow", "office",

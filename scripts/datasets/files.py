@@ -113,7 +113,7 @@ def png_is_whole(content):
 
 def check_photo(path):
     """That a JPEG or PNG file is there from its first byte to its last: of what is
-    missing, decoders make grey areas without a word. Returns the photo's size."""
+    missing, decoders make gray areas without a word. Returns the photo's size."""
     size = image_size(path)
     content = pathlib.Path(path).read_bytes()
     is_whole = png_is_whole if content[:1] == b"\x89" else jpeg_is_whole

@@ -22,7 +22,7 @@ SUBMIT_HELP = """\
 put the clouds of the scenes that the paper scores, fountain-P11 and Herz-Jesu-P8, into
 OUTPUT/submission/strecha/, with the seconds that each took: there is no server, but whoever has
 the ground truth can score them. Implies --paper_size"""
-TOLERANCES = "0.01,0.02,0.05,0.1"  # Units of the data, which are metres.
+TOLERANCES = "0.01,0.02,0.05,0.1"  # Units of the data, which are meters.
 
 DESCRIPTION = """\
 Reconstructs scenes of Strecha's multi-view stereo data (fountain-P11, Herz-Jesu-P8

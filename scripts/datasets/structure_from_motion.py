@@ -16,7 +16,7 @@ from workspace import WORKSPACE, image_names
 ADVICE = {
     "exhaustive": "take sharp photos, each of which shares two thirds of what it shows with "
                   "the next, of things that have texture and do not move",
-    "sequential": "--matcher exhaustive compares all photos instead of neighbours in the "
+    "sequential": "--matcher exhaustive compares all photos instead of neighbors in the "
                   "order of their names",
     "vocab_tree": "--matcher exhaustive compares all photos instead of those that look alike",
 }

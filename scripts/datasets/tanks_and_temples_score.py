@@ -20,7 +20,7 @@ import dense
 from files import DatasetError, parse_numbers, read_lines, write_text
 from ply import read_ply, write_points, write_project
 
-# Metres, from the benchmark's toolbox.
+# Meters, from the benchmark's toolbox.
 THRESHOLDS = {"Barn": 0.01, "Caterpillar": 0.005, "Church": 0.025, "Courthouse": 0.025,
               "Ignatius": 0.003, "Meetingroom": 0.01, "Truck": 0.005}
 

@@ -135,9 +135,9 @@ build_libraries() {
   build_library xxhash cmake_unofficial -DXXHASH_BUILD_XXHSUM=OFF
 }
 
-# copy_licences FOLDER: of all that is inside of a wheel, a file for each, as the
+# copy_licenses FOLDER: of all that is inside of a wheel, a file for each, as the
 # distribution has them.
-copy_licences() {
+copy_licenses() {
   local folder file package
   mkdir -p "$1"
   for folder in "$work/sources"/*/ ${sources:+"$sources"/*/}; do

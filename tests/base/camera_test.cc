@@ -91,7 +91,7 @@ TEST(RelativePose, OfACameraToItselfIsTheIdentity) {
   EXPECT_NEAR(Norm(mapped - point), 0.f, 1e-6f);
 }
 
-// Georeferenced models have coordinates in metres from the equator.
+// Georeferenced models have coordinates in meters from the equator.
 TEST(RelativePose, KeepsItsDigitsFarFromTheOrigin) {
   const Eigen::Vector3d origin(691234.25, 5335678.5, 512.75);
   const Eigen::Matrix3d reference_rotation = Rotation(0.4, 0.1, -0.9);
@@ -103,7 +103,7 @@ TEST(RelativePose, KeepsItsDigitsFarFromTheOrigin) {
   const RelativePose far =
       ComputeRelativePose(PlaceAt(origin, reference_rotation),
                           PlaceAt(origin + step, source_rotation));
-  // Doubles hold these coordinates to a nanometre.
+  // Doubles hold these coordinates to a nanometer.
   EXPECT_NEAR(Norm(far.translation - near.translation), 0.f, 1e-7f);
   EXPECT_NEAR(Norm(far.rotation.row0 - near.rotation.row0), 0.f, 1e-6f);
   EXPECT_NEAR(Norm(near.translation), step.norm(), 1e-6);

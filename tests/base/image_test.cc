@@ -52,7 +52,7 @@ TEST(Image, WithoutValuesHasItsSize) {
   }
 }
 
-TEST(GrayLevel, WeighsColoursAndKeepsGreys) {
+TEST(GrayLevel, WeighsColorsAndKeepsGrays) {
   EXPECT_FLOAT_EQ(GrayLevel({10, 20, 30}),
                   0.299f * 10 + 0.587f * 20 + 0.114f * 30);
   for (const uint8_t level : {0, 1, 128, 255}) {

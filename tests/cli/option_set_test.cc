@@ -189,7 +189,7 @@ TEST_F(OptionSetTest, MissingValueNamesTheOption) {
   EXPECT_EQ(FailureWith({"--TsarTest.device"}), expected);
   EXPECT_EQ(FailureWith({"--TsarTest.device", "--TsarTest.filter", "0"}),
             expected);
-  EXPECT_EQ(FailureWith({"--TsarTest.device", "--TsarTest.misspelt", "0"}),
+  EXPECT_EQ(FailureWith({"--TsarTest.device", "--TsarTest.misspelled", "0"}),
             expected);
 }
 

@@ -87,7 +87,7 @@ TEST_F(TsarPlanesTest, TurnsAndScales) {
       0);
   const auto json = nlohmann::json::parse(ReadText(json_));
   EXPECT_EQ(json["vertical"], nlohmann::json({0, 1, 0}));
-  EXPECT_EQ(json["unit"], "metre");
+  EXPECT_EQ(json["unit"], "meter");
   ASSERT_EQ(json["planes"].size(), 2u);  // Of 15 square units and more.
   for (const auto& plane : json["planes"]) {
     EXPECT_NEAR(std::abs(plane["normal"][1].get<double>()), 1.0, 1e-3);

@@ -73,7 +73,7 @@ TEST(DeviceViewCache, GivesTheMemoryOfADroppedViewToTheNext) {
   CountingDevice second("", 1000000);
   DeviceViewCache cache(kViewBytes);
   cache.Get(1, MakeView(1), first);
-  // Only the colour, for the time of the upload.
+  // Only the color, for the time of the upload.
   EXPECT_EQ(DepthOf(cache.Get(2, MakeView(2), second)), 2.f);
   EXPECT_EQ(second.NumAllocations(), 1);
   // One of another size gets its own.
@@ -117,7 +117,7 @@ TEST(DeviceViewCache, WorkersShareOneUpload) {
     for (const auto& device : devices) {
       num_allocations += device->NumAllocations();
     }
-    // Colour, gray and depth of each.
+    // Color, gray and depth of each.
     EXPECT_EQ(num_allocations, 3 * 50);
     EXPECT_EQ(cache.NumBytes(), 50 * kViewBytes);
   }

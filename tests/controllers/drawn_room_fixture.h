@@ -3,7 +3,7 @@
 
 #pragma once
 
-// The views of a drawn room, to be modelled.
+// The views of a drawn room, to be modeled.
 
 #include "colmap_tsar/scene/model_scene.h"
 
@@ -24,7 +24,7 @@ namespace tsar {
 
 inline constexpr int kFirstImage = 10;
 
-// The images have one colour. Each view is a source of all others.
+// The images have one color. Each view is a source of all others.
 class DrawnRoomTest : public testing::Test {
  protected:
   explicit DrawnRoomTest(SyntheticRoom room = SyntheticRoom())

@@ -81,17 +81,17 @@ TEST(PlanRefinement, CountsLabelImages) {
   EXPECT_EQ(reduced.view, PlanRefinement({}, overview).view + 2 * 1024 * 1024);
 }
 
-TEST(PlanRefinement, CountsEvidenceOfTheNeighbourhoodsAtWork) {
+TEST(PlanRefinement, CountsEvidenceOfTheNeighborhoodsAtWork) {
   WorkspaceOverview overview = OverviewOf(1000000, 10);
   EXPECT_EQ(NumEvidenceViews(overview, 2), 33u);
   const MemoryPlan plan = PlanRefinement({}, overview);
   EXPECT_EQ(EvidenceBytes(plan, 2),
-            33 * plan.neighbour_evidence + 2 * plan.own_evidence);
+            33 * plan.neighbor_evidence + 2 * plan.own_evidence);
   // Larger maps have the same raster; only the own trust is of their size.
   overview.max_num_pixels += 500000;
   ASSERT_FALSE(HasReducedViews(overview));
   const MemoryPlan larger = PlanRefinement({}, overview);
-  EXPECT_EQ(larger.neighbour_evidence, plan.neighbour_evidence);
+  EXPECT_EQ(larger.neighbor_evidence, plan.neighbor_evidence);
   EXPECT_EQ(larger.own_evidence, plan.own_evidence + 500000);
   EXPECT_EQ(larger.model_block, plan.model_block);
   // Where planes end at creases, it is there twice.
@@ -111,7 +111,7 @@ TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
   EXPECT_EQ(larger.view, plan.view);
   EXPECT_EQ(larger.uploaded_view, plan.uploaded_view);
   EXPECT_EQ(larger.make_evidence, plan.make_evidence);
-  EXPECT_EQ(larger.neighbour_evidence, plan.neighbour_evidence);
+  EXPECT_EQ(larger.neighbor_evidence, plan.neighbor_evidence);
   EXPECT_EQ(plan.whole_view, 0);
   EXPECT_EQ(larger.whole_view, ViewBytes(overview));
   // Whole views are never there at once, but where depths are compared first.

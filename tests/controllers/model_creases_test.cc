@@ -120,22 +120,22 @@ class ModelCreasesTest : public DrawnRoomTest {
   }
 
   // Superpixels that show nothing but the ceiling, and the share of them that
-  // are labelled with a plane.
+  // are labeled with a plane.
   double ShareOfCeiling(const SceneModel& model, int plane) const {
     int num_ceiling = 0;
-    int num_labelled = 0;
+    int num_labeled = 0;
     for (size_t view = 0; view < views_.size(); ++view) {
       const std::vector<int>& labels =
           model.views.at(views_[view].image).planes;
       for (size_t k = 0; k < labels.size(); ++k) {
         if (room_.seen[view][k] == kCeilingSurface) {
           ++num_ceiling;
-          num_labelled += labels[k] == plane;
+          num_labeled += labels[k] == plane;
         }
       }
     }
     EXPECT_GE(num_ceiling, 30);
-    return static_cast<double>(num_labelled) / num_ceiling;
+    return static_cast<double>(num_labeled) / num_ceiling;
   }
 };
 
@@ -150,7 +150,7 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
   EXPECT_EQ(plane.support, 0.0);
   // In the corner other views hold the left wall for what is there.
   EXPECT_GT(ShareOfCeiling(model, ceiling), 0.8);
-  // What is measured is labelled as it was.
+  // What is measured is labeled as it was.
   for (size_t view = 0; view < views_.size(); ++view) {
     const ViewLabels& labels = model.views.at(views_[view].image);
     for (size_t k = 0; k < labels.planes.size(); ++k) {

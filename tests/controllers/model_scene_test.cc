@@ -19,7 +19,7 @@ namespace {
 
 class ModelSceneTest : public DrawnRoomTest {
  protected:
-  // Every superpixel on one surface is labelled with it, as measured.
+  // Every superpixel on one surface is labeled with it, as measured.
   void ExpectSurfaces(const SceneModel& model) const {
     EXPECT_EQ(model.planes.size(), room_.surfaces.size());
     ASSERT_EQ(model.views.size(), views_.size());

@@ -303,7 +303,7 @@ TEST_F(RefineWorkspaceTest, EvidenceOfMapsThatWereReplacedIsNotUsed) {
   ExpectSameFiles(RefinedInOneGo({}, leave_out), MapsOf(root_));
 }
 
-TEST_F(RefineWorkspaceTest, NeighboursWithoutMapsOrDepthsDoNotMatter) {
+TEST_F(RefineWorkspaceTest, NeighborsWithoutMapsOrDepthsDoNotMatter) {
   // Without maps, as if nobody had listed the image.
   const Tree expected =
       RefinedInOneGo({}, [](const std::filesystem::path& root) {

@@ -67,7 +67,7 @@ TEST_F(RefineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
   EXPECT_EQ(model.num_views, 16);
   EXPECT_EQ(model.max_kept_bytes + 16 * Plan().label_view,
             static_cast<int64_t>(options_.cache_size * kGigabyte));
-  // No view is labelled beside another one, and nothing is left.
+  // No view is labeled beside another one, and nothing is left.
   options_.cache_size = 0.001;
   EXPECT_EQ(PlanModelPass(options_, Plan(), machine_bytes_).num_views, 1);
   EXPECT_EQ(PlanModelPass(options_, Plan(), machine_bytes_).max_kept_bytes, 0);

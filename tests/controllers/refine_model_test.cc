@@ -99,7 +99,7 @@ TEST_F(RefineModelTest, RunsWithoutThePlanesOfTheSceneLeaveNone) {
 
 TEST_F(RefineModelTest, AKilledRunGoesOnWithItsPlanes) {
   const Tree expected = RefinedInOneGo();
-  // While the views are labelled, or before.
+  // While the views are labeled, or before.
   StopAt(Evidence(root_, 3));
   EXPECT_FALSE(std::filesystem::exists(Planes()));
   // Once the planes are there.

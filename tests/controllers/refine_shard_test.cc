@@ -76,9 +76,9 @@ TEST_F(RefineShardTest, TellsWhatItDid) {
   EXPECT_THAT(text.str(), testing::HasSubstr("Shard 0 of 2, 2 images: 2 obs"));
   EXPECT_THAT(text.str(), testing::HasSubstr("--TsarRefine.pass model"));
   Run("observe", "1/2");
-  const RunSummary modelled = Run("model");
+  const RunSummary modeled = Run("model");
   text.str("");
-  PrintSummary(modelled, text);
+  PrintSummary(modeled, text);
   EXPECT_THAT(text.str(),
               testing::HasSubstr("4 images: the planes of the scene have been "
                                  "found"));
@@ -119,9 +119,9 @@ TEST_F(RefineShardTest, ThePassesComeInTheirOrder) {
   EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == maps);
   Run("model");
   // Once more, it has nothing to do.
-  const Tree modelled = ReadTree(root_);
+  const Tree modeled = ReadTree(root_);
   Run("model");
-  EXPECT_TRUE(ReadTree(root_) == modelled);
+  EXPECT_TRUE(ReadTree(root_) == modeled);
   Run("compose", "2/3");
   ExpectRefusal(ErrorCode::kNotFound, {"0, 1 have", "compose"}, "merge");
   // What is observed anew has to be composed anew.

@@ -67,13 +67,13 @@ class RefineTaskTest : public testing::Test {
     options.scene_planes = scene_planes;
     InputFingerprints inputs(workspace);
     EvidenceStore evidence(workspace, inputs, HashRefineOptions(options), 4);
-    ImageCatalogue images(workspace,
-                          std::vector<bool>(4, true),
-                          HashRefineOptions(options),
-                          inputs,
-                          /*planes=*/"",
-                          /*reuses_results=*/true,
-                          options.distrust_unmatched);
+    ImageCatalog images(workspace,
+                        std::vector<bool>(4, true),
+                        HashRefineOptions(options),
+                        inputs,
+                        /*planes=*/"",
+                        /*reuses_results=*/true,
+                        options.distrust_unmatched);
     const RefineTaskInputs task_inputs = {images, options, workers};
     ViewCache cache(
         1 << 30, 1 << 20, [&](int image) { return images.Load(image); });

@@ -25,7 +25,7 @@ std::vector<ModelPlane> WallBehind() {
 }
 
 // Superpixels that nobody measured.
-const ViewLabels kUnlabelled = {
+const ViewLabels kUnlabeled = {
     {-1}, {LabelEvidence::kNone}, std::vector<LabelQuality>(1)};
 
 // One after the other, without an end.
@@ -50,17 +50,17 @@ CylinderSearch SearchIn(const DrawnViews& drawn) {
 std::vector<ModelCylinder> Find(
     const DrawnViews& drawn,
     const std::vector<Eigen::Matrix3d>& frames = {kUpright},
-    const ViewLabels& labels = kUnlabelled) {
+    const ViewLabels& labels = kUnlabeled) {
   return FindSceneCylinders(
       frames,
-      drawn.Neighbours(),
+      drawn.Neighbors(),
       WallBehind(),
       std::vector<const ViewLabels*>(drawn.Views().size(), &labels),
       SearchIn(drawn));
 }
 
 // rotation: of the scene, whose plane z = 0 the axis meets at the column's
-// centre.
+// center.
 void ExpectColumn(const std::vector<ModelCylinder>& found,
                   const Eigen::Matrix3d& rotation,
                   double tolerance) {
@@ -259,9 +259,9 @@ TEST(SceneCylindersTest, SearchesNoFurtherOnceItIsToStop) {
     const bool is_found =
         !FindSceneCylinders(
              {kUpright},
-             drawn.Neighbours(),
+             drawn.Neighbors(),
              WallBehind(),
-             std::vector<const ViewLabels*>(drawn.Views().size(), &kUnlabelled),
+             std::vector<const ViewLabels*>(drawn.Views().size(), &kUnlabeled),
              search)
              .empty();
     EXPECT_EQ(is_found, last.empty());

@@ -63,7 +63,7 @@ TEST(ParsePassTest, KnowsItsNames) {
   });
 }
 
-// A workspace of images along a closed path, each with its `reach` neighbours
+// A workspace of images along a closed path, each with its `reach` neighbors
 // on both sides as sources, listed in an order that has nothing to do with it.
 class SplitImagesTest : public testing::Test {
  protected:
@@ -141,7 +141,7 @@ class SplitImagesTest : public testing::Test {
   const std::filesystem::path root_ = folder_.Path() / "dense";
 };
 
-TEST_F(SplitImagesTest, PartsAreEqualAndHoldNeighbours) {
+TEST_F(SplitImagesTest, PartsAreEqualAndHoldNeighbors) {
   Make(100, 3);
   for (const int count : {1, 2, 3, 4, 7}) {
     const auto shards = Split(count);
@@ -215,7 +215,7 @@ TEST_F(SplitImagesTest, DoesNotDependOnTheOrderOfTheLines) {
   EXPECT_EQ(names(3), before);
 }
 
-TEST_F(SplitImagesTest, TakesImagesWithoutNeighbours) {
+TEST_F(SplitImagesTest, TakesImagesWithoutNeighbors) {
   Make(6, 1);
   std::string config;
   for (int i = 0; i < 6; ++i) {

@@ -11,7 +11,7 @@ namespace {
 
 using testing::ElementsAre;
 
-// Views in a row, each a neighbour of the next.
+// Views in a row, each a neighbor of the next.
 ViewGraph Chain(size_t count) {
   ViewGraph graph(count);
   for (size_t i = 0; i + 1 < count; ++i) {
@@ -27,7 +27,7 @@ TEST(SplitIntoBlocks, BlocksOfOneSetAreAboutEquallyLarge) {
       blocks,
       ElementsAre(
           ElementsAre(0, 1, 2), ElementsAre(3, 4, 5), ElementsAre(6, 7, 8, 9)));
-  EXPECT_THAT(FindBlockNeighbours(Chain(10), blocks),
+  EXPECT_THAT(FindBlockNeighbors(Chain(10), blocks),
               ElementsAre(ElementsAre(1), ElementsAre(0, 2), ElementsAre(1)));
   EXPECT_EQ(SplitIntoBlocks(Chain(10), 10).size(), 1u);
   EXPECT_EQ(SplitIntoBlocks(Chain(10), 1).size(), 10u);
@@ -41,7 +41,7 @@ TEST(SplitIntoBlocks, WhatNothingConnectsIsApart) {
   EXPECT_THAT(FindComponents(graph), ElementsAre(0, 0, 1, 1, 1));
   const auto blocks = SplitIntoBlocks(graph, 32);
   EXPECT_THAT(blocks, ElementsAre(ElementsAre(0, 1), ElementsAre(2, 3, 4)));
-  EXPECT_THAT(FindBlockNeighbours(graph, blocks),
+  EXPECT_THAT(FindBlockNeighbors(graph, blocks),
               ElementsAre(ElementsAre(), ElementsAre()));
 }
 

@@ -30,7 +30,7 @@ ViewEvidence ObserveView(const SyntheticRoom& room, size_t view) {
   inputs.contrast = RandomImage(camera.width, camera.height, 20.f, 40 + seed);
   inputs.intrinsics = camera.GetIntrinsics();
   inputs.resolution.error_per_depth = SyntheticRoom::kErrorPerDepth;
-  // Each surface has a colour of its own, with noise.
+  // Each surface has a color of its own, with noise.
   Image<Rgb> color(camera.width, camera.height);
   Philox random(50, seed, 0);
   std::vector<uint32_t> choices(SyntheticRoom::kNumSuperpixels);

@@ -56,7 +56,7 @@ TEST_F(CudaTest, LabelView) {
   for (size_t num_views = 1; num_views <= views.size(); ++num_views) {
     const std::vector<ObservedView> seen_by(
         views.begin(), views.begin() + static_cast<std::ptrdiff_t>(num_views));
-    // The other views were labelled with what they measured.
+    // The other views were labeled with what they measured.
     std::vector<VotingLabels> source_labels;
     for (size_t i = 1; i < num_views; ++i) {
       source_labels.push_back(
@@ -119,7 +119,7 @@ TEST_F(CudaTest, RasterizeCurvedSurfaces) {
   EXPECT_EQ(FindDifferences(run(*cpu_), run(*cuda_)), "");
 }
 
-// Colours and measurements at random, so that many votes are close.
+// Colors and measurements at random, so that many votes are close.
 TEST_F(CudaTest, RefineBorders) {
   constexpr int kWidth = 130;
   constexpr int kHeight = 90;

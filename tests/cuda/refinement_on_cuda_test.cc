@@ -335,7 +335,7 @@ TEST_F(CudaTest, GateByWeightedMedian) {
         [&](StageInputs& inputs, Device& device, StageResult* result) {
           const DrawnGate drawn(inputs, readmit, device);
           WeightedMedianOptions options;
-          // Neighbouring taps, and taps that are far apart.
+          // Neighboring taps, and taps that are far apart.
           options.radius = readmit ? 5.f : 40.f;
           GateByWeightedMedian(drawn.estimate.View(),
                                inputs.views.Color(),

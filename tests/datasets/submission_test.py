@@ -22,7 +22,7 @@ from command_line import PRIORS, dense_commands, make_parser, take_passed
 
 
 def write_cloud(path, count):
-    """A cloud as stereo_fusion writes it: positions 0, 1, 2, ... and a colour."""
+    """A cloud as stereo_fusion writes it: positions 0, 1, 2, ... and a color."""
     rows = np.zeros(count, [("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("red", "u1")])
     rows["x"], rows["red"] = np.arange(count), np.arange(count) % 200
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// Joins neighbours whose values differ by 1 at most.
+// Joins neighbors whose values differ by 1 at most.
 struct SimilarValue {
   const int* values;
   TSAR_HD bool Contains(int i) const { return values[i] >= 0; }

@@ -100,7 +100,7 @@ TEST(LabelComponents, LabelsRastersThatAreAllEqualOrEmpty) {
   ExpectSameAsFlood(Image<int>(97, 61, -1));
 }
 
-TEST(LabelComponents, KeepsDiagonalNeighboursApartWithFour) {
+TEST(LabelComponents, KeepsDiagonalNeighborsApartWithFour) {
   Image<int> values(4, 4, -1);
   for (int i = 0; i < 4; ++i) {
     values(i, i) = 0;

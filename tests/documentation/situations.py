@@ -83,7 +83,7 @@ def lock():
 
 
 def png(bits, width, height, channels=1):
-    """A picture of zeros: grey, or of three channels."""
+    """A picture of zeros: gray, or of three channels."""
     def chunk(kind, data):
         body = kind + data
         return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
@@ -126,7 +126,7 @@ def depth_images_over_maps():
 
 
 def depth_in_other_units():
-    """COLMAP's own depth, as floats in millimetres."""
+    """COLMAP's own depth, as floats in millimeters."""
     os.makedirs("depth")
     for name in sorted(os.listdir("dense/images")):
         with open(f"dense/stereo/depth_maps/{name}.photometric.bin", "rb") as file:

@@ -72,7 +72,7 @@ TEST(EvaluateCloud, TheScanItselfIsPerfect) {
   }
 }
 
-TEST(EvaluateCloud, AWallShiftedBy15MillimetresIsRightAt2Centimetres) {
+TEST(EvaluateCloud, AWallShiftedBy15MillimetersIsRightAt2Centimeters) {
   const auto scores = Score(Scaled(Wall(), 1 - 0.015 / 2));
   EXPECT_EQ(scores[0].tolerance, 0.01);
   EXPECT_EQ(scores[0].completeness, 0);

@@ -31,7 +31,7 @@ class DepthEvaluationTest : public FolderTest {
     WriteDepthMap(UserPath(folder_ / name), map);
   }
 
-  // Plain grey on the left half, a chessboard of pixels on the right one.
+  // Plain gray on the left half, a chessboard of pixels on the right one.
   void WritePicture(const std::string& name, int size) const {
     std::string content =
         "P5\n" + std::to_string(size) + " " + std::to_string(size) + "\n255\n";
@@ -69,7 +69,7 @@ void ExpectCounts(const DepthScore& score,
 TEST_F(DepthEvaluationTest, CountsPixelsInAllAndInTexturelessAreas) {
   WritePicture("left/a.pgm", 40);
   // Row 0 is unknown; 10 rows are right, 10 are 5 cm off, 10 are holes, 9 are
-  // half a metre off.
+  // half a meter off.
   WriteMap(Truth("left/a.pgm"), 40, [](int, int y) { return y > 0 ? 2.f : 0; });
   WriteMap(Map("left/a.pgm"), 40, [](int, int y) {
     return y <= 10 ? 2.f : y <= 20 ? 2.05f : y <= 30 ? 0.f : 1.5f;

@@ -58,7 +58,7 @@ TEST_F(PlyTest, ReadsBinaryWithOtherProperties) {
   EXPECT_EQ(Read(Header("binary_little_endian", elements) + body), expected);
 }
 
-TEST_F(PlyTest, ReadsColoursWhereAllThreeAreBytes) {
+TEST_F(PlyTest, ReadsColorsWhereAllThreeAreBytes) {
   const auto read = [&](const std::string& type) {
     return ReadPlyCloud(
         Write("cloud.ply",

@@ -32,7 +32,7 @@ Eigen::Matrix4d ToMatrix(const nlohmann::json& json) {
 }
 
 // nerfstudio: stored depth is in thousandths and resized to the size of the
-// photo, a ray goes through the centre of its pixel, and cameras look along -z
+// photo, a ray goes through the center of its pixel, and cameras look along -z
 // with y up.
 TEST_F(TrainerFormatsTest, NerfstudioSeesEachDepthAtItsPixel) {
   Export(ExportFormat::kNerfstudio);

@@ -49,7 +49,7 @@ TEST_F(DiscontinuityTest, IsFullOnASlantedPlane) {
   const Image<float> depth =
       DrawDepth(DrawnPlane({1.f, 0.5f, -1.f}, 5.f), camera_);
   // More than the largest step from one border to the other, less than it
-  // between neighbours.
+  // between neighbors.
   const auto [near, far] = std::minmax_element(depth.begin(), depth.end());
   ASSERT_GT(scale_.ToDisparity(*near) - scale_.ToDisparity(*far), 24.f);
   ExpectEverywhere(Score(depth), kFullScore);

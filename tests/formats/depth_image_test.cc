@@ -113,7 +113,7 @@ TEST(DepthImage, OddPngFilesPrintNothing) {
   ExpectError(ErrorCode::kCorrupt, {"a.png: the PNG file is damaged: "}, [&] {
     ParseDepthImage(AsBytes(broken), "a.png");
   });
-  // A colour profile that makes no sense, behind the header.
+  // A color profile that makes no sense, behind the header.
   std::string profiled = PngBytes(1, 1, {7});
   profiled.insert(33, PngChunk("iCCP", "icc"));
   EXPECT_THAT(ParseDepthImage(AsBytes(profiled), "a.png").map.values,

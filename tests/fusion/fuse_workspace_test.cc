@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/fusion/fuse_workspace.h"
 
-#include "colmap_tsar/fusion/fusion_neighbours.h"
+#include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/tools/evaluation/ply.h"
 
 #include <algorithm>

@@ -14,7 +14,7 @@ constexpr size_t kHeaderSize = 144;
 constexpr SignedLayout kLayout = {kHeaderSize, 120, 128, 136};
 
 std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
-  // The arrays that neighbours read come first.
+  // The arrays that neighbors read come first.
   return Signed(input, kLayout, [](const std::vector<uint8_t>& bytes) {
     const size_t num_pixels =
         static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
@@ -29,7 +29,7 @@ std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
 bool ReadBoth(std::span<const uint8_t> input) {
   const std::filesystem::path path = PutFile("evidence.bin", input);
   ReadEvidenceHash(path);
-  Accepts([&] { ReadEvidence(path, EvidenceParts::kForNeighbours); });
+  Accepts([&] { ReadEvidence(path, EvidenceParts::kForNeighbors); });
   return Accepts([&] { ReadEvidence(path, EvidenceParts::kAll); });
 }
 

@@ -86,8 +86,8 @@ TEST(CheckCameras, NamesTheImageWhoseCameraItIs) {
               [&] { CheckCameras(cameras, model, 1.0); });
 }
 
-// Of a film, where neighbours differ by less than what is allowed.
-TEST(CheckCameras, TellsNeighboursApart) {
+// Of a film, where neighbors differ by less than what is allowed.
+TEST(CheckCameras, TellsNeighborsApart) {
   const SparseModel model = MakeModel(300, 10.0, 0.3);
   std::vector<AssignedCamera> cameras = CamerasOf(model);
   CheckCameras(cameras, model, 1.0);

@@ -113,7 +113,7 @@ TEST_F(TsarImportTest, TakesNumPyArraysAndComputesNormals) {
   ExpectRefinable();
 }
 
-TEST_F(TsarImportTest, TakesPngInMillimetresOrOtherUnits) {
+TEST_F(TsarImportTest, TakesPngInMillimetersOrOtherUnits) {
   const auto encode = [](int width, int height, const auto& values) {
     std::vector<uint16_t> integers;
     for (const float value : values) {

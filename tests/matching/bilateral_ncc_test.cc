@@ -101,12 +101,12 @@ TEST(PatchCost, IsUndefinedWithoutTextureOnEitherSide) {
 }
 
 TEST(PatchCost, TakesQuantisationForNoTexture) {
-  Image<float> quantised(kSize, kSize);
+  Image<float> quantized(kSize, kSize);
   Philox random(5, 0, 0);
-  for (float& value : quantised) {
+  for (float& value : quantized) {
     value = 128.f + random.NextBelow(2);
   }
-  EXPECT_EQ(CostAt(quantised, quantised, 16, 16), kUndefinedCost);
+  EXPECT_EQ(CostAt(quantized, quantized, 16, 16), kUndefinedCost);
 }
 
 TEST(PatchCost, IsUndefinedOutsideTheOtherImage) {
@@ -345,7 +345,7 @@ TEST(WindowHomography, SeesNoPlaneAlongItsSurfaceNorBehindTheCamera) {
     for (const int element : {6, 7}) {
       PlaneHomography steep = homography;
       steep.h[element] = slope;
-      steep.h[8] = 1.f - 16.f * slope;  // The centre's depth stays 1.
+      steep.h[8] = 1.f - 16.f * slope;  // The center's depth stays 1.
       // It changes by a half five pixels off where the slope is 0.1.
       EXPECT_EQ(WindowHomography(steep, 16.f, 16.f, 5.f).is_seen,
                 std::abs(slope) < 0.1f)

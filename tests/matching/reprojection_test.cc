@@ -63,7 +63,7 @@ TEST(SampleBilinear, OfPairsIsThatOfTheirGrayLevels) {
   }
 }
 
-TEST(PairGray, PairsEachPixelWithItsRightNeighbour) {
+TEST(PairGray, PairsEachPixelWithItsRightNeighbor) {
   const auto device = Device::CreateCpu(2);
   Image<float> gray(5, 3);
   for (size_t i = 0; i < gray.NumPixels(); ++i) {

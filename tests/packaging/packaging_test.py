@@ -164,7 +164,7 @@ def test_debian_packages():
     check(
         "License: BSD-3-Clause" in text and "Copyright: 2026, the TSAR for COLMAP authors\n" in text
         and "THIS SOFTWARE IS PROVIDED" in text,
-        "the copyright file has owner and licence",
+        "the copyright file has owner and license",
     )
     check_program(usr, "Debian packages")
     check_library(usr, "Debian packages")

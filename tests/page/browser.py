@@ -30,7 +30,7 @@ HTMLCanvasElement.prototype.getContext = function (kind, options) {
 };
 """
 
-# The colours of a canvas: the share of pixels that differ from its corner, and
+# The colors of a canvas: the share of pixels that differ from its corner, and
 # a number that changes with the picture.
 READ_CANVAS = """
 const canvas = document.querySelector(arguments[0]);

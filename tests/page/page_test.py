@@ -145,7 +145,7 @@ def check_planes(browser, page):
     num_planes = num_shown()
     rows = browser.find(f"{section} tbody tr")
     check(len(rows) == min(num_planes, 20), f"{len(rows)} of {num_planes} planes are listed")
-    check(all(row.find_elements("css selector", ".swatch") for row in rows), "with colours")
+    check(all(row.find_elements("css selector", ".swatch") for row in rows), "with colors")
     areas = [float(row.find_elements("css selector", "td")[2].text) for row in rows]
     check(areas == sorted(areas, reverse=True), "the largest first")
     toggles = browser.find(f"{section} fieldset input")

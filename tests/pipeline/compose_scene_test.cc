@@ -189,7 +189,7 @@ TEST_F(ComposeSceneTest, NothingIsMadeOfNothing) {
   }
 }
 
-TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabelled) {
+TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   for (int x = 0; x < 4; ++x) {
     scene_(x, 0) = PlaneAt(kScene);
     of_superpixel_[static_cast<size_t>(x)] = {static_cast<LabelEvidence>(x),

@@ -58,7 +58,7 @@ TEST_F(MeasureOffsetsTest, NumbersOfThreadsGiveTheSameBits) {
   EXPECT_EQ(std::memcmp(one.weight.Data(), three.weight.Data(), num_bytes), 0);
 }
 
-// A pixel without a depth that can be one has no offset, and its neighbours do
+// A pixel without a depth that can be one has no offset, and its neighbors do
 // not notice.
 TEST_F(MeasureOffsetsTest, DepthsThatAreNoneStayAlone) {
   const MeasuredOffsets whole = Measure();
@@ -82,7 +82,7 @@ TEST_F(MeasureOffsetsTest, DepthsThatAreNoneStayAlone) {
   const MeasuredOffsets measured = Measure();
   for (size_t i = 0; i < depth_.NumPixels(); ++i) {
     if (is_spoilt[i]) {
-      // One that no source can see may take its neighbours' offset.
+      // One that no source can see may take its neighbors' offset.
       const float depth = depth_.Data()[i];
       EXPECT_LE(measured.weight.Data()[i], depth > 0.f ? 0.f : kNeverMoves)
           << depth;
@@ -242,7 +242,7 @@ TEST_F(MeasureOffsetsTest, MeasuresWithSourcesOfAnotherSize) {
       Image<float> gray(width, height);
       for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {
-          // What the large pixel shows that its centre lies in.
+          // What the large pixel shows that its center lies in.
           gray(x, y) = source.gray(x * source.gray.Width() / width,
                                    y * source.gray.Height() / height);
         }

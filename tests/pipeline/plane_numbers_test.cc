@@ -10,7 +10,7 @@
 namespace tsar {
 namespace {
 
-// A raster in which each superpixel is one pixel, labelled with the place of
+// A raster in which each superpixel is one pixel, labeled with the place of
 // its plane among these.
 std::vector<uint16_t> NumbersOf(const std::vector<int>& labels,
                                 const std::vector<int>& plane_numbers,

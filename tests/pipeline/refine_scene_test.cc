@@ -147,7 +147,7 @@ TEST_F(RefineSceneTest, ComposesWithTheCameraThatObserved) {
     const TemporaryFolder folder;
     const std::filesystem::path path = folder.Path() / "evidence.bin";
     WriteEvidence(UserPath(path), "", *evidence[i]);
-    const ViewEvidence read = ReadEvidence(path, EvidenceParts::kForNeighbours);
+    const ViewEvidence read = ReadEvidence(path, EvidenceParts::kForNeighbors);
     const Camera composing =
         MakeObservedView(read, whole.views[i].camera).camera;
     EXPECT_EQ(composing.width, observing.width);

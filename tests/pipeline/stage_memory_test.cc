@@ -55,7 +55,7 @@ class StageMemoryTest : public testing::Test {
   void SetUp() override {
 #ifdef __SANITIZE_ADDRESS__
     GTEST_SKIP()
-        << "the optimised build measures the same memory, in less time";
+        << "the optimized build measures the same memory, in less time";
 #endif
   }
 
@@ -142,9 +142,9 @@ class StageMemoryTest : public testing::Test {
     for (const MeasuredScenePlane& plane : block.planes) {
       planes.push_back(ToModelPlane(plane));
     }
-    std::vector<ModelledView> modelled;
+    std::vector<ModeledView> modeled;
     for (size_t i = 0; i < views.size(); ++i) {
-      modelled.push_back({views[i], &block.assignment[i]});
+      modeled.push_back({views[i], &block.assignment[i]});
     }
     const DeviceLender lend_device =
         [](int64_t planned, const std::function<void(Device&)>& work) {
@@ -152,13 +152,13 @@ class StageMemoryTest : public testing::Test {
         };
     Image<PlaneCost> costs;
     const LabelsInModel labels =
-        LabelInModel(modelled, planes, {}, options, lend_device, &costs);
-    for (ModelledView& view : modelled) {
+        LabelInModel(modeled, planes, {}, options, lend_device, &costs);
+    for (ModeledView& view : modeled) {
       view.labels = &labels;
     }
-    LabelInModel(modelled, planes, {}, options, lend_device, &costs);
+    LabelInModel(modeled, planes, {}, options, lend_device, &costs);
     costs = {};
-    LabelInModel(modelled, planes, {}, options, lend_device, &costs);
+    LabelInModel(modeled, planes, {}, options, lend_device, &costs);
   }
 
   SyntheticViews drawn_;
@@ -301,17 +301,17 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
                      options,
                      *device);
     const ViewEvidence& evidence = *observed.evidence;
-    const size_t for_neighbours =
+    const size_t for_neighbors =
         evidence.superpixels.NumPixels() * sizeof(uint16_t) +
         evidence.confident_depth.NumPixels() * sizeof(float) +
         evidence.weights.size() * sizeof(float) +
         evidence.first_observation.size() * sizeof(int) +
         evidence.observations.size() * sizeof(Observation);
-    ExpectPlanned("neighbour",
-                  NeighbourEvidenceBytes(options, num_pixels_),
-                  static_cast<int64_t>(for_neighbours));
+    ExpectPlanned("neighbor",
+                  NeighborEvidenceBytes(options, num_pixels_),
+                  static_cast<int64_t>(for_neighbors));
     const size_t all =
-        for_neighbours + evidence.sources.size() +
+        for_neighbors + evidence.sources.size() +
         // Hardly a depth of this scene is confirmed and not trusted.
         std::min<size_t>(evidence.superpixels.NumPixels(),
                          static_cast<size_t>(

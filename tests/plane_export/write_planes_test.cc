@@ -292,18 +292,18 @@ TEST(PlanesDxf, TellsItsUnit) {
   };
   ExportedPlanes planes = MakePlanes();
   EXPECT_EQ(unit_of(planes), std::pair(70, std::string("0")));
-  ScaleToMetres(2.0, &planes);
+  ScaleToMeters(2.0, &planes);
   EXPECT_EQ(unit_of(planes), std::pair(70, std::string("6")));
 }
 
-TEST(ScaleToMetres, ScalesLengthsAndNoAngles) {
+TEST(ScaleToMeters, ScalesLengthsAndNoAngles) {
   ExportedPlanes planes = MakePlanes();
   ExportedPlane& floor = planes.planes[0];
   floor.cell = 0.5;
   floor.covariance << 1, 2, 3, 2, 5, 6, 3, 6, 9;
-  ScaleToMetres(2.0, &planes);
+  ScaleToMeters(2.0, &planes);
   const Json json = Json::parse(Written(&PutPlanesJson, planes));
-  EXPECT_EQ(json["unit"], "metre");
+  EXPECT_EQ(json["unit"], "meter");
   EXPECT_EQ(json["from_model"], Json({{2, 0, 0}, {0, 2, 0}, {0, 0, 2}}));
   const Json& plane = json["planes"][0];
   EXPECT_EQ(plane["offset"], -6.0);

@@ -150,7 +150,7 @@ TEST_F(AlignPriorTest, DropsPriorsThatTooLittleMeasures) {
                 "too few of its pixels were measured");
 }
 
-// Errors that neighbours share and others that they do not, and samples that
+// Errors that neighbors share and others that they do not, and samples that
 // are gathered on one side of the image: that is what priors are asked for.
 TEST_F(AlignPriorTest, TwoThirdsOfTheErrorsAreWithinSigma) {
   constexpr int kSpacing = 10;

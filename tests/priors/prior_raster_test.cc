@@ -134,7 +134,7 @@ TEST_F(PriorRasterTest, NormalsAreThoseOfSlantedPlanes) {
   }
 }
 
-// At a step the neighbour on the other side tells the slope.
+// At a step the neighbor on the other side tells the slope.
 TEST_F(PriorRasterTest, NormalsDoNotLookAcrossSteps) {
   const Plane plane{Normalized(Vec3f{0.2f, 0.1f, -1.f}), 4.f};
   Draw(plane);

@@ -67,10 +67,10 @@ def check_content(wheel):
         len(bundled) <= MOST_LIBRARIES and not any(map(UNWANTED.search, bundled)),
         f"{len(bundled)} libraries are inside beside the module: {bundled}",
     )
-    licences = [name for name in names if "/licenses/" in name]
+    licenses = [name for name in names if "/licenses/" in name]
     check(
-        any(name.endswith("/opencv") for name in licences),
-        f"{len(licences)} licences are inside",
+        any(name.endswith("/opencv") for name in licenses),
+        f"{len(licenses)} licenses are inside",
     )
     size = wheel.stat().st_size / 1e6
     print(f"{size:.1f} MB")

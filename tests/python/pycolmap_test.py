@@ -60,7 +60,7 @@ class PycolmapTest(SampleTest):
             self.assertEqual((depth.width, depth.height), (480, 360))
             has_depth = depth.to_array() > 0
             self.assertGreater(has_depth.mean(), 0.8)
-            # The colours are made of x, y and z, each as pycolmap understands it.
+            # The colors are made of x, y and z, each as pycolmap understands it.
             colors = 127.5 - 127.5 * expected_normal[has_depth]
             colors[:, 2] = -255 * expected_normal[has_depth][:, 2]
             np.testing.assert_allclose(

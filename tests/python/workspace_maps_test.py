@@ -95,7 +95,7 @@ class WorkspaceMapsTest(SampleTest):
         self.assertTrue((image.planes >= -1).all())
 
     def test_planes_of_the_scene_explain_the_labels(self):
-        """Points of labelled pixels, through camera and pose, lie on their planes."""
+        """Points of labeled pixels, through camera and pose, lie on their planes."""
         ws = colmap_tsar.Workspace(self.refined)
         self.assertIs(ws.planes, ws.planes)
         image = ws["v001.jpg"]

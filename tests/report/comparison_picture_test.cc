@@ -24,7 +24,7 @@ int Count(const Image<Rgb>& picture, const Rgb& color) {
       }));
 }
 
-// A view of 60 x 45 pixels of one image colour, half of which had a depth
+// A view of 60 x 45 pixels of one image color, half of which had a depth
 // before; all comes from region planes.
 ComparisonRow DrawnRow() {
   ComparisonRow row;

@@ -204,7 +204,7 @@ TEST_F(PlanesOnPageTest, ListsThePlanesOfTheScene) {
 }
 
 // The picture, the list and tsar_planes agree.
-TEST_F(PlanesOnPageTest, APlaneHasOneColour) {
+TEST_F(PlanesOnPageTest, APlaneHasOneColor) {
   const nlohmann::json data = Write();
   const nlohmann::json& image = data["images"][3];
   EXPECT_EQ(image["has_planes"], true);

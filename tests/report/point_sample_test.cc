@@ -85,7 +85,7 @@ TEST(SampleMap, TakesTheSamePixelsOfEveryMapOfTheSize) {
             1u);
 }
 
-TEST(SampleCloud, TakesColoursAndKeepsFarOriginsExact) {
+TEST(SampleCloud, TakesColorsAndKeepsFarOriginsExact) {
   const TemporaryFolder folder;
   WriteText(folder.Path() / "a.ply",
             "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\n"
@@ -101,7 +101,7 @@ TEST(SampleCloud, TakesColoursAndKeepsFarOriginsExact) {
   EXPECT_EQ(sample.colors[1].b, 60);
 }
 
-TEST(SampleCloud, IsGreyWithoutColours) {
+TEST(SampleCloud, IsGrayWithoutColors) {
   const TemporaryFolder folder;
   WriteText(folder.Path() / "a.ply",
             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
@@ -112,7 +112,7 @@ TEST(SampleCloud, IsGreyWithoutColours) {
   EXPECT_GT(sample.colors[0].r, 0);
 }
 
-TEST(PointScript, EncodesFloatsThenColours) {
+TEST(PointScript, EncodesFloatsThenColors) {
   PointSample sample;
   sample.positions = {1.f, 0.f, -2.f};
   sample.colors = {{1, 2, 255}};

@@ -28,7 +28,7 @@ work, begin, drawn, fresh = (os.path.join(folder.name, name)
                              for name in ("work", "begin", "drawn", "fresh"))
 dense, second = (os.path.join(work, name) for name in ("dense", "second"))
 A, B, C, D = NAMES
-# Each sees the next: all are one scene, but D is a neighbour of C alone.
+# Each sees the next: all are one scene, but D is a neighbor of C alone.
 CHAIN = {A: [B], B: [A, C], C: [B, D], D: [C]}
 THREE = {A: [B], B: [A, C], C: [B]}
 RESULTS = ("depth_maps", "normal_maps", "confidence_maps", "sigma_maps",

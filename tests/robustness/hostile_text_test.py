@@ -286,7 +286,7 @@ def with_profile(picture):
 
 
 def depth_png():
-    """Of 16 bits in grey."""
+    """Of 16 bits in gray."""
     width, height = synthetic_workspace.WIDTH, synthetic_workspace.HEIGHT
     rows = b"".join(b"\0" + struct.pack(">H", 5000) * width for _ in range(height))
     return (b"\x89PNG\r\n\x1a\n"

@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes rows of grey levels as photos of several formats. Needs nothing but
+"""Writes rows of gray levels as photos of several formats. Needs nothing but
 Python."""
 import math
 import struct
@@ -13,7 +13,7 @@ def png_chunk(kind, body):
 
 
 def png(rows, bits=8):
-    """In colours; of 16 bits, both bytes are the level."""
+    """In colors; of 16 bits, both bytes are the level."""
     header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), bits, 2, 0, 0, 0)
     body = b"".join(b"\0" + bytes(level for level in row for _ in range(3 * bits // 8))
                     for row in rows)
@@ -27,7 +27,7 @@ def ppm(rows):
 
 
 def bmp(rows):
-    """In colours, from the last row to the first."""
+    """In colors, from the last row to the first."""
     width, height = len(rows[0]), len(rows)
     padding = bytes(-3 * width % 4)
     body = b"".join(bytes(level for level in row for _ in range(3)) + padding
@@ -38,7 +38,7 @@ def bmp(rows):
 
 
 def tiff(rows):
-    """In grey, by Deflate, with the directory at the end."""
+    """In gray, by Deflate, with the directory at the end."""
     body = zlib.compress(b"".join(map(bytes, rows)))
     body += b"\0" * (len(body) % 2)
     tags = ((256, len(rows[0])), (257, len(rows)), (258, 8), (259, 8), (262, 1), (273, 8),
@@ -89,7 +89,7 @@ def block_bits(values, last_dc):
 
 
 def jpeg(rows):
-    """In grey, of the best quality."""
+    """In gray, of the best quality."""
     def segment(marker, body):
         return b"\xff" + bytes([marker]) + struct.pack(">H", len(body) + 2) + body
 

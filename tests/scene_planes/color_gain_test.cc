@@ -17,7 +17,7 @@ constexpr int kWidth = 120;
 constexpr int kHeight = 90;
 constexpr float kDepth = 4.f;
 
-// A wall of random colours that two views 0.8 apart see, each darker towards
+// A wall of random colors that two views 0.8 apart see, each darker towards
 // its corners.
 class ColorGainTest : public testing::Test {
  protected:

@@ -3,7 +3,7 @@
 
 #pragma once
 
-// Drawn surfaces, flat and curved, that were labelled by facets.
+// Drawn surfaces, flat and curved, that were labeled by facets.
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/scene/evidence/gather_evidence.h"

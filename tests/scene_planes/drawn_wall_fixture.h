@@ -94,7 +94,7 @@ class DrawnWallTest : public testing::Test {
     return y / kSuperpixelSize * kNumColumns + x / kSuperpixelSize;
   }
 
-  // level: the grey level of each point of the wall. Pixels have the mean of
+  // level: the gray level of each point of the wall. Pixels have the mean of
   // what they cover.
   static void Paint(
       const Camera& camera,

@@ -55,7 +55,7 @@ Image<float> FatteningWeight(const Image<float>& gray, int radius = kRadius) {
 
 float Checkerboard(int x, int y) { return (x + y) % 2 == 0 ? 50.f : 150.f; }
 
-// A checkerboard beside a wall of one grey level.
+// A checkerboard beside a wall of one gray level.
 Image<float> PictureOnAWall() {
   return Draw<float>(
       [](int x, int y) { return x >= kBorder ? Checkerboard(x, y) : 200.f; });
@@ -143,7 +143,7 @@ TEST(ForegroundFatteningTest, GrowsWithTheShareOfTheContrast) {
 }
 
 TEST(ForegroundFatteningTest, GrowsWithTheTextureOfTheSuperpixel) {
-  // Contrasts of 10 and 100 grey levels, each with one added for noise; all of
+  // Contrasts of 10 and 100 gray levels, each with one added for noise; all of
   // the patch's contrast is close to the border.
   const Image<float> gray = Draw<float>([](int x, int y) {
     return (x >= kBorder ? 1.f : 0.1f) * Checkerboard(x, y);
@@ -182,7 +182,7 @@ TEST(ForegroundFatteningTest, LeavesOutSuperpixelsWithoutPixels) {
   EXPECT_TRUE(std::equal(own.begin(), own.end(), other.begin()));
 }
 
-TEST(ForegroundFatteningTest, SmallPatchesHaveARimAroundThePixelsNeighbours) {
+TEST(ForegroundFatteningTest, SmallPatchesHaveARimAroundThePixelsNeighbors) {
   for (const int radius : {0, 1, 2}) {
     const Image<float> own = FatteningWeight(PictureOnAWall(), radius);
     for (int y = 0; y < kHeight; ++y) {

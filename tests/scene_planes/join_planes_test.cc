@@ -12,7 +12,7 @@ namespace {
 
 class JoinPlanesTest : public DiscoverPlanesTest {
  protected:
-  // Each view of the room by itself; all are neighbours.
+  // Each view of the room by itself; all are neighbors.
   std::vector<PlaneBlock> MakeBlocks(const SyntheticRoom& room) {
     std::vector<PlaneBlock> blocks;
     const int count = static_cast<int>(room.cameras.size());
@@ -25,7 +25,7 @@ class JoinPlanesTest : public DiscoverPlanesTest {
       block.planes = MeasureScenePlanes(views, found, options_, {});
       for (int other = 0; other < count; ++other) {
         if (other != i) {
-          block.neighbours.push_back(other);
+          block.neighbors.push_back(other);
         }
       }
       blocks.push_back(std::move(block));
@@ -74,9 +74,9 @@ TEST_F(JoinPlanesTest, AWallAlongManyBlocksBecomesOnePlane) {
   const SyntheticRoom room;
   std::vector<PlaneBlock> blocks = MakeBlocks(room);
   // The first and the last know of each other by the one between them.
-  blocks[0].neighbours = {1};
-  blocks[1].neighbours = {0, 2};
-  blocks[2].neighbours = {1};
+  blocks[0].neighbors = {1};
+  blocks[1].neighbors = {0, 2};
+  blocks[2].neighbors = {1};
   const JoinedPlanes joined = Join(blocks);
   std::vector<int> walls;
   for (size_t b = 0; b < blocks.size(); ++b) {
@@ -90,12 +90,12 @@ TEST_F(JoinPlanesTest, AWallAlongManyBlocksBecomesOnePlane) {
   EXPECT_EQ(walls, std::vector<int>(3, walls[0]));
 }
 
-TEST_F(JoinPlanesTest, BlocksThatAreNoNeighboursKeepTheirPlanes) {
+TEST_F(JoinPlanesTest, BlocksThatAreNoNeighborsKeepTheirPlanes) {
   const SyntheticRoom room;
   std::vector<PlaneBlock> blocks = MakeBlocks(room);
   size_t count = 0;
   for (PlaneBlock& block : blocks) {
-    block.neighbours.clear();
+    block.neighbors.clear();
     count += block.planes.size();
   }
   const JoinedPlanes joined = Join(blocks);
@@ -116,8 +116,8 @@ TEST_F(JoinPlanesTest, WhatWouldCostTooMuchStaysApart) {
   const SyntheticRoom room;
   std::vector<PlaneBlock> blocks = MakeBlocks(room);
   blocks.resize(2);
-  blocks[0].neighbours = {1};
-  blocks[1].neighbours = {0};
+  blocks[0].neighbors = {1};
+  blocks[1].neighbors = {0};
   for (MeasuredScenePlane& plane : blocks[1].planes) {
     const Eigen::Vector3d shift = 0.05 * plane.found.plane.normal;
     plane.found.plane.offset -= 0.05;
@@ -190,7 +190,7 @@ TEST_F(JoinPlanesTest, TheModelKnowsHowWellAPlaneIsKnown) {
     EXPECT_NEAR(plane.axis_t.dot(plane.plane.normal), 0.0, 1e-9);
     EXPECT_NEAR(plane.axis_s.dot(plane.axis_t), 0.0, 1e-9);
     EXPECT_EQ(plane.support, measured.found.support);
-    // The errors of one pixel of disparity at five metres are 25 mm.
+    // The errors of one pixel of disparity at five meters are 25 mm.
     const double height = std::sqrt(plane.covariance(2, 2));
     EXPECT_GT(height, 1e-5);
     EXPECT_LT(height, 0.005);

@@ -103,7 +103,7 @@ Labels DrawLabels(const LabelGraph& graph, Philox* random) {
   return labels;
 }
 
-// The least energy of all labellings, by trying them.
+// The least energy of all labelings, by trying them.
 double LeastEnergy(const LabelGraph& graph) {
   Labels labels(graph.num_nodes, 0);
   double least = Energy(graph, labels);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-// A reference and other views of drawn planes, to be labelled.
+// A reference and other views of drawn planes, to be labeled.
 
 #include "colmap_tsar/scene/evidence/gather_evidence.h"
 

@@ -18,7 +18,7 @@ namespace tsar {
 namespace {
 
 TEST_F(LabelViewTest, SpreadsLabelsUpToAnEdgeOfTheImage) {
-  options_.unlabelled_cost = 0.01f;
+  options_.unlabeled_cost = 0.01f;
   Measure(WallAt(5.f), 2, 4);
   const LabeledView all = Label({WallAt(5.f)});
   ExpectColumns(all, {0, 0, 0, 0, 0, 0, 0, 0});
@@ -56,7 +56,7 @@ TEST_F(LabelViewTest, ChangesAtAnEdgeWherePlanesAreApart) {
 
 // A bare box before a wall: in the other views its right part would lie beside
 // itself, on the wall, if it were part of that.
-TEST_F(LabelViewTest, ColoursOfOtherViewsTellABareBoxFromTheWallBehindIt) {
+TEST_F(LabelViewTest, ColorsOfOtherViewsTellABareBoxFromTheWallBehindIt) {
   constexpr float kBox = 3.f;
   constexpr float kWall = 5.f;
   const auto draw = [&](double right) {
@@ -100,7 +100,7 @@ TEST_F(LabelViewTest, ColoursOfOtherViewsTellABareBoxFromTheWallBehindIt) {
 }
 
 TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
-  options_.unlabelled_cost = 0.01f;
+  options_.unlabeled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 2);
   const LabeledView near = Label({WallAt(5.f)});
@@ -115,7 +115,7 @@ TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
 }
 
 TEST_F(LabelViewTest, APlaneObservedAllAroundIsKnownInTheMiddle) {
-  options_.unlabelled_cost = 0.01f;
+  options_.unlabeled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 7);
   for (int y = 2 * kSize; y < 4 * kSize; ++y) {
@@ -294,7 +294,7 @@ TEST_F(LabelViewTest, APlaneObservedAtOnePointStaysThere) {
 }
 
 TEST_F(LabelViewTest, LoneObservationsDoNotTellHowFarAPlaneReaches) {
-  options_.unlabelled_cost = 0.01f;
+  options_.unlabeled_cost = 0.01f;
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 7);
   for (int y = 0; y < kHeight; ++y) {
@@ -339,7 +339,7 @@ TEST_F(LabelViewTest, PlanesFarFromAllDepthsAreImpossible) {
 }
 
 TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
-  options_.unlabelled_cost = 0.01f;
+  options_.unlabeled_cost = 0.01f;
   Measure(WallAt(3.f), 0, 2);
   DrawEdgeLeftOf(6);
   AddSource([](int x, int) {
@@ -357,7 +357,7 @@ TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
 }
 
 TEST_F(LabelViewTest, DoesNotDependOnTheThreads) {
-  options_.unlabelled_cost = 0.01f;
+  options_.unlabeled_cost = 0.01f;
   Philox random(3, 0, 0);
   for (float& contrast : inputs_.contrast) {
     contrast = 20.f * random.NextFloat();

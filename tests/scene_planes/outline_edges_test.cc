@@ -47,7 +47,7 @@ Image<Rgb> Draw(const std::function<double(int x, int y)>& gray) {
   return color;
 }
 
-// The right of a line through the image's centre, which is upright in the
+// The right of a line through the image's center, which is upright in the
 // world, is brighter by a step; `shift` moves the line.
 Image<Rgb> DrawStep(double step, double roll = 0.0, double shift = 0.0) {
   return Draw([&](int x, int y) {
@@ -96,7 +96,7 @@ TEST(OutlineEdgesTest, ALineAlongTheAxisStaysInItsColumn) {
   EXPECT_GT(num_rows, 70);
 }
 
-TEST(OutlineEdgesTest, NeedsAStepOfFourGreyLevels) {
+TEST(OutlineEdgesTest, NeedsAStepOfFourGrayLevels) {
   const Camera camera = MakeCamera();
   const AxisCamera rectified = Rectified(camera);
   const auto find = [&](double step) {

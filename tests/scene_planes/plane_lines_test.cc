@@ -73,7 +73,7 @@ TEST_F(PlaneLinesTest, FindsAStepAlongEitherAxisWithItsSign) {
   }
 }
 
-TEST_F(PlaneLinesTest, PlacesCountFromThePlanesCentre) {
+TEST_F(PlaneLinesTest, PlacesCountFromThePlanesCenter) {
   PaintStep(1, 0.5, 6.0);
   model_.planes[0].center.y() = 2.0;
   const std::vector<PlaneLine> lines = Find();

@@ -230,7 +230,7 @@ TEST_F(PriorEvidenceTest, ProposedPlanesDoNotMixSurfaces) {
   }
 }
 
-TEST_F(PriorEvidenceTest, NeighboursThatContinueAPlaneMakeItMorePrecise) {
+TEST_F(PriorEvidenceTest, NeighborsThatContinueAPlaneMakeItMorePrecise) {
   Philox random(12, 0, 0);
   for (float& depth : inputs_.prior.depth) {
     depth *= 1.f + static_cast<float>(0.003 * NextNormal(&random));

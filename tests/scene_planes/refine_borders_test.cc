@@ -202,7 +202,7 @@ TEST_F(RefineBordersTest, HolesGrowAndShrinkOnlyWhereTheyAre) {
   }
 }
 
-// With colours that say nothing, textured measurements decide, half of the way.
+// With colors that say nothing, textured measurements decide, half of the way.
 TEST_F(RefineBordersTest, TexturedMeasurementsMoveTheBorder) {
   const auto is_box = [](int x, int) { return x < 34; };
   Roughen([](int, int) { return true; });

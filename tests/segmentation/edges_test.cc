@@ -24,7 +24,7 @@ Image<uint8_t> Detect(const Image<Rgb>& color) {
   return DetectRobertsEdges(color.View(), 4.f, *device).ToHost();
 }
 
-// Two halves of these grey levels, side by side, that meet before column 5.
+// Two halves of these gray levels, side by side, that meet before column 5.
 Image<uint8_t> DetectStep(int left, int right) {
   Image<Rgb> color(10, 6, Gray(left));
   for (int y = 0; y < 6; ++y) {
@@ -35,7 +35,7 @@ Image<uint8_t> DetectStep(int left, int right) {
   return Detect(color);
 }
 
-TEST(RobertsEdges, StepOfThreeGreyLevelsCountsOnBothDiagonals) {
+TEST(RobertsEdges, StepOfThreeGrayLevelsCountsOnBothDiagonals) {
   // sqrt(3^2 + 3^2) = 4.2 is above 4, sqrt(2^2 + 2^2) = 2.8 is not, at every
   // brightness.
   for (const int level : {0, 100, 200, 250}) {

@@ -251,7 +251,7 @@ TEST_F(BoundaryTest, OneThingInFrontCountsInFull) {
   EXPECT_TRUE(Stands(0.19f));
 }
 
-TEST_F(BoundaryTest, OnlyNeighboursOfTheBorderCount) {
+TEST_F(BoundaryTest, OnlyNeighborsOfTheBorderCount) {
   // Inside the region and two pixels outside of it are others.
   DrawSurroundings(0.f);
   for (int x = 5; x < 35; ++x) {

@@ -14,7 +14,7 @@ namespace tsar {
 namespace {
 
 void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
-  ExpectSameForNeighbours(a, b);
+  ExpectSameForNeighbors(a, b);
   EXPECT_EQ(a.borders.size(), b.borders.size());
   EXPECT_TRUE(a.color.HasSizeOf(b.color));
   EXPECT_TRUE(a.ratings.HasSizeOf(b.ratings));
@@ -58,10 +58,10 @@ TEST_F(EvidenceFileTest, KeepsThatThereIsNoPrior) {
   EXPECT_TRUE(read.prior.Empty());
 }
 
-TEST_F(EvidenceFileTest, ReadsForNeighboursWithoutTheRest) {
+TEST_F(EvidenceFileTest, ReadsForNeighborsWithoutTheRest) {
   WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
-  const ViewEvidence read = ReadEvidence(path_, EvidenceParts::kForNeighbours);
-  ExpectSameForNeighbours(read, evidence_);
+  const ViewEvidence read = ReadEvidence(path_, EvidenceParts::kForNeighbors);
+  ExpectSameForNeighbors(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
   EXPECT_TRUE(read.prior.Empty());
   EXPECT_TRUE(read.ratings.Empty());
@@ -162,7 +162,7 @@ TEST_F(EvidenceFileTest, SeesEveryChangedByte) {
   WriteEvidence(UserPath(path_), kOptionsHash, evidence_);
   const std::string good = ReadText(path_);
   const size_t own_begin = good.size() - OwnBytes(evidence_).size();
-  const size_t header_end = own_begin - NeighbourBytes(evidence_).size();
+  const size_t header_end = own_begin - NeighborBytes(evidence_).size();
   for (size_t i = 0; i < good.size(); ++i) {
     SCOPED_TRACE(i);
     for (const int flip : {0x01, 0x80}) {
@@ -173,10 +173,10 @@ TEST_F(EvidenceFileTest, SeesEveryChangedByte) {
       EXPECT_EQ(ReadEvidenceHash(path_).has_value(), i >= header_end);
       if (i < own_begin) {
         ExpectCorrupt("not a usable evidence file",
-                      EvidenceParts::kForNeighbours);
+                      EvidenceParts::kForNeighbors);
       } else {
-        ExpectSameForNeighbours(
-            ReadEvidence(path_, EvidenceParts::kForNeighbours), evidence_);
+        ExpectSameForNeighbors(
+            ReadEvidence(path_, EvidenceParts::kForNeighbors), evidence_);
       }
     }
   }

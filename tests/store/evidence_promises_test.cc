@@ -21,7 +21,7 @@ struct Fault {
   std::function<void(ViewEvidence*)> make;
 };
 
-std::vector<Fault> NeighbourFaults() {
+std::vector<Fault> NeighborFaults() {
   const std::string label = "a label that no superpixel has";
   const std::string camera = "intrinsics that no camera has";
   const std::string noise = "a noise that is no number";
@@ -125,13 +125,13 @@ std::vector<Fault> OwnFaults() {
 }
 
 TEST_F(EvidenceFileTest, RefusesToReadWhatBreaksAPromise) {
-  for (const Fault& fault : NeighbourFaults()) {
+  for (const Fault& fault : NeighborFaults()) {
     SCOPED_TRACE(fault.what);
     ViewEvidence evidence = evidence_;
     fault.make(&evidence);
     WriteText(path_, FileBytes(HeaderFields(evidence), evidence));
     ExpectCorrupt(fault.what);
-    ExpectCorrupt(fault.what, EvidenceParts::kForNeighbours);
+    ExpectCorrupt(fault.what, EvidenceParts::kForNeighbors);
   }
   for (const Fault& fault : OwnFaults()) {
     SCOPED_TRACE(fault.what);
@@ -139,14 +139,14 @@ TEST_F(EvidenceFileTest, RefusesToReadWhatBreaksAPromise) {
     fault.make(&evidence);
     WriteText(path_, FileBytes(HeaderFields(evidence), evidence));
     ExpectCorrupt(fault.what);
-    ExpectSameForNeighbours(ReadEvidence(path_, EvidenceParts::kForNeighbours),
-                            evidence);
+    ExpectSameForNeighbors(ReadEvidence(path_, EvidenceParts::kForNeighbors),
+                           evidence);
   }
 }
 
 TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   WriteText(path_, "old");
-  std::vector<Fault> faults = NeighbourFaults();
+  std::vector<Fault> faults = NeighborFaults();
   for (const Fault& fault : OwnFaults()) {
     faults.push_back(fault);
   }

@@ -97,7 +97,7 @@ ViewEvidence DrawEvidence() {
   return evidence;
 }
 
-std::string NeighbourBytes(const ViewEvidence& evidence) {
+std::string NeighborBytes(const ViewEvidence& evidence) {
   std::string bytes;
   AppendAll(evidence.superpixels, &bytes);
   AppendAll(evidence.confident_depth, &bytes);
@@ -148,7 +148,7 @@ std::string OwnBytes(const ViewEvidence& evidence) {
 
 std::string FileBytes(const HeaderFields& fields,
                       const ViewEvidence& evidence) {
-  const std::string neighbour_bytes = NeighbourBytes(evidence);
+  const std::string neighbor_bytes = NeighborBytes(evidence);
   const std::string own_bytes = OwnBytes(evidence);
   std::string bytes = fields.magic;
   Append(fields.version, &bytes);
@@ -173,13 +173,13 @@ std::string FileBytes(const HeaderFields& fields,
   Append(fields.num_confirmed, &bytes);
   Append(fields.num_candidates, &bytes);
   Append(fields.num_borders, &bytes);
-  Append(HashOf(neighbour_bytes), &bytes);
+  Append(HashOf(neighbor_bytes), &bytes);
   Append(HashOf(own_bytes), &bytes);
   Append(HashOf(bytes + kOptionsHash), &bytes);
-  return bytes + kOptionsHash + neighbour_bytes + own_bytes;
+  return bytes + kOptionsHash + neighbor_bytes + own_bytes;
 }
 
-void ExpectSameForNeighbours(const ViewEvidence& a, const ViewEvidence& b) {
+void ExpectSameForNeighbors(const ViewEvidence& a, const ViewEvidence& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.height, b.height);
   EXPECT_EQ(a.intrinsics.fx, b.intrinsics.fx);
@@ -191,7 +191,7 @@ void ExpectSameForNeighbours(const ViewEvidence& a, const ViewEvidence& b) {
   EXPECT_TRUE(a.superpixels.HasSizeOf(b.superpixels));
   EXPECT_TRUE(a.confident_depth.HasSizeOf(b.confident_depth));
   EXPECT_EQ(a.observations.size(), b.observations.size());
-  EXPECT_EQ(NeighbourBytes(a), NeighbourBytes(b));
+  EXPECT_EQ(NeighborBytes(a), NeighborBytes(b));
 }
 
 void EvidenceFileTest::ExpectCorrupt(const std::string& what,
@@ -206,7 +206,7 @@ void EvidenceFileTest::ExpectCorrupt(const std::string& what,
 
 void EvidenceFileTest::ExpectCorruptAndNoHash(const std::string& what) {
   ExpectCorrupt(what);
-  ExpectCorrupt(what, EvidenceParts::kForNeighbours);
+  ExpectCorrupt(what, EvidenceParts::kForNeighbors);
   EXPECT_EQ(ReadEvidenceHash(path_), std::nullopt);
 }
 

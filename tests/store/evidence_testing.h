@@ -17,9 +17,9 @@ inline constexpr const char* kOptionsHash = "0123456789abcdef";
 // A raster of 9 x 7 pixels in vertical stripes, with all fields drawn.
 ViewEvidence DrawEvidence();
 
-// The two parts of a file as evidence_file.h documents them: what neighbours
+// The two parts of a file as evidence_file.h documents them: what neighbors
 // read, and what only the image itself does.
-std::string NeighbourBytes(const ViewEvidence& evidence);
+std::string NeighborBytes(const ViewEvidence& evidence);
 std::string OwnBytes(const ViewEvidence& evidence);
 
 // What the header says, to be set to something else than the truth.
@@ -56,8 +56,8 @@ struct HeaderFields {
 // The bytes of a file whose fingerprints are right, whatever it says.
 std::string FileBytes(const HeaderFields& fields, const ViewEvidence& evidence);
 
-// Expects the same of what neighbours read.
-void ExpectSameForNeighbours(const ViewEvidence& a, const ViewEvidence& b);
+// Expects the same of what neighbors read.
+void ExpectSameForNeighbors(const ViewEvidence& a, const ViewEvidence& b);
 
 class EvidenceFileTest : public testing::Test {
  protected:

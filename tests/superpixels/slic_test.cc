@@ -127,7 +127,7 @@ TEST(Superpixels, OfATinyImageAreOne) {
   }
 }
 
-// A badly matched cluster costs less, so it takes pixels from its neighbours.
+// A badly matched cluster costs less, so it takes pixels from its neighbors.
 TEST(Superpixels, BadlyMatchedOnesAttractPixels) {
   const auto device = Device::CreateCpu(1);
   const Image<Rgb> color(100, 40, {90, 90, 90});
@@ -188,7 +188,7 @@ TEST_F(MergeFragmentsTest, SplitsALabelThatIsNotConnected) {
   EXPECT_NE(merged(0, 0), merged(8, 0));
 }
 
-TEST_F(MergeFragmentsTest, JoinsTheLargestNeighbour) {
+TEST_F(MergeFragmentsTest, JoinsTheLargestNeighbor) {
   // The fragment lies within the smaller half and touches the larger one with
   // one side only.
   Image<int> labels(10, 10, 0);
@@ -208,7 +208,7 @@ TEST_F(MergeFragmentsTest, JoinsTheLargestNeighbour) {
   EXPECT_NE(merged(6, 4), merged(9, 9));
 }
 
-TEST_F(MergeFragmentsTest, JoinsTheFirstOfEqualNeighbours) {
+TEST_F(MergeFragmentsTest, JoinsTheFirstOfEqualNeighbors) {
   // Columns of 4, 2 and 4 pixels' width.
   Image<int> labels(10, 10, 7);
   for (int y = 0; y < 10; ++y) {

@@ -77,7 +77,7 @@ TEST_F(SpreadRoundTest, WhatWasRejectedStaysSoUnlessReadmitted) {
   Expect(depth_, {0.f, 2.f, 0.f, 0.f, 2.f});
 }
 
-TEST_F(SpreadRoundTest, WithoutAPlaneTrustedNeighboursSpread) {
+TEST_F(SpreadRoundTest, WithoutAPlaneTrustedNeighborsSpread) {
   // Of depths 2, 2.1 and 4 the median is 2.1 for the first two pixels; those
   // that are not trusted have no say, but may take it.
   own_(4, 0) = 4.f;

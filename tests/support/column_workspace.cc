@@ -111,7 +111,7 @@ double Noise(int i, int j, int k) {
   return random.NextFloat();
 }
 
-// Soft, of grey levels between those of the column and of black.
+// Soft, of gray levels between those of the column and of black.
 double Texture(const Eigen::Vector3d& point) {
   constexpr double kCell = 0.07;
   const Eigen::Vector3d cells = point / kCell;

@@ -15,7 +15,7 @@
 
 namespace tsar {
 
-// What a ray from a point shows, in grey levels. World frame, z upwards.
+// What a ray from a point shows, in gray levels. World frame, z upwards.
 using DrawnScene = std::function<double(const Eigen::Vector3d& from,
                                         const Eigen::Vector3d& direction)>;
 
@@ -49,7 +49,7 @@ class DrawnViews {
   static constexpr double kFocal = 220.0;
 
   // rotation: of the whole scene with its cameras. noise: its greatest value,
-  // in grey levels. scale: by which the scene is larger than it is drawn.
+  // in gray levels. scale: by which the scene is larger than it is drawn.
   DrawnViews(const DrawnScene& scene,
              int num_views,
              const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity(),
@@ -61,16 +61,16 @@ class DrawnViews {
   ViewEvidence& Evidence(size_t view) { return evidence_[view]; }
 
   // Every view looks at what the others look at.
-  std::vector<std::vector<size_t>> Neighbours() const {
-    std::vector<std::vector<size_t>> neighbours(views_.size());
+  std::vector<std::vector<size_t>> Neighbors() const {
+    std::vector<std::vector<size_t>> neighbors(views_.size());
     for (size_t i = 0; i < views_.size(); ++i) {
       for (size_t j = 0; j < views_.size(); ++j) {
         if (i != j) {
-          neighbours[i].push_back(j);
+          neighbors[i].push_back(j);
         }
       }
     }
-    return neighbours;
+    return neighbors;
   }
 
  private:

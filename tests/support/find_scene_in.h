@@ -30,15 +30,15 @@ inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
   for (int sweep = 0; sweep < num_sweeps; ++sweep) {
     std::vector<LabelsInModel> next;
     for (size_t i = 0; i < views.size(); ++i) {
-      std::vector<ModelledView> modelled;
+      std::vector<ModeledView> modeled;
       for (size_t j = 0; j < views.size(); ++j) {
-        modelled.push_back(
+        modeled.push_back(
             {views[j], &block.assignment[j], sweep > 0 ? &labels[j] : nullptr});
       }
-      std::swap(modelled[0], modelled[i]);
+      std::swap(modeled[0], modeled[i]);
       Image<PlaneCost> costs;
       next.push_back(
-          LabelInModel(modelled, planes, {}, options, lend_device, &costs));
+          LabelInModel(modeled, planes, {}, options, lend_device, &costs));
     }
     labels = std::move(next);
   }

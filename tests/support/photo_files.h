@@ -18,8 +18,8 @@ struct PhotoSample {
   bool shows_flips = false;
 };
 
-// Of every kind one; all show the same picture of 128 x 96 pixels, in colours
-// or in grey.
+// Of every kind one; all show the same picture of 128 x 96 pixels, in colors
+// or in gray.
 std::vector<PhotoSample> MakePhotoSamples();
 
 // The one of this name.

@@ -31,8 +31,8 @@ inline std::string PngChunk(const std::string& type,
          BigEndian(static_cast<uint32_t>(sum));
 }
 
-// The content of the first chunk. color_type: 0 gray, 2 colours, 3 palette, 4
-// and 6 gray and colours with alpha.
+// The content of the first chunk. color_type: 0 gray, 2 colors, 3 palette, 4
+// and 6 gray and colors with alpha.
 inline std::string PngHeaderContent(uint32_t width,
                                     uint32_t height,
                                     int bits,

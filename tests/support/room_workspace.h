@@ -35,7 +35,7 @@ struct RoomWorkspace {
 
   std::filesystem::path root;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  // So many of a thousand pixels are labelled with any plane.
+  // So many of a thousand pixels are labeled with any plane.
   int num_wrong_per_mille = 0;
 };
 

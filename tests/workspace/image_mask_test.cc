@@ -102,7 +102,7 @@ TEST_F(ImageMaskTest, OnlyBlackIsMasked) {
   cv::Mat color;
   cv::cvtColor(gray, color, cv::COLOR_GRAY2BGR);
   EXPECT_EQ(ReadRow(color), expected);
-  // What does not show is no colour.
+  // What does not show is no color.
   cv::Mat with_alpha;
   cv::cvtColor(gray, with_alpha, cv::COLOR_GRAY2BGRA);
   with_alpha.forEach<cv::Vec4b>(

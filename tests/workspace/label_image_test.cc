@@ -161,7 +161,7 @@ TEST_F(LabelImageTest, OtherFilesAreRefused) {
   for (const int type : {CV_8UC3, CV_16UC3, CV_8UC4}) {
     Write(cv::Mat(6, 8, type, cv::Scalar::all(9)));
     ExpectRefused(ErrorCode::kUnsupported,
-                  "the label image has colours or transparency, which are no "
+                  "the label image has colors or transparency, which are no "
                   "numbers of segments; write it as a PNG file of one channel");
   }
   WriteText(path_, std::string("\xff\xd8\xff\xe0 "));

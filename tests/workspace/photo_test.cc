@@ -236,7 +236,7 @@ TEST_F(PhotoTest, OddMetadataDoNotMatter) {
                             "\x12\x01\x03\0\x01\0\0\0\x06\0\0\0\0\0\0\0",
                             36));
   ExpectUnchanged(jpeg, turned);
-  // Text with a wrong checksum, and a colour profile that makes no sense.
+  // Text with a wrong checksum, and a color profile that makes no sense.
   const PhotoSample png = FindPhotoSample("color.png");
   constexpr size_t kFirstChunk = 8 + 12 + 13;
   std::string annotated = png.bytes;

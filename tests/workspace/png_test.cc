@@ -229,7 +229,7 @@ TEST(Png, PalettesAreCheckedWhereTheyAreUsed) {
   }
 }
 
-// Text with a wrong checksum, a colour profile and transparency that make no
+// Text with a wrong checksum, a color profile and transparency that make no
 // sense, a palette that nothing refers to.
 TEST(Png, WhatIsNotNeededForThePixelsIsSkipped) {
   const std::string pixels = PngChunk("IDAT", Deflated(GrayRows()));

@@ -112,7 +112,7 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
   if (!AllOf(evidence.confident_depth, IsFiniteNotNegative)) {
     return "an invalid depth";
   }
-  if (parts == EvidenceParts::kForNeighbours) {
+  if (parts == EvidenceParts::kForNeighbors) {
     return std::nullopt;
   }
   const std::vector<int>& first_confirmed = evidence.first_confirmed;
@@ -186,14 +186,14 @@ struct Header {
   uint64_t num_confirmed = 0;
   uint64_t num_candidates = 0;
   uint64_t num_borders = 0;
-  uint64_t neighbour_fingerprint = 0;
+  uint64_t neighbor_fingerprint = 0;
   uint64_t own_fingerprint = 0;
   uint64_t header_fingerprint = 0;
 
   bool HasPriorDepth() const {
     return prior_verdict == static_cast<uint32_t>(PriorVerdict::kUsed);
   }
-  // The sizes in the order of NeighbourArrays() and OwnArrays().
+  // The sizes in the order of NeighborArrays() and OwnArrays().
   std::vector<StateFileArray> Arrays() const {
     if (width < 1 || height < 1 || ratings_width < 1 || ratings_height < 1) {
       return {};
@@ -227,7 +227,7 @@ static_assert(sizeof(Header) == 144);
 
 // The arrays for writing and for reading.
 template <typename Evidence>
-auto NeighbourArrays(Evidence& evidence) {
+auto NeighborArrays(Evidence& evidence) {
   return std::vector{BytesOf(evidence.superpixels),
                      BytesOf(evidence.confident_depth),
                      BytesOf(evidence.color),
@@ -287,7 +287,7 @@ void WriteEvidence(const ContainedPath& path,
                    const std::string& options_hash,
                    const ViewEvidence& evidence) {
   RequireNoFault(path, FindEvidenceFault(evidence, EvidenceParts::kAll));
-  const ReadableArrays neighbour_arrays = NeighbourArrays(evidence);
+  const ReadableArrays neighbor_arrays = NeighborArrays(evidence);
   const ReadableArrays own_arrays = OwnArrays(evidence);
   Header header;
   header.width = evidence.width;
@@ -308,13 +308,10 @@ void WriteEvidence(const ContainedPath& path,
   header.num_confirmed = evidence.confirmed.size();
   header.num_candidates = evidence.candidates.size();
   header.num_borders = evidence.borders.size();
-  header.neighbour_fingerprint = FingerprintOfArrays(neighbour_arrays);
+  header.neighbor_fingerprint = FingerprintOfArrays(neighbor_arrays);
   header.own_fingerprint = FingerprintOfArrays(own_arrays);
-  WriteStateFile(path,
-                 kEvidenceFile,
-                 header,
-                 options_hash,
-                 {neighbour_arrays, own_arrays});
+  WriteStateFile(
+      path, kEvidenceFile, header, options_hash, {neighbor_arrays, own_arrays});
 }
 
 ViewEvidence ReadEvidence(const std::filesystem::path& path,
@@ -338,7 +335,7 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   evidence.sources.resize(header.num_observations);
   evidence.errors.resize(header.num_errors);
   evidence.candidates.resize(header.num_candidates);
-  reader.Read(NeighbourArrays(evidence), header.neighbour_fingerprint);
+  reader.Read(NeighborArrays(evidence), header.neighbor_fingerprint);
   if (parts == EvidenceParts::kAll) {
     if (header.prior_verdict > static_cast<uint32_t>(PriorVerdict::kUnlike) ||
         header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {

@@ -23,7 +23,7 @@ enum class EvidenceParts {
   kAll,
   // Everything but the prior, the confirmed depths, borders and scores, which
   // stay empty and are not even read from the disk.
-  kForNeighbours,
+  kForNeighbors,
 };
 
 // stereo/tsar/evidence: the evidence of all views of the workspace at root.

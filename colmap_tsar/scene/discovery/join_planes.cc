@@ -93,7 +93,7 @@ class PlaneJoiner {
         num_of_block_.push_back(static_cast<int>(b));
         Node node;
         node.blocks = {static_cast<int>(b)};
-        node.neighbours = blocks_[b].neighbours;
+        node.neighbors = blocks_[b].neighbors;
         node.support = Support(plane.found.plane, plane.observations);
         node.plane = std::move(plane);
         nodes_.push_back(std::move(node));
@@ -121,8 +121,8 @@ class PlaneJoiner {
     MeasuredScenePlane plane;
     double support = 0.0;  // The score of its sample.
     std::vector<int> blocks;
-    std::vector<int> neighbours;  // The neighbors of all of these blocks.
-    int heir = -1;                // The node that it was joined into.
+    std::vector<int> neighbors;  // The neighbors of all of these blocks.
+    int heir = -1;               // The node that it was joined into.
   };
   struct Joint {
     double share = 0.0;  // The ratio of loss to its limit.
@@ -136,7 +136,7 @@ class PlaneJoiner {
   void FindAllPairs() {
     std::vector<std::pair<int, int>> pairs;
     for (size_t a = 0; a < nodes_.size(); ++a) {
-      for (const int block : nodes_[a].neighbours) {
+      for (const int block : nodes_[a].neighbors) {
         for (const int b : nodes_of_block_[static_cast<size_t>(block)]) {
           if (static_cast<int>(a) < b) {
             pairs.emplace_back(static_cast<int>(a), b);
@@ -210,13 +210,13 @@ class PlaneJoiner {
     ThinOut(&joint.plane.superpixels);
     joint.support = Support(plane, joint.plane.observations);
     joint.blocks = Union(first.blocks, second.blocks);
-    joint.neighbours = Union(first.neighbours, second.neighbours);
+    joint.neighbors = Union(first.neighbors, second.neighbors);
     const int number = static_cast<int>(nodes_.size());
     first.heir = number;
     second.heir = number;
     second.plane = {};
     std::vector<std::pair<int, int>> pairs;
-    for (const int block : Union(joint.blocks, joint.neighbours)) {
+    for (const int block : Union(joint.blocks, joint.neighbors)) {
       for (const int other : nodes_of_block_[static_cast<size_t>(block)]) {
         if (IsLeft(other)) {
           pairs.emplace_back(other, number);

@@ -49,7 +49,7 @@ struct PlaneBlock {
   std::vector<MeasuredScenePlane> planes;
   // Other blocks with views of the same surfaces, in ascending order; the
   // relation is symmetric.
-  std::vector<int> neighbours;
+  std::vector<int> neighbors;
 };
 
 struct JoinedPlanes {
@@ -58,7 +58,7 @@ struct JoinedPlanes {
   std::vector<std::vector<int>> places;
 };
 
-// Replaces planes of neighbouring blocks that are one surface by a joint fit:
+// Replaces planes of neighboring blocks that are one surface by a joint fit:
 // as long as the loss of score is at most min_gain or a tenth of the smaller
 // support, in the order of the loss. A joint plane belongs to the blocks of
 // both, so that a wall along many blocks becomes one plane. Planes of one block

@@ -90,7 +90,7 @@ struct LabelOptions {
   float strength_prior = 0.02f;
   // Costs per pixel without an observation: of no plane, and of a plane whose
   // depth there is unknown.
-  float unlabelled_cost = 0.02f;
+  float unlabeled_cost = 0.02f;
   float uncertainty_cost = 0.05f;
   // The expected error of a plane at which its depth counts as unknown.
   float max_sigma = 1.f;

@@ -30,14 +30,14 @@ struct PriorOfSuperpixel {
 };
 
 bool Continues(const PriorOfSuperpixel& superpixel,
-               const PriorOfSuperpixel& neighbour) {
-  if (!superpixel.plane.Valid() || neighbour.count == 0) {
+               const PriorOfSuperpixel& neighbor) {
+  if (!superpixel.plane.Valid() || neighbor.count == 0) {
     return false;
   }
   const float depth = superpixel.plane.Depth(
-      {static_cast<float>(neighbour.x), static_cast<float>(neighbour.y), 1.f});
+      {static_cast<float>(neighbor.x), static_cast<float>(neighbor.y), 1.f});
   return depth > 0.f &&
-         std::abs(depth * neighbour.inverse_depth - 1.0) < kContinues;
+         std::abs(depth * neighbor.inverse_depth - 1.0) < kContinues;
 }
 
 }  // namespace

@@ -150,7 +150,7 @@ LabeledView ChooseLabels(const ObservedView& view,
     }
     const auto i = static_cast<size_t>(s);
     graph.unary.push_back(
-        UnlabelledCost(evidence.weights[i], num_pixels[i], options));
+        UnlabeledCost(evidence.weights[i], num_pixels[i], options));
   }
   for (const SuperpixelBorder& border : evidence.borders) {
     graph.edges.push_back({border.first, border.second});

@@ -15,9 +15,9 @@ struct ColorRegions {
   int count = 0;
 };
 
-// Regions of three levels, each made of those of the level before. Neighbours
+// Regions of three levels, each made of those of the level before. Neighbors
 // are merged in ascending order of the mean step across their whole common
-// border, up to 2, 4 and 8 grey levels over the three channels: a border that
+// border, up to 2, 4 and 8 gray levels over the three channels: a border that
 // fades in places still separates, and a shaded wall is one region. The level
 // at which a surface is one region is not known beforehand.
 std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence);

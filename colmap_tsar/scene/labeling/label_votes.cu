@@ -61,13 +61,13 @@ TSAR_HD inline void AddLabelVote(const ObservedSource& source,
     votes->same += label.weight;
     return;
   }
-  const float labelled =
+  const float labeled =
       labels.planes[label.plane].Depth(source.intrinsics.Ray(seen.x, seen.y));
-  if (!(labelled > 0.f)) {
+  if (!(labeled > 0.f)) {
     return;
   }
-  const float gap = (seen.depth - labelled) /
-                    (labelled * source.resolution.RelativeDepthError(labelled));
+  const float gap = (seen.depth - labeled) /
+                    (labeled * source.resolution.RelativeDepthError(labeled));
   if (fabsf(gap) < options.max_gap) {
     votes->against += options.cost_of_rival * label.weight *
                       fminf(fabsf(gap) / options.full_gap, 1.f);

@@ -348,11 +348,11 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
   return costs.ToHost();
 }
 
-float UnlabelledCost(float weight,
-                     float num_pixels,
-                     const LabelOptions& options) {
+float UnlabeledCost(float weight,
+                    float num_pixels,
+                    const LabelOptions& options) {
   return options.cost_of_unexplained * weight +
-         options.unlabelled_cost * std::max(num_pixels - weight, 0.f);
+         options.unlabeled_cost * std::max(num_pixels - weight, 0.f);
 }
 
 }  // namespace tsar

@@ -41,8 +41,8 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                                    Device& device);
 
 // The unary cost of a superpixel without a plane. weight: see ViewEvidence.
-float UnlabelledCost(float weight,
-                     float num_pixels,
-                     const LabelOptions& options);
+float UnlabeledCost(float weight,
+                    float num_pixels,
+                    const LabelOptions& options);
 
 }  // namespace tsar

@@ -81,14 +81,14 @@ void ForEach(size_t count, ThreadPool& threads, const Function& function) {
 class CylinderFinder {
  public:
   CylinderFinder(const std::vector<OutlineView>& views,
-                 const std::vector<std::vector<size_t>>& neighbours,
+                 const std::vector<std::vector<size_t>>& neighbors,
                  const FindCylindersOptions& options)
-      : views_(views), neighbours_(neighbours), options_(options) {}
+      : views_(views), neighbors_(neighbors), options_(options) {}
 
   std::vector<Hypothesis> FindHypotheses(ThreadPool& threads) const {
     std::vector<std::vector<Hypothesis>> of_views(views_.size());
     ForEach(of_views.size(), threads, [&](size_t i) {
-      for (const size_t j : neighbours_[i]) {
+      for (const size_t j : neighbors_[i]) {
         if (j > i) {
           FindInTwo(i, j, &of_views[i]);
         }
@@ -153,9 +153,9 @@ class CylinderFinder {
  private:
   // Two views and their neighbors.
   std::vector<size_t> ViewsAround(size_t first, size_t second) const {
-    std::vector<size_t> around = neighbours_[first];
+    std::vector<size_t> around = neighbors_[first];
     around.insert(
-        around.end(), neighbours_[second].begin(), neighbours_[second].end());
+        around.end(), neighbors_[second].begin(), neighbors_[second].end());
     around.push_back(first);
     around.push_back(second);
     std::sort(around.begin(), around.end());
@@ -314,7 +314,7 @@ class CylinderFinder {
   }
 
   const std::vector<OutlineView>& views_;
-  const std::vector<std::vector<size_t>>& neighbours_;
+  const std::vector<std::vector<size_t>>& neighbors_;
   const FindCylindersOptions& options_;
 };
 
@@ -332,11 +332,11 @@ bool IsIn(const ModelCylinder& cylinder,
 
 std::vector<ModelCylinder> FindCylinders(
     const std::vector<OutlineView>& views,
-    const std::vector<std::vector<size_t>>& neighbours,
+    const std::vector<std::vector<size_t>>& neighbors,
     const AxisFrame& frame,
     const FindCylindersOptions& options,
     ThreadPool& threads) {
-  const CylinderFinder finder(views, neighbours, options);
+  const CylinderFinder finder(views, neighbors, options);
   std::vector<ModelCylinder> cylinders;
   const auto is_taken = [&](const AxisCircle& circle,
                             const HeightRange& heights) {

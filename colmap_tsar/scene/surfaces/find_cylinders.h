@@ -39,12 +39,12 @@ struct FindCylindersOptions {
 };
 
 // Finds circular cylinders along the axis of `frame` whose outlines are among
-// the pairs of several views. neighbours: by view, other views of the same
+// the pairs of several views. neighbors: by view, other views of the same
 // surfaces. Of cylinders that intersect at the same heights, one remains. The
 // result does not depend on the number of threads.
 std::vector<ModelCylinder> FindCylinders(
     const std::vector<OutlineView>& views,
-    const std::vector<std::vector<size_t>>& neighbours,
+    const std::vector<std::vector<size_t>>& neighbors,
     const AxisFrame& frame,
     const FindCylindersOptions& options,
     ThreadPool& threads);

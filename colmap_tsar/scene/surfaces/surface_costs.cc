@@ -229,7 +229,7 @@ float SurfaceCosts::PresentCost(int s) const {
   const LabelOptions& labels = options_.labels;
   if (LabelOf(s) < 0) {
     cost = superpixel.weight * superpixel.residual +
-           labels.unlabelled_cost *
+           labels.unlabeled_cost *
                std::max(static_cast<float>(superpixel.num_pixels) -
                             superpixel.weight,
                         0.f);

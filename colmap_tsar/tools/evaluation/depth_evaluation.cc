@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kTextureWindow = 11;
-constexpr float kMaxGreyVariance = 16.f;
+constexpr float kMaxGrayVariance = 16.f;
 
 // The names of all images that have ground truth, in a fixed order.
 std::vector<std::string> ListGroundTruth(const fs::path& folder) {
@@ -62,9 +62,9 @@ Image<uint8_t> FindTextureless(const fs::path& path,
                {width, height},
                "its ground truth",
                "give ground truth of this image");
-  const cv::Mat grey(photo.Height(), photo.Width(), CV_8UC1, photo.Data());
+  const cv::Mat gray(photo.Height(), photo.Width(), CV_8UC1, photo.Data());
   cv::Mat resized;
-  cv::resize(grey, resized, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+  cv::resize(gray, resized, cv::Size(width, height), 0, 0, cv::INTER_AREA);
   resized.convertTo(resized, CV_32F);
   const cv::Size window(kTextureWindow, kTextureWindow);
   cv::Mat mean;
@@ -75,7 +75,7 @@ Image<uint8_t> FindTextureless(const fs::path& path,
   Image<uint8_t> textureless(width, height);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      textureless(x, y) = variance.at<float>(y, x) < kMaxGreyVariance ? 1 : 0;
+      textureless(x, y) = variance.at<float>(y, x) < kMaxGrayVariance ? 1 : 0;
     }
   }
   return textureless;

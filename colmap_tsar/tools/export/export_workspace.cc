@@ -56,7 +56,7 @@ Json Conventions() {
       "cx) / fx, (y - cy) / fy, 1) of the camera's frame, as for stereo_fusion";
   json["half_pixel"] =
       "cx and cy are the sparse model's, scaled: in it (0.5, 0.5) is the "
-      "centre "
+      "center "
       "of the top left pixel; what is projected for the photos, as by "
       "trainers, "
       "takes x + 0.5 and y + 0.5";

@@ -96,9 +96,9 @@ class Importer {
   }
 
   double BaseScale(bool is_integer) const {
-    constexpr double kMillimetre = 0.001;
+    constexpr double kMillimeter = 0.001;
     return options_.depth_scale > 0.0 ? options_.depth_scale
-           : is_integer               ? kMillimetre
+           : is_integer               ? kMillimeter
                                       : 1.0;
   }
 

@@ -69,9 +69,9 @@ void CreaseFinder::Add(const PlaneView& view) {
 void CreaseFinder::AddPair(const PlaneView& view,
                            const std::vector<PlaneProjection>& projections,
                            const Eigen::Vector2i& pixel,
-                           const Eigen::Vector2i& neighbour) {
+                           const Eigen::Vector2i& neighbor) {
   const int p = view.planes(pixel.x(), pixel.y()) - 1;
-  const int q = view.planes(neighbour.x(), neighbour.y()) - 1;
+  const int q = view.planes(neighbor.x(), neighbor.y()) - 1;
   if (p < 0 || q < 0 || p == q) {
     return;
   }
@@ -88,7 +88,7 @@ void CreaseFinder::AddPair(const PlaneView& view,
   Eigen::Vector2d along;
   int number = 0;
   for (const auto& [plane, at] :
-       {std::pair(p, pixel), std::pair(q, neighbour)}) {
+       {std::pair(p, pixel), std::pair(q, neighbor)}) {
     PlaneProjection::Hit hit;
     if (!projections[static_cast<size_t>(plane)].Intersect(
             at.x(), at.y(), &hit)) {

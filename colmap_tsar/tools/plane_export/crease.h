@@ -66,7 +66,7 @@ class CreaseFinder {
   void AddPair(const PlaneView& view,
                const std::vector<PlaneProjection>& projections,
                const Eigen::Vector2i& pixel,
-               const Eigen::Vector2i& neighbour);
+               const Eigen::Vector2i& neighbor);
 
   const std::vector<PlaneCoordinates>& planes_;
   // Creases by their planes; those of parallel planes have no direction.

@@ -88,7 +88,7 @@ struct ExportedPlanes {
   // Coordinates of the sparse model times this are those here: a rotation and a
   // scale.
   Eigen::Matrix3d from_model = Eigen::Matrix3d::Identity();
-  bool in_metres = false;  // False: in units of the sparse model.
+  bool in_meters = false;  // False: in units of the sparse model.
 };
 
 }  // namespace tsar

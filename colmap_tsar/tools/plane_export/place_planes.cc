@@ -50,20 +50,20 @@ void TurnUp(UpAxis axis, ExportedPlanes* planes) {
   }
 }
 
-void ScaleToMetres(double metres_per_unit, ExportedPlanes* planes) {
-  planes->in_metres = true;
-  planes->from_model *= metres_per_unit;
+void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes) {
+  planes->in_meters = true;
+  planes->from_model *= meters_per_unit;
   for (ExportedPlane& plane : planes->planes) {
-    plane.coordinates.origin *= metres_per_unit;
+    plane.coordinates.origin *= meters_per_unit;
     // Its rotations are angles.
-    plane.covariance.row(2) *= metres_per_unit;
-    plane.covariance.col(2) *= metres_per_unit;
-    plane.area *= metres_per_unit * metres_per_unit;
-    plane.cell *= metres_per_unit;
+    plane.covariance.row(2) *= meters_per_unit;
+    plane.covariance.col(2) *= meters_per_unit;
+    plane.area *= meters_per_unit * meters_per_unit;
+    plane.cell *= meters_per_unit;
     for (PlanePolygon& polygon : plane.polygons) {
-      Scale(metres_per_unit, &polygon.outline);
+      Scale(meters_per_unit, &polygon.outline);
       for (Ring& hole : polygon.holes) {
-        Scale(metres_per_unit, &hole);
+        Scale(meters_per_unit, &hole);
       }
     }
   }

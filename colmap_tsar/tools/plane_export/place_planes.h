@@ -22,8 +22,8 @@ inline constexpr EnumNames<UpAxis, 3> kUpAxisNames = {
 // axis. Throws Error kUnsupported where there is no vertical.
 void TurnUp(UpAxis axis, ExportedPlanes* planes);
 
-// Makes all lengths metres. metres_per_unit: > 0, of a unit of the sparse
+// Makes all lengths meters. meters_per_unit: > 0, of a unit of the sparse
 // model.
-void ScaleToMetres(double metres_per_unit, ExportedPlanes* planes);
+void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes);
 
 }  // namespace tsar

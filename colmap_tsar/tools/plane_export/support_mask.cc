@@ -44,7 +44,7 @@ int NumSamples(double extent, double cell) {
 constexpr uint8_t kInside = 255;
 constexpr float kMinCoverage = 0.5f;
 constexpr float kMinShareOfMedian = 0.1f;
-constexpr float kMinShareOfNeighbours = 0.5f;
+constexpr float kMinShareOfNeighbors = 0.5f;
 // Gaps of up to twice this many cells are closed.
 constexpr int kClosingRadius = 2;
 constexpr int kMinCells = 16;  // Least cells of a hole or island.
@@ -82,7 +82,7 @@ Image<uint8_t> Threshold(const Image<float>& coverage) {
     for (int x = 0; x < mask.Width(); ++x) {
       const float value = coverage(x, y);
       if (value >= min_coverage &&
-          value >= kMinShareOfNeighbours * largest.at<float>(y, x)) {
+          value >= kMinShareOfNeighbors * largest.at<float>(y, x)) {
         mask(x, y) = kInside;
       }
     }

@@ -190,9 +190,9 @@ void PutPlanesDxf(const ExportedPlanes& planes, std::ostream* out) {
   dxf.Put(9, "$ACADVER");
   dxf.Put(1, "AC1009");
   constexpr int kUnitless = 0;
-  constexpr int kMetres = 6;
+  constexpr int kMeters = 6;
   dxf.Put(9, "$INSUNITS");
-  dxf.Put(70, planes.in_metres ? kMetres : kUnitless);
+  dxf.Put(70, planes.in_meters ? kMeters : kUnitless);
   dxf.EndSection();
   PutLayers(&dxf);
   dxf.BeginSection("ENTITIES");
@@ -216,7 +216,7 @@ void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out) {
   json["version"] = 1;
   json["maps"] = planes.type;
   json["num_images"] = planes.num_images;
-  json["unit"] = planes.in_metres ? "metre" : "model";
+  json["unit"] = planes.in_meters ? "meter" : "model";
   json["from_model"] = ToJson(planes.from_model);
   json["vertical"] = planes.vertical.source == Vertical::Source::kNone
                          ? Json()

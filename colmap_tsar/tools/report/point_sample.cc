@@ -15,7 +15,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little,
               "Positions are copied as they lie in memory.");
-static_assert(sizeof(Rgb) == 3, "Colours are copied as they lie in memory.");
+static_assert(sizeof(Rgb) == 3, "Colors are copied as they lie in memory.");
 
 constexpr Rgb kWithoutColor = {170, 170, 170};
 

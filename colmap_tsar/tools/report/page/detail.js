@@ -32,11 +32,11 @@ window.TsarDetail = (() => {
     },
     regions: {
       title: "Regions",
-      text: "Regions without texture, a colour each; black is none.",
+      text: "Regions without texture, a color each; black is none.",
     },
     scene_labels: {
       title: "Surfaces",
-      text: "Surfaces of the scene, a colour each; black is none.",
+      text: "Surfaces of the scene, a color each; black is none.",
     },
   };
 
@@ -158,7 +158,7 @@ window.TsarDetail = (() => {
                 h(
                   "p",
                   { class: "muted" },
-                  "The planes of the scene, each in the colour that it has in their list; black is none."
+                  "The planes of the scene, each in the color that it has in their list; black is none."
                 ),
             ],
           ]

@@ -21,7 +21,7 @@ constexpr int kHeight = SyntheticWorkspace::kHeight;
 using Segment = std::function<int(int x, int y)>;
 
 // With label images of all but the last image, at half their size.
-class RefineLabelledTest : public RefineWorkspaceTest {
+class RefineLabeledTest : public RefineWorkspaceTest {
  protected:
   void SetUp() override {
     RefineWorkspaceTest::SetUp();
@@ -45,12 +45,12 @@ class RefineLabelledTest : public RefineWorkspaceTest {
     std::filesystem::create_directories((regions_ / name).parent_path());
     ASSERT_TRUE(cv::imwrite((regions_ / name).string(), pixels));
   }
-  WorkspaceRefineOptions Labelled(const std::filesystem::path& root) const {
+  WorkspaceRefineOptions Labeled(const std::filesystem::path& root) const {
     WorkspaceRefineOptions options = Options(root);
     options.region_path = regions_;
     return options;
   }
-  WorkspaceRefineOptions Labelled() const { return Labelled(root_); }
+  WorkspaceRefineOptions Labeled() const { return Labeled(root_); }
   void Redraw() const {
     std::filesystem::remove_all(root_);
     MakeSyntheticWorkspace(root_);
@@ -76,7 +76,7 @@ class RefineLabelledTest : public RefineWorkspaceTest {
   const std::filesystem::path regions_ = folder_.Path() / "regions";
 };
 
-TEST_F(RefineLabelledTest, ImagesOfTheWorkspaceHaveTheirSegments) {
+TEST_F(RefineLabeledTest, ImagesOfTheWorkspaceHaveTheirSegments) {
   Workspace workspace(root_, MapType::kGeometric);
   EXPECT_TRUE(LoadView(workspace, 0).segments.Empty());
   EXPECT_EQ(workspace.CheckLabels(0), 0);
@@ -102,18 +102,18 @@ TEST_F(RefineLabelledTest, ImagesOfTheWorkspaceHaveTheirSegments) {
   }
 }
 
-TEST_F(RefineLabelledTest, ImagesWithoutSegmentsAreRefinedAsWithoutLabels) {
+TEST_F(RefineLabeledTest, ImagesWithoutSegmentsAreRefinedAsWithoutLabels) {
   WriteLabels([](int, int) { return 0; });
   for (const bool scene_planes : {true, false}) {
     RefineOptions refine;
     refine.scene_planes = scene_planes;
     Redraw();
-    Refine(Labelled(), refine);
+    Refine(Labeled(), refine);
     ExpectSameFiles(MapsOf(root_), RefinedInOneGo(refine));
   }
 }
 
-TEST_F(RefineLabelledTest, WrongSegmentsDoNoHarm) {
+TEST_F(RefineLabeledTest, WrongSegmentsDoNoHarm) {
   Philox random(7, 0, 0);
   const Segment wrong[] = {
       [&](int, int) { return static_cast<int>(random.NextFloat() * 65535); },
@@ -129,40 +129,40 @@ TEST_F(RefineLabelledTest, WrongSegmentsDoNoHarm) {
     for (const Segment& segment : wrong) {
       WriteLabels(segment);
       Redraw();
-      Refine(Labelled(), refine);
+      Refine(Labeled(), refine);
       EXPECT_GT(ShareOfRight(), without - 0.02);
     }
   }
 }
 
-TEST_F(RefineLabelledTest, RefinesAgainWhereLabelsHaveChanged) {
+TEST_F(RefineLabeledTest, RefinesAgainWhereLabelsHaveChanged) {
   Refine();
   const std::string reason =
       "v1.png: refined again, since its regions have changed";
   // Given, changed, and no longer given; all images have the planes of one
   // scene.
-  EXPECT_THAT(WarningsOf(Labelled(), 4), testing::HasSubstr(reason));
-  EXPECT_EQ(WarningsOf(Labelled(), 0), "");
-  const Tree labelled = MapsOf(root_);
+  EXPECT_THAT(WarningsOf(Labeled(), 4), testing::HasSubstr(reason));
+  EXPECT_EQ(WarningsOf(Labeled(), 0), "");
+  const Tree labeled = MapsOf(root_);
   WriteLabels("v1.png", [](int, int y) { return y; });
   EXPECT_THAT(
-      WarningsOf(Labelled(), 4),
+      WarningsOf(Labeled(), 4),
       testing::AllOf(testing::HasSubstr(reason + "\n"),
                      testing::HasSubstr("v3.png: refined again, since other "
                                         "images of the scene have "
                                         "changed\n")));
   WriteLabels("v1.png", &InTwoHalves);
-  Refine(Labelled());
-  ExpectSameFiles(MapsOf(root_), labelled);
+  Refine(Labeled());
+  ExpectSameFiles(MapsOf(root_), labeled);
   EXPECT_THAT(WarningsOf(Options(root_), 4), testing::HasSubstr(reason));
   ExpectSameFiles(MapsOf(root_), RefinedInOneGo());
 }
 
-TEST_F(RefineLabelledTest, ASecondWorkspaceAndShardsSeeTheSameLabels) {
-  Refine(Labelled());
+TEST_F(RefineLabeledTest, ASecondWorkspaceAndShardsSeeTheSameLabels) {
+  Refine(Labeled());
   const Tree whole = MapsOf(root_);
   Redraw();
-  WorkspaceRefineOptions output = Labelled();
+  WorkspaceRefineOptions output = Labeled();
   output.output_path = folder_.Path() / "out";
   Refine(output);
   const Tree maps = MapsOf(output.output_path);
@@ -171,7 +171,7 @@ TEST_F(RefineLabelledTest, ASecondWorkspaceAndShardsSeeTheSameLabels) {
     EXPECT_TRUE(maps.at(name) == content) << name << " differs";
   }
   const auto run = [&](RefinePass pass, const Shard& shard) {
-    WorkspaceRefineOptions options = Labelled();
+    WorkspaceRefineOptions options = Labeled();
     options.pass = pass;
     options.shard = shard;
     Refine(options);
@@ -191,22 +191,22 @@ TEST_F(RefineLabelledTest, ASecondWorkspaceAndShardsSeeTheSameLabels) {
   ExpectSameFiles(MapsOf(root_), whole);
 }
 
-TEST_F(RefineLabelledTest, RefusesLabelsThatDoNotFitBeforeAnythingIsChanged) {
+TEST_F(RefineLabeledTest, RefusesLabelsThatDoNotFitBeforeAnythingIsChanged) {
   const std::filesystem::path labels = regions_ / "left/v2.png";
   const std::string png = ReadText(labels);
   ASSERT_TRUE(cv::imwrite(labels.string(), cv::Mat(60, 60, CV_16UC1)));
   ExpectRefusal(ErrorCode::kMismatch,
                 {labels.string() + ": the label image has 60 x 60 pixels",
                  "undistorted image of 96 x 72"},
-                Labelled());
+                Labeled());
   ASSERT_TRUE(cv::imwrite(labels.string(), cv::Mat(72, 96, CV_8UC3)));
   ExpectRefusal(ErrorCode::kUnsupported,
-                {labels.string() + ": the label image has colours"},
-                Labelled());
+                {labels.string() + ": the label image has colors"},
+                Labeled());
   WriteText(labels, png.substr(0, png.size() - 20));
   ExpectRefusal(
-      ErrorCode::kCorrupt, {labels.string(), "it breaks off"}, Labelled());
-  WorkspaceRefineOptions other = Labelled();
+      ErrorCode::kCorrupt, {labels.string(), "it breaks off"}, Labeled());
+  WorkspaceRefineOptions other = Labeled();
   other.region_path = root_ / "images";
   ExpectRefusal(ErrorCode::kBadOption,
                 {"is the folder of the images", "region_path"},

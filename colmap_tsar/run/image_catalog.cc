@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/image_catalogue.h"
+#include "colmap_tsar/run/image_catalog.h"
 
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/stopwatch.h"
@@ -65,13 +65,13 @@ void AddStageSeconds(const std::map<std::string, double>& seconds,
   }
 }
 
-ImageCatalogue::ImageCatalogue(const Workspace& workspace,
-                               std::vector<bool> has_maps,
-                               std::string options_hash,
-                               InputFingerprints& inputs,
-                               std::string planes,
-                               bool reuses_results,
-                               bool distrust_unmatched)
+ImageCatalog::ImageCatalog(const Workspace& workspace,
+                           std::vector<bool> has_maps,
+                           std::string options_hash,
+                           InputFingerprints& inputs,
+                           std::string planes,
+                           bool reuses_results,
+                           bool distrust_unmatched)
     : workspace_(workspace),
       has_maps_(std::move(has_maps)),
       options_hash_(std::move(options_hash)),
@@ -98,28 +98,28 @@ ImageCatalogue::ImageCatalogue(const Workspace& workspace,
   }
 }
 
-void ImageCatalogue::RefineOnly(std::vector<bool> is_listed) {
+void ImageCatalog::RefineOnly(std::vector<bool> is_listed) {
   is_listed_ = std::move(is_listed);
 }
 
-size_t ImageCatalogue::NumListed() const {
+size_t ImageCatalog::NumListed() const {
   return static_cast<size_t>(
       std::count(is_listed_.begin(), is_listed_.end(), true));
 }
 
-bool ImageCatalogue::IsMaskedAway(int image) const {
+bool ImageCatalog::IsMaskedAway(int image) const {
   return tsar::IsMaskedAway(workspace_, image);
 }
 
-const std::string& ImageCatalogue::Name(int image) const {
+const std::string& ImageCatalog::Name(int image) const {
   return workspace_.Model().images[static_cast<size_t>(image)].name;
 }
 
-bool ImageCatalogue::HasMaps(int image) const {
+bool ImageCatalog::HasMaps(int image) const {
   return has_maps_[static_cast<size_t>(image)];
 }
 
-std::vector<int> ImageCatalogue::Sources(size_t index) const {
+std::vector<int> ImageCatalog::Sources(size_t index) const {
   std::vector<int> sources;
   std::copy_if(Problem(index).sources.begin(),
                Problem(index).sources.end(),
@@ -128,28 +128,28 @@ std::vector<int> ImageCatalogue::Sources(size_t index) const {
   return sources;
 }
 
-std::vector<int> ImageCatalogue::SourcesAndReference(size_t index) const {
+std::vector<int> ImageCatalog::SourcesAndReference(size_t index) const {
   std::vector<int> views = Sources(index);
   views.push_back(Reference(index));
   return views;
 }
 
-int ImageCatalogue::NumSourcesWithoutMaps(size_t index) const {
+int ImageCatalog::NumSourcesWithoutMaps(size_t index) const {
   return static_cast<int>(Problem(index).sources.size() -
                           Sources(index).size());
 }
 
-bool ImageCatalogue::CanRefine(size_t index) const {
+bool ImageCatalog::CanRefine(size_t index) const {
   return HasMaps(Reference(index)) && !Sources(index).empty();
 }
 
-InputState ImageCatalogue::InputsOf(int image, const std::string& planes) {
+InputState ImageCatalog::InputsOf(int image, const std::string& planes) {
   InputState inputs = inputs_.OfResult(image);
   inputs[ImageRecord::kPlanes] = planes;
   return inputs;
 }
 
-bool ImageCatalogue::HasBeenRefined(size_t index) {
+bool ImageCatalog::HasBeenRefined(size_t index) {
   std::call_once(is_done_flags_[index], [&] {
     const int image = Reference(index);
     // Records the inputs before any is read, also where nothing is reused.
@@ -160,11 +160,11 @@ bool ImageCatalogue::HasBeenRefined(size_t index) {
   return is_done_[index] != 0;
 }
 
-bool ImageCatalogue::IsToBeRefined(size_t index) {
+bool ImageCatalog::IsToBeRefined(size_t index) {
   return IsListed(index) && CanRefine(index) && !HasBeenRefined(index);
 }
 
-bool ImageCatalogue::WasRefinedOtherwise(size_t index) {
+bool ImageCatalog::WasRefinedOtherwise(size_t index) {
   const int image = Reference(index);
   const std::optional<ImageRecord> record =
       ReadRecord(workspace_.Paths(image, workspace_.Type()).record);
@@ -172,7 +172,7 @@ bool ImageCatalogue::WasRefinedOtherwise(size_t index) {
          !IsDone(workspace_, image, options_hash_, InputsOf(image, planes_));
 }
 
-bool ImageCatalogue::IsNeeded(size_t index) {
+bool ImageCatalog::IsNeeded(size_t index) {
   const std::vector<size_t>& users =
       users_[static_cast<size_t>(Reference(index))];
   return std::any_of(users.begin(), users.end(), [&](size_t other) {
@@ -180,7 +180,7 @@ bool ImageCatalogue::IsNeeded(size_t index) {
   });
 }
 
-bool ImageCatalogue::IsAnyNeeded() {
+bool ImageCatalog::IsAnyNeeded() {
   std::call_once(is_any_needed_flag_, [&] {
     for (size_t index = 0; index < NumImages() && !is_any_needed_; ++index) {
       is_any_needed_ = IsToBeRefined(index);
@@ -189,7 +189,7 @@ bool ImageCatalogue::IsAnyNeeded() {
   return is_any_needed_;
 }
 
-void ImageCatalogue::WarnOfChanges(size_t index) {
+void ImageCatalog::WarnOfChanges(size_t index) {
   if (!IsListed(index) || HasBeenRefined(index) || !reuses_results_) {
     return;
   }
@@ -209,7 +209,7 @@ void ImageCatalogue::WarnOfChanges(size_t index) {
   Warn(Name(image) + ": refined again, since " + reason);
 }
 
-ViewCache::View ImageCatalogue::Load(int image) {
+ViewCache::View ImageCatalog::Load(int image) {
   const auto view = std::make_shared<ViewData>();
   {
     const std::lock_guard<std::mutex> lock(
@@ -223,7 +223,7 @@ ViewCache::View ImageCatalogue::Load(int image) {
   return view;
 }
 
-void ImageCatalogue::DropUnmatchedDepths(size_t index, ViewData* view) {
+void ImageCatalog::DropUnmatchedDepths(size_t index, ViewData* view) {
   const std::vector<int> sources = Sources(index);
   UnmatchedDepths unmatched(*view, static_cast<int>(sources.size()));
   for (const int source : sources) {
@@ -239,7 +239,7 @@ void ImageCatalogue::DropUnmatchedDepths(size_t index, ViewData* view) {
   unmatched.Drop(view);
 }
 
-ViewCache::View ImageCatalogue::LoadReduced(int image) {
+ViewCache::View ImageCatalog::LoadReduced(int image) {
   if (distrust_unmatched_) {
     // Depths are compared with the images at the size of the maps.
     const ViewCache::View view = Load(image);
@@ -254,7 +254,7 @@ ViewCache::View ImageCatalogue::LoadReduced(int image) {
   return std::make_shared<const ViewData>(LoadReducedView(workspace_, image));
 }
 
-ImageReport ImageCatalogue::BeginRefining(size_t index) {
+ImageReport ImageCatalog::BeginRefining(size_t index) {
   const std::string type = ToString(workspace_.Type());
   ImageReport report;
   if (!IsListed(index)) {
@@ -285,9 +285,9 @@ ImageReport ImageCatalogue::BeginRefining(size_t index) {
   return report;
 }
 
-void ImageCatalogue::WriteRefined(size_t index,
-                                  RefinedMaps maps,
-                                  ImageReport* report) {
+void ImageCatalog::WriteRefined(size_t index,
+                                RefinedMaps maps,
+                                ImageReport* report) {
   const int image = Reference(index);
   ClearMasked(
       workspace_.ReadMask(image, {maps.depth.Width(), maps.depth.Height()}),
@@ -315,9 +315,9 @@ void ImageCatalogue::WriteRefined(size_t index,
   report->outcome = ImageReport::Outcome::kDone;
 }
 
-void ImageCatalogue::Keep(size_t index,
-                          const std::string& reason,
-                          ImageReport* report) {
+void ImageCatalog::Keep(size_t index,
+                        const std::string& reason,
+                        ImageReport* report) {
   const int image = Reference(index);
   report->outcome = ImageReport::Outcome::kKept;
   report->reason = reason;
@@ -330,8 +330,8 @@ void ImageCatalogue::Keep(size_t index,
   KeepImage(workspace_, image, std::move(record));
 }
 
-void ImageCatalogue::AddSeconds(size_t index,
-                                const std::map<std::string, double>& seconds) {
+void ImageCatalog::AddSeconds(size_t index,
+                              const std::map<std::string, double>& seconds) {
   AddStageSeconds(seconds, &seconds_[index]);
 }
 

@@ -24,7 +24,7 @@ namespace tsar {
 // threads read and write them. Images of the sparse model, which may also be
 // sources alone, are called `image` and given by their indices there. Can be
 // used from several threads.
-class ImageCatalogue {
+class ImageCatalog {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
   // options_hash: the hash of the options that the images are refined with.
@@ -32,13 +32,13 @@ class ImageCatalogue {
   // share them; images that were refined with others are refined again.
   // reuses_results: whether images that were refined before the run stay so.
   // distrust_unmatched: see RefineOptions.
-  ImageCatalogue(const Workspace& workspace,
-                 std::vector<bool> has_maps,
-                 std::string options_hash,
-                 InputFingerprints& inputs,
-                 std::string planes,
-                 bool reuses_results,
-                 bool distrust_unmatched);
+  ImageCatalog(const Workspace& workspace,
+               std::vector<bool> has_maps,
+               std::string options_hash,
+               InputFingerprints& inputs,
+               std::string planes,
+               bool reuses_results,
+               bool distrust_unmatched);
 
   // Selects the images of the run that are to be refined, by default all; the
   // others stay as they are and serve as sources alone.

@@ -1,14 +1,14 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/fusion/fusion_neighbours.h"
+#include "colmap_tsar/fusion/fusion_neighbors.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/image_list.h"
 #include "colmap_tsar/io/source_selector.h"
-#include "colmap_tsar/run/neighbour_order.h"
+#include "colmap_tsar/run/neighbor_order.h"
 #include "colmap_tsar/tools/export/image_maps.h"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ std::vector<int> AllInOrder(const Workspace& workspace) {
       order.push_back(image);
     }
   };
-  for (const size_t problem : OrderByNeighbours(workspace)) {
+  for (const size_t problem : OrderByNeighbors(workspace)) {
     add(workspace.Problems()[problem].reference);
   }
   for (size_t image = 0; image < is_there.size(); ++image) {

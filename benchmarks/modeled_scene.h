@@ -43,8 +43,8 @@ const T& AtSamePlace(const Image<T>& image,
                y * image.Height() / of.Height());
 }
 
-// A view of a modelled scene as composition sees it.
-struct ModelledImage {
+// A view of a modeled scene as composition sees it.
+struct ModeledImage {
   Image<float> depth;  // That was measured.
   Image<float> truth;  // Of any size.
   DepthResolution resolution;
@@ -83,9 +83,9 @@ struct ModelledImage {
 
 // A workspace with ground_truth/depth, of maps of at most 1280 pixels, after
 // tsar_refine's passes observe and model.
-class ModelledScene {
+class ModeledScene {
  public:
-  explicit ModelledScene(const std::string& root)
+  explicit ModeledScene(const std::string& root)
       : workspace_(root, MapType::kGeometric),
         model_(ReadSceneModel(GetSceneModelPath(workspace_.Root()))),
         device_(Device::CreateCpu(2)) {
@@ -100,8 +100,8 @@ class ModelledScene {
   Device& GetDevice() const { return *device_; }
 
   // As ComposeTask does it, with all other views as sources.
-  ModelledImage Load(int image) const {
-    ModelledImage result;
+  ModeledImage Load(int image) const {
+    ModeledImage result;
     std::vector<ObservedView>& views = result.views;
     views = {Observed(image)};
     std::vector<const ViewLabels*> labels = {&model_.views.at(image)};

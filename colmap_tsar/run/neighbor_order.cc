@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/neighbour_order.h"
+#include "colmap_tsar/run/neighbor_order.h"
 
 #include <algorithm>
 #include <string>
@@ -10,11 +10,11 @@
 namespace tsar {
 namespace {
 
-class NeighbourOrder {
+class NeighborOrder {
  public:
-  explicit NeighbourOrder(const Workspace& workspace)
-      : neighbours_(FindNeighbours(workspace)),
-        is_taken_(neighbours_.size(), false) {
+  explicit NeighborOrder(const Workspace& workspace)
+      : neighbors_(FindNeighbors(workspace)),
+        is_taken_(neighbors_.size(), false) {
     for (const StereoProblem& problem : workspace.Problems()) {
       names_.push_back(workspace.Model()
                            .images[static_cast<size_t>(problem.reference)]
@@ -23,7 +23,7 @@ class NeighbourOrder {
   }
 
   std::vector<size_t> Find() {
-    std::vector<size_t> by_name(neighbours_.size());
+    std::vector<size_t> by_name(neighbors_.size());
     for (size_t i = 0; i < by_name.size(); ++i) {
       by_name[i] = i;
     }
@@ -51,7 +51,7 @@ class NeighbourOrder {
     is_seen[start] = true;
     for (size_t i = 0; i < order.size(); ++i) {
       const size_t first_new = order.size();
-      for (const size_t other : neighbours_[order[i]]) {
+      for (const size_t other : neighbors_[order[i]]) {
         if (!is_seen[other]) {
           is_seen[other] = true;
           order.push_back(other);
@@ -60,8 +60,8 @@ class NeighbourOrder {
       std::sort(order.begin() + static_cast<std::ptrdiff_t>(first_new),
                 order.end(),
                 [&](size_t a, size_t b) {
-                  return std::pair(neighbours_[a].size(), names_[a]) <
-                         std::pair(neighbours_[b].size(), names_[b]);
+                  return std::pair(neighbors_[a].size(), names_[a]) <
+                         std::pair(neighbors_[b].size(), names_[b]);
                 });
     }
     return order;
@@ -71,38 +71,38 @@ class NeighbourOrder {
   // that is farthest from `image`.
   size_t FindEnd(size_t image) const { return Walk(Walk(image).back()).back(); }
 
-  const std::vector<std::vector<size_t>> neighbours_;
+  const std::vector<std::vector<size_t>> neighbors_;
   std::vector<std::string> names_;
   std::vector<bool> is_taken_;
 };
 
 }  // namespace
 
-std::vector<std::vector<size_t>> FindNeighbours(const Workspace& workspace) {
+std::vector<std::vector<size_t>> FindNeighbors(const Workspace& workspace) {
   const std::vector<StereoProblem>& problems = workspace.Problems();
   std::vector<int> index_of(workspace.Model().images.size(), -1);
   for (size_t i = 0; i < problems.size(); ++i) {
     index_of[static_cast<size_t>(problems[i].reference)] = static_cast<int>(i);
   }
-  std::vector<std::vector<size_t>> neighbours(problems.size());
+  std::vector<std::vector<size_t>> neighbors(problems.size());
   for (size_t i = 0; i < problems.size(); ++i) {
     for (const int source : problems[i].sources) {
       const int other = index_of[static_cast<size_t>(source)];
       if (other >= 0 && other != static_cast<int>(i)) {
-        neighbours[i].push_back(static_cast<size_t>(other));
-        neighbours[static_cast<size_t>(other)].push_back(i);
+        neighbors[i].push_back(static_cast<size_t>(other));
+        neighbors[static_cast<size_t>(other)].push_back(i);
       }
     }
   }
-  for (std::vector<size_t>& images : neighbours) {
+  for (std::vector<size_t>& images : neighbors) {
     std::sort(images.begin(), images.end());
     images.erase(std::unique(images.begin(), images.end()), images.end());
   }
-  return neighbours;
+  return neighbors;
 }
 
-std::vector<size_t> OrderByNeighbours(const Workspace& workspace) {
-  return NeighbourOrder(workspace).Find();
+std::vector<size_t> OrderByNeighbors(const Workspace& workspace) {
+  return NeighborOrder(workspace).Find();
 }
 
 }  // namespace tsar
