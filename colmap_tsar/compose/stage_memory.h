@@ -12,7 +12,7 @@ namespace tsar {
 // Upper bounds of the memory of an image in the stages, in bytes: linear in the
 // pixels of its map, those of its raster and its superpixels. They hold for
 // maps of any shape with num_pixels pixels. The factors were measured;
-// tests/pipeline/stage_memory_test.cc runs the stages on a device that counts,
+// tests/compose/stage_memory_test.cc runs the stages on a device that counts,
 // and fails where a bound is too small or far too large.
 
 // The device's memory, without the uploaded sources (UploadedViewBytes).

@@ -14,7 +14,7 @@ namespace tsar {
 namespace {
 
 // Bytes of the device's memory, including the sources, linear in the pixels.
-// The factors were measured (tests/stereo/stereo_memory_test.cc).
+// The factors were measured (tests/tools/stereo/stereo_memory_test.cc).
 int64_t MatchingBytes(const StereoOptions& options,
                       int64_t num_pixels,
                       int num_sources) {

@@ -1,0 +1,299 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/compose/photometric_offset.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "tests/compose/photometric_offset_fixture.h"
+
+namespace tsar {
+namespace {
+
+// Whatever is sampled of it has texture.
+Image<float> Checkers(int width, int height) {
+  Image<float> gray(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      gray(x, y) = (x + y) % 2 == 0 ? 50.f : 200.f;
+    }
+  }
+  return gray;
+}
+
+// Turned by half a circle about the vertical axis.
+OffsetSource LookingAway(OffsetSource source) {
+  Eigen::Matrix3d turned = Eigen::Matrix3d::Identity();
+  turned(0, 0) = turned(2, 2) = -1.0;
+  source.camera.rotation = turned * source.camera.rotation;
+  source.camera.translation = turned * source.camera.translation;
+  return source;
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr float kNeverMoves = PhotometricOffsets::kNeverMoves;
+
+// Otherwise the tests below would tell nothing.
+TEST_F(MeasureOffsetsTest, MeasuresUnspoiltInputs) {
+  const MeasuredOffsets measured = Measure();
+  EXPECT_GT(measured.NumMoving(),
+            0.5 * static_cast<double>(depth_.NumPixels()));
+  for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+    if (measured.weight.Data()[i] > 0.f) {
+      ASSERT_LT(std::abs(measured.offset.Data()[i]), 0.1f) << i;
+    }
+  }
+}
+
+TEST_F(MeasureOffsetsTest, NumbersOfThreadsGiveTheSameBits) {
+  const MeasuredOffsets one = Measure(1);
+  const MeasuredOffsets three = Measure(3);
+  const size_t num_bytes = depth_.NumPixels() * sizeof(float);
+  EXPECT_EQ(std::memcmp(one.offset.Data(), three.offset.Data(), num_bytes), 0);
+  EXPECT_EQ(std::memcmp(one.weight.Data(), three.weight.Data(), num_bytes), 0);
+}
+
+// A pixel without a depth that can be one has no offset, and its neighbors do
+// not notice.
+TEST_F(MeasureOffsetsTest, DepthsThatAreNoneStayAlone) {
+  const MeasuredOffsets whole = Measure();
+  const std::vector<float> depths = {kNan,
+                                     kInfinity,
+                                     -kInfinity,
+                                     0.f,
+                                     -5.f,
+                                     std::numeric_limits<float>::denorm_min(),
+                                     std::numeric_limits<float>::min(),
+                                     std::numeric_limits<float>::max()};
+  std::vector<bool> is_spoilt(depth_.NumPixels(), false);
+  for (size_t k = 0; k < depths.size(); ++k) {
+    const int x = 30 + 4 * static_cast<int>(k);
+    const int y = 30;
+    ASSERT_GT(whole.weight(x, y), 0.f) << x;
+    depth_(x, y) = depths[k];
+    is_spoilt[static_cast<size_t>(y) * static_cast<size_t>(depth_.Width()) +
+              static_cast<size_t>(x)] = true;
+  }
+  const MeasuredOffsets measured = Measure();
+  for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+    if (is_spoilt[i]) {
+      // One that no source can see may take its neighbors' offset.
+      const float depth = depth_.Data()[i];
+      EXPECT_LE(measured.weight.Data()[i], depth > 0.f ? 0.f : kNeverMoves)
+          << depth;
+    } else {
+      ASSERT_EQ(measured.weight.Data()[i], whole.weight.Data()[i]) << i;
+      ASSERT_EQ(measured.offset.Data()[i], whole.offset.Data()[i]) << i;
+    }
+  }
+}
+
+TEST_F(MeasureOffsetsTest, NormalsThatAreNoneMoveNothing) {
+  // The second one sees the surface from behind, the third one is edge-on.
+  const Vec3f ray = camera_.GetIntrinsics().Ray(48, 36);
+  for (const Vec3f& normal : {Vec3f{0.f, 0.f, 0.f},
+                              Vec3f{kNan, kNan, kNan},
+                              Vec3f{-ray.z, 0.f, ray.x},
+                              Vec3f{0.f, 0.f, kInfinity}}) {
+    normal_(48, 36) = normal;
+    EXPECT_EQ(Measure().weight(48, 36), kNeverMoves)
+        << normal.x << " " << normal.y << " " << normal.z;
+  }
+}
+
+TEST_F(MeasureOffsetsTest, SourcesThatLookAwaySeeNothing) {
+  for (OffsetSource& source : sources_) {
+    source = LookingAway(source);
+  }
+  ExpectNothingToMove();
+}
+
+TEST_F(MeasureOffsetsTest, SourcesBeyondTheSurfaceSeeNothing) {
+  for (OffsetSource& source : sources_) {
+    source.camera.translation.z() -= 20.0;
+  }
+  ExpectNothingToMove();
+}
+
+// Without a baseline, every depth looks the same.
+TEST_F(MeasureOffsetsTest, SourcesInThePlaceOfTheReferenceTellNothing) {
+  for (OffsetSource& source : sources_) {
+    source.camera = camera_;
+    source.gray = gray_;
+    source.depth = Image<float>();
+  }
+  ExpectNothingToMove();
+}
+
+TEST_F(MeasureOffsetsTest, PosesThatAreNoNumbersTellNothing) {
+  for (OffsetSource& source : sources_) {
+    source.camera.translation.x() = kNan;
+  }
+  ExpectNothingToMove();
+}
+
+TEST_F(MeasureOffsetsTest, NoSourcesTellNothing) {
+  sources_.clear();
+  ExpectNothingToMove();
+}
+
+TEST_F(MeasureOffsetsTest, EmptySourcesTellNothing) {
+  for (OffsetSource& source : sources_) {
+    source.gray = Image<float>();
+    source.depth = Image<float>();
+  }
+  ExpectNothingToMove();
+}
+
+// Beside four that see the wall, one that does not takes nothing away.
+TEST_F(MeasureOffsetsTest, ASourceThatSeesNothingIsAsGoodAsNone) {
+  const MeasuredOffsets without = Measure();
+  for (const OffsetSource& blind :
+       {OffsetSource{sources_[0].camera, {}, {}}, LookingAway(sources_[0])}) {
+    sources_.insert(sources_.begin(), blind);
+    const MeasuredOffsets with = Measure();
+    for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+      ASSERT_EQ(with.weight.Data()[i], without.weight.Data()[i]) << i;
+      ASSERT_EQ(with.offset.Data()[i], without.offset.Data()[i]) << i;
+    }
+    sources_.erase(sources_.begin());
+  }
+}
+
+TEST_F(MeasureOffsetsTest, AConstantImageNeverMoves) {
+  for (const float level : {0.f, 128.f, 255.f, kNan, kInfinity}) {
+    gray_ = Image<float>(gray_.Width(), gray_.Height(), level);
+    for (const float weight : Measure().weight) {
+      ASSERT_EQ(weight, kNeverMoves) << level;
+    }
+  }
+}
+
+TEST_F(MeasureOffsetsTest, ConstantSourcesTellNothing) {
+  for (const float level : {0.f, 128.f, kNan, kInfinity}) {
+    for (OffsetSource& source : sources_) {
+      source.gray =
+          Image<float>(source.gray.Width(), source.gray.Height(), level);
+    }
+    ExpectNothingToMove();
+  }
+}
+
+// What hides a pixel is a depth; what is none hides nothing.
+TEST_F(MeasureOffsetsTest, SourceDepthsThatAreNoneHideNothing) {
+  for (OffsetSource& source : sources_) {
+    source.depth = Image<float>();
+  }
+  const MeasuredOffsets open = Measure();
+  EXPECT_GT(open.NumMoving(), 0);
+  for (const float depth : {kNan, 0.f, -1.f, kInfinity}) {
+    for (OffsetSource& source : sources_) {
+      source.depth =
+          Image<float>(source.gray.Width(), source.gray.Height(), depth);
+    }
+    const MeasuredOffsets measured = Measure();
+    for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+      ASSERT_EQ(measured.weight.Data()[i], open.weight.Data()[i]) << i;
+    }
+  }
+}
+
+TEST_F(MeasureOffsetsTest, AnImageOfOnePixelNeverMoves) {
+  camera_ = camera_.Resized(1, 1);
+  gray_ = Image<float>(1, 1, 100.f);
+  depth_ = Image<float>(1, 1, 5.f);
+  normal_ = Image<Vec3f>(1, 1, {0.f, 0.f, -1.f});
+  EXPECT_EQ(Measure().weight(0, 0), kNeverMoves);
+  for (OffsetSource& source : sources_) {
+    source = {source.camera.Resized(1, 1), Image<float>(1, 1, 100.f), {}};
+  }
+  EXPECT_EQ(Measure().weight(0, 0), kNeverMoves);
+}
+
+TEST_F(MeasureOffsetsTest, AnEmptyImageHasNoOffsets) {
+  gray_ = depth_ = Image<float>();
+  normal_ = Image<Vec3f>();
+  EXPECT_EQ(Measure().NumMoving(), 0);
+}
+
+// Sources of up to six pixels have none that is far enough from their border.
+TEST_F(MeasureOffsetsTest, TinySourcesTellNothing) {
+  for (const int size : {1, 2, 6}) {
+    for (OffsetSource& source : sources_) {
+      source = {source.camera.Resized(size, size),
+                Checkers(size, size),
+                Image<float>(size, size, 5.f)};
+    }
+    ExpectNothingToMove();
+  }
+}
+
+// Drawn for cameras of other sizes, the wall is where it was.
+TEST_F(MeasureOffsetsTest, MeasuresWithSourcesOfAnotherSize) {
+  for (const int factor : {2, 16}) {
+    for (OffsetSource& source : sources_) {
+      const int width = camera_.width * factor;
+      const int height = camera_.height * factor;
+      Image<float> gray(width, height);
+      for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+          // What the large pixel shows that its center lies in.
+          gray(x, y) = source.gray(x * source.gray.Width() / width,
+                                   y * source.gray.Height() / height);
+        }
+      }
+      source = {source.camera.Resized(width, height), std::move(gray), {}};
+    }
+    EXPECT_GT(Measure().NumMoving(), 0) << factor;
+  }
+}
+
+TEST_F(MeasureOffsetsTest, ThinSourcesTellNothing) {
+  for (const auto& [width, height] : {std::pair{4000, 1}, std::pair{1, 4000}}) {
+    for (OffsetSource& source : sources_) {
+      source = {
+          source.camera.Resized(width, height), Checkers(width, height), {}};
+    }
+    ExpectNothingToMove();
+  }
+}
+
+// Without a baseline, offsets are no distances.
+TEST_F(MeasureOffsetsTest, ResolutionsThatTellNoDepthMoveNothing) {
+  for (const float error : {0.f, kNan, kInfinity, -kInfinity}) {
+    resolution_.error_per_depth = error;
+    ExpectNothingToMove();
+  }
+}
+
+// Where a pixel of disparity is as much as the depth, the negative ones are
+// infinitely far away, or farther; none is the surface.
+TEST_F(MeasureOffsetsTest, OffsetsBeyondInfinityAreNotTaken) {
+  for (const float share : {0.8f, 1.f, 2.f, 100.f, 1e30f}) {
+    resolution_.error_per_depth = share / depth_(48, 36);
+    const MeasuredOffsets measured = Measure();
+    for (size_t i = 0; i < depth_.NumPixels(); ++i) {
+      if (measured.weight.Data()[i] > 0.f) {
+        ASSERT_LT(std::abs(measured.offset.Data()[i]), 0.1f)
+            << share << " at " << i;
+      }
+    }
+  }
+}
+
+TEST_F(MeasureOffsetsTest, NoiseBeyondAllTextureMovesNothing) {
+  for (const float variance : {1e4f, kInfinity, kNan}) {
+    noise_.constant = variance;
+    for (const float weight : Measure().weight) {
+      ASSERT_EQ(weight, kNeverMoves) << variance;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tsar

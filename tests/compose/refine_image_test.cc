@@ -1,0 +1,336 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/compose/refine_image.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/refine_option_list.h"
+
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "tests/run/counting_device.h"
+#include "tests/support/synthetic_views_test.h"
+
+namespace tsar {
+namespace {
+
+class RefineImageTest : public SyntheticViewsTest {
+ protected:
+  RefineResult Refine(const RefineOptions& options = {}) const {
+    return RefineImage(drawn_.views[0], drawn_.Sources(), 1, options, *device_);
+  }
+};
+
+TEST_F(RefineImageTest, FillsTheBarePartWithTheWall) {
+  const RefineResult result = Refine();
+  EXPECT_EQ(result.reason_to_keep, "");
+  ExpectSoundMaps(result.maps);
+  int num_bare = 0;
+  int num_right = 0;
+  for (int y = 0; y < Before().Height(); ++y) {
+    for (int x = 0; x < Before().Width(); ++x) {
+      if (IsBare(x, y)) {
+        ++num_bare;
+        num_right += RelativeError(result.maps.depth, x, y) < 5e-3f ? 1 : 0;
+      }
+    }
+  }
+  ASSERT_GT(num_bare, 500);
+  EXPECT_GT(num_right, 0.95 * num_bare);
+}
+
+// A bare box stands before the bare part, without an edge between them.
+TEST_F(RefineImageTest, ASegmentTellsABoxFromTheWallBehindIt) {
+  SyntheticViewsOptions drawn;
+  drawn.width = 240;
+  drawn.height = 180;
+  drawn_ = MakeSyntheticViews(drawn);
+  ViewData& view = drawn_.views[0];
+  const auto is_on_box = [&](int x, int y) {
+    return IsBare(x, y) && x > drawn.width / 2 + 10;
+  };
+  constexpr float kBox = 0.8f;  // Its depth, as a share of the wall's.
+  int num_missing = 0;
+  for (int y = 0; y < drawn.height; ++y) {
+    for (int x = 0; x < drawn.width; ++x) {
+      if (IsBare(x, y)) {
+        const bool is_missing = is_on_box(x, y) && (x + y) % 2 == 0;
+        num_missing += is_missing ? 1 : 0;
+        view.depth(x, y) =
+            is_missing ? 0.f
+                       : drawn_.truth(x, y) * (is_on_box(x, y) ? kBox : 1.f);
+        view.normal(x, y) = drawn_.wall.normal;
+        view.is_to_refine(x, y) = is_missing ? 0 : 1;
+      }
+    }
+  }
+  // All that the map holds counts, and every region has one plane.
+  RefineOptions options;
+  options.filter = false;
+  options.refine = false;
+  options.max_region_planes = 1;
+  // Missing depths that were filled with that of the wall, and of the box.
+  const auto count_filled = [&] {
+    const RefinedMaps maps = Refine(options).maps;
+    std::pair<int, int> counts = {0, 0};
+    for (int y = 0; y < drawn.height; ++y) {
+      for (int x = 0; x < drawn.width; ++x) {
+        if (is_on_box(x, y) && !(view.depth(x, y) > 0.f)) {
+          const float share = maps.depth(x, y) / drawn_.truth(x, y);
+          counts.first += std::abs(share - 1.f) < 5e-3f ? 1 : 0;
+          counts.second += std::abs(share - kBox) < 5e-3f ? 1 : 0;
+        }
+      }
+    }
+    return counts;
+  };
+  // The rest is too far from the wall's samples.
+  EXPECT_GT(count_filled().first, 0.4 * num_missing);
+  // At half the size.
+  view.segments = Image<uint16_t>(drawn.width / 2, drawn.height / 2);
+  for (int y = 0; y < drawn.height / 2; ++y) {
+    for (int x = 0; x < drawn.width / 2; ++x) {
+      view.segments(x, y) = is_on_box(2 * x, 2 * y) ? 300 : 0;
+    }
+  }
+  const auto [as_wall, as_box] = count_filled();
+  EXPECT_LT(as_wall, 0.05 * num_missing);
+  EXPECT_GT(as_box, 0.9 * num_missing);
+}
+
+TEST_F(RefineImageTest, NoDepthThatWasRightByAMarginGetsWrong) {
+  const Image<float> after = Refine().maps.depth;
+  double error_before = 0.0;
+  double error_after = 0.0;
+  int count = 0;
+  int num_lost = 0;
+  for (int y = 0; y < after.Height(); ++y) {
+    for (int x = 0; x < after.Width(); ++x) {
+      if (RelativeError(Before(), x, y) > 2e-3f) {
+        continue;
+      }
+      ++count;
+      if (!(after(x, y) > 0.f)) {
+        ++num_lost;
+        continue;
+      }
+      ASSERT_LT(RelativeError(after, x, y), 5e-3f) << x << ", " << y;
+      error_before += RelativeError(Before(), x, y);
+      error_after += RelativeError(after, x, y);
+    }
+  }
+  ASSERT_GT(count, 4000);
+  EXPECT_LT(num_lost, 0.02 * count);
+  EXPECT_LE(error_after, error_before);
+}
+
+TEST_F(RefineImageTest, APlaneStaysAPlane) {
+  SyntheticViewsOptions options;
+  options.has_bare_part = false;
+  options.noise = 0.f;
+  drawn_ = MakeSyntheticViews(options);
+  const RefinedMaps maps = Refine().maps;
+  ExpectSoundMaps(maps);
+  int num_filled = 0;
+  for (int y = 0; y < maps.depth.Height(); ++y) {
+    for (int x = 0; x < maps.depth.Width(); ++x) {
+      if (maps.depth(x, y) > 0.f) {
+        ++num_filled;
+        ASSERT_LT(RelativeError(maps.depth, x, y), 1e-3f) << x << ", " << y;
+        ASSERT_LT(AngleBetween(maps.normal(x, y), drawn_.wall.normal), 0.5f)
+            << x << ", " << y;
+      }
+    }
+  }
+  EXPECT_GT(num_filled, 0.99 * maps.depth.NumPixels());
+}
+
+TEST_F(RefineImageTest, EverySwitchLeavesSoundMaps) {
+  RefineOptions list;
+  const size_t num_fields = ListRefineFields(&list).size();
+  int num_switches = 0;
+  for (size_t i = 0; i < num_fields; ++i) {
+    RefineOptions options;
+    const RefineField field = ListRefineFields(&options)[i];
+    if (!std::holds_alternative<bool*>(field.value)) {
+      continue;
+    }
+    bool* value = std::get<bool*>(field.value);
+    *value = !*value;
+    SCOPED_TRACE(field.name);
+    const RefineResult result = Refine(options);
+    ExpectSoundMaps(result.maps);
+    EXPECT_EQ(result.reason_to_keep, "");
+    ++num_switches;
+  }
+  EXPECT_GT(num_switches, 8);
+  SCOPED_TRACE("paper");
+  const RefineResult paper = Refine(PresetOptions(RefinePreset::kPaper));
+  ExpectSoundMaps(paper.maps);
+  EXPECT_EQ(paper.reason_to_keep, "");
+  SCOPED_TRACE("paper_strict");
+  const RefineResult strict = Refine(PresetOptions(RefinePreset::kPaperStrict));
+  ExpectSoundMaps(strict.maps);
+  EXPECT_EQ(strict.reason_to_keep, "");
+}
+
+TEST_F(RefineImageTest, RegionsReplaceWhatWasFilledBefore) {
+  RefineOptions options;
+  options.superpixel_planes = false;
+  options.fill_before_regions = true;
+  options.fill_wide_holes = true;
+  const auto count_interpolated = [&](bool segment) {
+    options.segment = segment;
+    const RefinedMaps maps = Refine(options).maps;
+    ExpectSoundMaps(maps);
+    int count = 0;
+    for (int y = 0; y < Before().Height(); ++y) {
+      for (int x = 0; x < Before().Width(); ++x) {
+        count += IsBare(x, y) && static_cast<Provenance>(maps.provenance(
+                                     x, y)) == Provenance::kInterpolated
+                     ? 1
+                     : 0;
+      }
+    }
+    return count;
+  };
+  // Not the pixels on edges, which belong to no region.
+  const int num_without = count_interpolated(false);
+  EXPECT_GT(num_without, 500);
+  EXPECT_LT(5 * count_interpolated(true), num_without);
+}
+
+TEST_F(RefineImageTest, SpreadMediansSmoothWhatTheyConfirm) {
+  RefineOptions options;
+  options.segment = false;
+  options.superpixel_planes = false;
+  const auto mean_error = [&](const RefinedMaps& maps) {
+    double sum = 0.0;
+    int count = 0;
+    for (int y = 0; y < Before().Height(); ++y) {
+      for (int x = 0; x < Before().Width(); ++x) {
+        if (static_cast<Provenance>(maps.provenance(x, y)) ==
+            Provenance::kMeasured) {
+          sum += RelativeError(maps.depth, x, y);
+          ++count;
+        }
+      }
+    }
+    EXPECT_GT(count, 4000);
+    return sum / count;
+  };
+  const double own = mean_error(Refine(options).maps);
+  options.spread_medians = true;
+  EXPECT_LT(mean_error(Refine(options).maps), 0.7 * own);
+}
+
+TEST_F(RefineImageTest, WithoutAnyStageKeepsTheDepths) {
+  RefineOptions options;
+  options.filter = false;
+  options.refine = false;
+  options.segment = false;
+  const RefinedMaps maps = Refine(options).maps;
+  int num_kept = 0;
+  for (size_t i = 0; i < Before().NumPixels(); ++i) {
+    const float depth = maps.depth.Data()[i];
+    ASSERT_TRUE(depth == 0.f || depth == Before().Data()[i]) << i;
+    num_kept += depth > 0.f ? 1 : 0;
+  }
+  EXPECT_GT(num_kept, 4000);
+}
+
+TEST_F(RefineImageTest, TakesTheCostsThatComeWithTheMaps) {
+  // Only the costs decide who is reliable.
+  RefineOptions options;
+  options.view_agreement = false;
+  options.filter_discontinuity = false;
+  EXPECT_EQ(Refine(options).reason_to_keep, "");
+  ViewData& reference = drawn_.views[0];
+  const int width = reference.depth.Width();
+  const int height = reference.depth.Height();
+  reference.min_cost = Image<float>(width, height, kUndefinedCost);
+  reference.second_cost = Image<float>(width, height, kUndefinedCost);
+  EXPECT_NE(Refine(options).reason_to_keep, "");
+  // Nor where they are as bad as can be.
+  reference.min_cost = Image<float>(width, height, 1.99f);
+  reference.second_cost = Image<float>(width, height, 1.99f);
+  EXPECT_NE(Refine(options).reason_to_keep, "");
+  reference.min_cost = Image<float>(width, height, 0.f);
+  reference.second_cost = Image<float>(width, height, 0.1f);
+  EXPECT_EQ(Refine(options).reason_to_keep, "");
+}
+
+TEST_F(RefineImageTest, DoesNotDependOnTheNumberOfThreads) {
+  const RefinedMaps two = Refine().maps;
+  device_ = Device::CreateCpu(5);
+  ExpectSameMaps(two, Refine().maps);
+}
+
+// A GPU that tells whether it may have work left, and on request has no memory
+// left.
+class BusyDevice : public CountingDevice {
+ public:
+  BusyDevice() : CountingDevice("Card", size_t{1} << 30, 2) {}
+
+  void* Allocate(size_t num_bytes) override {
+    is_busy_ = true;
+    if (NumAllocations() == num_good_allocations) {
+      throw Error(ErrorCode::kOutOfMemory, "GPU: it is full; empty it");
+    }
+    return CountingDevice::Allocate(num_bytes);
+  }
+  void Synchronize() override { is_busy_ = false; }
+  bool IsBusy() const { return is_busy_; }
+
+  int num_good_allocations = -1;
+
+ private:
+  bool is_busy_ = false;
+};
+
+TEST_F(RefineImageTest, SourcesStayUntilTheDeviceIsDoneWithThem) {
+  const auto cpu = Device::CreateCpu(1);
+  int num_gone = 0;
+  // Returns the number of allocations.
+  const auto refine = [&](int num_good_allocations) {
+    BusyDevice device;
+    device.num_good_allocations = num_good_allocations;
+    std::vector<std::shared_ptr<const UploadedView>> sources;
+    for (const auto& source : UploadViews(drawn_.Sources(), *cpu)) {
+      sources.emplace_back(source.get(), [&, source](const UploadedView*) {
+        ++num_gone;
+        EXPECT_FALSE(device.IsBusy()) << num_good_allocations;
+      });
+    }
+    const auto run = [&] {
+      RefineImage(drawn_.views[0], std::move(sources), 1, {}, device);
+    };
+    if (num_good_allocations < 0) {
+      run();
+    } else {
+      EXPECT_THROW(run(), Error);
+    }
+    return device.NumAllocations();
+  };
+  const int num_allocations = refine(-1);
+  EXPECT_EQ(num_gone, 4);
+  // Until these are uploaded, nothing reads the sources.
+  BusyDevice device;
+  const DeviceViews views(drawn_.views[0], UploadViews({}, device), device);
+  int num_failures = 0;
+  for (int i = device.NumAllocations() + 1; i < num_allocations; i += 7) {
+    num_gone = 0;
+    refine(i);
+    EXPECT_EQ(num_gone, 4);
+    ++num_failures;
+  }
+  EXPECT_GT(num_failures, 10);
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,370 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/io/map_io.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "tests/run/refine_workspace_fixture.h"
+#include <nlohmann/json.hpp>
+
+namespace tsar {
+namespace {
+
+TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
+  // All images are of one scene, whether they share its planes or not.
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\nv1.png\nv1.png\nv0.png\nleft/v2.png\nv3.png\n");
+  for (const bool scene_planes : {true, false}) {
+    RefineOptions refine;
+    refine.scene_planes = scene_planes;
+    EXPECT_EQ(Refine(Options(root_), refine).num_refined, 3);
+    const auto refine_again = [&] {
+      testing::internal::CaptureStderr();
+      const RunSummary summary = Refine(Options(root_), refine);
+      const std::string warnings = testing::internal::GetCapturedStderr();
+      return std::pair(summary.num_refined, warnings);
+    };
+    EXPECT_EQ(refine_again(), std::pair(0, std::string()));
+    const std::filesystem::path photo = root_ / "images/v1.png";
+    std::filesystem::last_write_time(
+        photo,
+        std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
+    const auto [num_refined, warnings] = refine_again();
+    EXPECT_EQ(num_refined, 3);
+    EXPECT_THAT(
+        warnings,
+        testing::AllOf(testing::HasSubstr("v1.png: refined again, since its "
+                                          "photo has changed\n"),
+                       testing::HasSubstr("left/v2.png: refined again, since "
+                                          "other images of the scene have "
+                                          "changed\n")));
+  }
+}
+
+TEST_F(RefineWorkspaceTest, RefinesAgainWhereTheMapsOfTheInputAreNew) {
+  RefineOptions refine;
+  refine.scene_planes = false;
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  EXPECT_EQ(Refine(options, refine).num_refined, 4);
+  EXPECT_EQ(Refine(options, refine).num_refined, 0);
+  Image<float> depth = ReadDepthMap(Paths(3).depth);
+  depth(40, 30) *= 1.01f;
+  WriteDepthMap(Paths(3).depth, depth);
+  testing::internal::CaptureStderr();
+  EXPECT_GE(Refine(options, refine).num_refined, 1);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("v3.png: refined again, since its maps have "
+                                 "changed\n"));
+}
+
+// Maps tell the numbers of these planes, which readers look up.
+TEST_F(RefineWorkspaceTest, RefinesAgainWithoutThePlanesOfTheScene) {
+  Refine();
+  const Tree expected = MapsOf(root_);
+  const std::filesystem::path planes = root_ / "stereo/tsar/planes.bin";
+  const std::string bytes = ReadText(planes);
+  std::string damaged = bytes;
+  damaged[damaged.size() / 2] ^= 1;
+  const std::filesystem::path other = folder_.Path() / "other";
+  MakeSyntheticWorkspace(other);
+  RemoveDepths(other, 3);
+  Refine(Options(other));
+  const std::string of_other_scene = ReadText(other / "stereo/tsar/planes.bin");
+  ASSERT_NE(of_other_scene, bytes);
+  for (const std::string& content : {std::string(), damaged, of_other_scene}) {
+    EXPECT_EQ(Refine().num_refined, 0);
+    WriteText(planes, content);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(Refine().num_refined, 4);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                testing::HasSubstr("v0.png: refined again, since some of what "
+                                   "was written for it is missing"));
+    EXPECT_TRUE(ReadText(planes) == bytes);
+    ExpectSameFiles(expected, MapsOf(root_));
+  }
+}
+
+// What cannot be refined any more is not as it was refined.
+TEST_F(RefineWorkspaceTest, KeepsWhatHasLostItsSources) {
+  const Tree before = MapsOf(root_);
+  Refine();
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\n__all__\nv1.png\n__all__\nv3.png\nleft/v2.png\n");
+  RemoveMaps(2, MapType::kGeometric);
+  std::filesystem::remove(Paths(2).original_depth);
+  std::filesystem::remove(Paths(2).original_normal);
+  testing::internal::CaptureStderr();
+  const RunSummary summary = Refine();
+  const std::string warnings = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(summary.num_refined, 2);
+  ASSERT_EQ(summary.kept.size(), 1u);
+  EXPECT_EQ(summary.kept[0].name, "v3.png");
+  EXPECT_THAT(warnings, testing::Not(testing::HasSubstr("v3.png: ")));
+  const Tree after = MapsOf(root_);
+  for (const char* path : {"stereo/depth_maps/v3.png.geometric.bin",
+                           "stereo/normal_maps/v3.png.geometric.bin"}) {
+    EXPECT_TRUE(after.at(path) == before.at(path)) << path;
+  }
+}
+
+TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
+  const std::filesystem::path whole = folder_.Path() / "whole";
+  MakeSyntheticWorkspace(whole);
+  const RunSummary all_in_one_go = Refine(Options(whole));
+
+  // While the third image is read, computed or about to be written; there is
+  // one thread that writes.
+  ExpectError(ErrorCode::kInterrupted, {"2 of 4", "same command"}, [&] {
+    Refine(Options(root_), {}, [&] {
+      return std::filesystem::exists(Paths(1).record);
+    });
+  });
+  EXPECT_EQ(Manifest()["num_images"]["done"], 2);
+  EXPECT_EQ(Manifest()["num_images"]["pending"], 2);
+
+  const RunSummary summary = Refine();
+  EXPECT_EQ(summary.num_skipped, 2);
+  EXPECT_EQ(summary.num_refined, 2);
+  // What is told of the pixels is told of all.
+  EXPECT_EQ(summary.counts.at("pixels"), 4 * 96 * 72);
+  EXPECT_EQ(summary.counts, all_in_one_go.counts);
+  EXPECT_EQ(Manifest()["num_images"]["done"], 4);
+  ExpectSameFiles(MapsOf(whole), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, TellsHowManyImagesWereObservedBeforeItWasStopped) {
+  ExpectError(
+      ErrorCode::kInterrupted,
+      {"after 2 of 4 images were observed, before the first", "same command"},
+      [&] {
+        Refine(Options(root_), {}, [&] {
+          return std::filesystem::exists(Evidence(root_, 1));
+        });
+      });
+}
+
+TEST_F(RefineWorkspaceTest, AFailedWriteLeavesTheOthersDone) {
+  // A folder in the place of the third image's confidence map.
+  const std::filesystem::path confidence = Paths(2).confidence;
+  WriteText(confidence / "file", "in the way");
+  ExpectError(ErrorCode::kIo, {confidence.string()}, [&] { Refine(); });
+  EXPECT_EQ(Manifest()["images"][0]["status"], "done");
+  EXPECT_EQ(Manifest()["images"][1]["status"], "done");
+  EXPECT_EQ(Manifest()["images"][2]["status"], "failed");
+  std::filesystem::remove_all(confidence);
+  Refine();
+  EXPECT_EQ(Manifest()["num_images"]["done"], 4);
+}
+
+TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\nv1.png\nv1.png\nv0.png\nv3.png\nleft/v2.png\n");
+  const std::string image = ReadText(root_ / "images/v3.png");
+  // Not an image at all: seen before anything is done.
+  WriteText(root_ / "images/v3.png", "no picture");
+  ExpectRefusal(ErrorCode::kCorrupt, {"v3.png", "not a readable"});
+  // Its beginning alone, too.
+  WriteText(root_ / "images/v3.png", image.substr(0, image.size() / 10));
+  ExpectRefusal(ErrorCode::kCorrupt, {"v3.png", "the image is damaged"});
+  WriteText(root_ / "images/v3.png", WithZeros(image));
+  const Tree before = MapsOf(root_);
+  const std::string depth = ReadText(Paths(3).depth);
+  for (const bool scene_planes : {true, false}) {
+    RefineOptions options;
+    options.scene_planes = scene_planes;
+    ExpectError(ErrorCode::kCorrupt, {"v3.png", "is damaged"}, [&] {
+      Refine(Options(root_), options);
+    });
+    EXPECT_EQ(Manifest()["num_images"]["failed"], 1);
+    EXPECT_EQ(Manifest()["images"][2]["status"], "failed");
+    EXPECT_THAT(Manifest()["images"][2]["note"].get<std::string>(),
+                testing::HasSubstr("v3.png"));
+    EXPECT_TRUE(ReadText(Paths(3).depth) == depth);
+    if (scene_planes) {
+      // What is seen while the images are observed comes before any change.
+      EXPECT_EQ(Manifest()["num_images"]["pending"], 2);
+      ExpectSameFiles(before, MapsOf(root_));
+    } else {
+      EXPECT_EQ(Manifest()["num_images"]["done"], 2);
+    }
+  }
+  WriteText(root_ / "images/v3.png", image);
+  RefineOptions options;
+  options.scene_planes = false;
+  // Of another time than before, so that all images are of another scene.
+  EXPECT_EQ(Refine(Options(root_), options).num_refined, 3);
+  EXPECT_EQ(Refine().num_refined, 3);
+}
+
+TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v0.png\nv1.png\nv1.png\nv3.png\nv3.png\nv1.png\n");
+  Refine();
+  // Now v0 needs what v1 observes, and that needs the image of v3.
+  std::filesystem::remove(Paths(0).confidence);
+  const Tree before = MapsOf(root_);
+  // Damaged by the disk, perhaps: of the same size and time.
+  const std::filesystem::path photo = root_ / "images/v3.png";
+  const auto time = std::filesystem::last_write_time(photo);
+  WriteText(photo, WithZeros(ReadText(photo)));
+  std::filesystem::last_write_time(photo, time);
+  ExpectError(ErrorCode::kCorrupt, {"v3.png", "is damaged"}, [&] { Refine(); });
+  ExpectSameFiles(before, MapsOf(root_));
+  const nlohmann::json manifest = Manifest();
+  EXPECT_EQ(manifest["num_images"]["failed"], 0);
+  EXPECT_EQ(manifest["images"][1]["status"], "done");
+  EXPECT_THAT(
+      manifest["images"][1]["note"].get<std::string>(),
+      testing::AllOf(testing::StartsWith("cannot be observed for other images"),
+                     testing::HasSubstr("v3.png")));
+  EXPECT_EQ(manifest["images"][2]["status"], "done");
+  EXPECT_EQ(manifest["images"][2]["note"], "");
+
+  // Where the maps of v1 are others by now, it is v1 that fails.
+  WriteDepthMap(Paths(1).depth, Image<float>(96, 72, 5.5f));
+  WriteNormalMap(Paths(1).normal,
+                 Image<Vec3f>(96, 72, Vec3f{0.06f, 0.08f, -0.99499f}));
+  for (const ContainedPath& path : {Paths(1).depth, Paths(1).normal}) {
+    std::filesystem::last_write_time(
+        path, std::filesystem::last_write_time(path) + std::chrono::hours(1));
+  }
+  ExpectError(ErrorCode::kCorrupt, {"v3.png", "is damaged"}, [&] { Refine(); });
+  EXPECT_EQ(Manifest()["images"][1]["status"], "failed");
+  EXPECT_EQ(Manifest()["num_images"]["failed"], 1);
+}
+
+TEST_F(RefineWorkspaceTest, KeepsEvidenceOnlyAsLongAsItIsNeeded) {
+  bool was_there = false;
+  Refine(Options(root_), {}, [&] {
+    was_there = was_there || std::filesystem::exists(Evidence(root_, 2));
+    return false;
+  });
+  EXPECT_TRUE(was_there);
+  EXPECT_FALSE(HasEvidence());
+  // What a run left behind goes also with one that needs none.
+  RefineOptions others;
+  others.segment = false;
+  Observe(Options(root_), others);
+  others.scene_planes = false;
+  Refine(Options(root_), others);
+  EXPECT_FALSE(HasEvidence());
+}
+
+TEST_F(RefineWorkspaceTest, GoesOnWhereAllThatIsMissingIsTheSecondPass) {
+  const Tree before = MapsOf(root_);
+  Observe(Options(root_));
+  ExpectSameFiles(before, MapsOf(root_));
+  EXPECT_EQ(Manifest()["num_images"]["pending"], 4);
+
+  // Nothing is observed again.
+  const auto time = std::filesystem::last_write_time(Evidence(root_, 0));
+  Refine(Options(root_), {}, [&] {
+    std::error_code error;
+    const auto now =
+        std::filesystem::last_write_time(Evidence(root_, 0), error);
+    EXPECT_TRUE(error || now == time);
+    return false;
+  });
+  ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, EvidenceOfOtherOptionsIsNotUsed) {
+  RefineOptions others;
+  others.min_aggregated_score = 0.95;
+  others.superpixel_size = 200;
+  Observe(Options(root_), others);
+  Refine();
+  ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, EvidenceOfMapsThatWereReplacedIsNotUsed) {
+  const auto remove_depths = [](const std::filesystem::path& root) {
+    RemoveDepths(root, 3);
+  };
+  Observe(Options(root_));
+  // Of an image that has none now, none would be written over the old.
+  remove_depths(root_);
+  Refine();
+  ExpectSameFiles(RefinedInOneGo({}, remove_depths), MapsOf(root_));
+
+  // Nor of one that is no longer to be refined, nor a source.
+  std::filesystem::remove_all(root_);
+  MakeSyntheticWorkspace(root_);
+  const auto leave_out = [](const std::filesystem::path& root) {
+    WriteText(root / "stereo/patch-match.cfg",
+              "v0.png\nv1.png, v3.png\nv1.png\nv0.png, v3.png\n");
+  };
+  Observe(Options(root_));
+  leave_out(root_);
+  Refine();
+  ExpectSameFiles(RefinedInOneGo({}, leave_out), MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, NeighborsWithoutMapsOrDepthsDoNotMatter) {
+  // Without maps, as if nobody had listed the image.
+  const Tree expected =
+      RefinedInOneGo({}, [](const std::filesystem::path& root) {
+        WriteText(root / "stereo/patch-match.cfg",
+                  "v0.png\nv1.png, left/v2.png\n"
+                  "v1.png\nv0.png, left/v2.png\n"
+                  "left/v2.png\nv0.png, v1.png\n");
+      });
+  RemoveMaps(3, MapType::kGeometric);
+  EXPECT_EQ(Refine().num_refined, 3);
+  for (const auto& [name, content] : MapsOf(root_)) {
+    if (name.find("v3.png") == std::string::npos) {
+      EXPECT_TRUE(content == expected.at(name)) << name;
+    }
+  }
+
+  // Without depths, its picture still helps to judge those of the others.
+  std::filesystem::remove_all(root_);
+  MakeSyntheticWorkspace(root_);
+  RemoveDepths(root_, 3);
+  const RunSummary summary = Refine();
+  EXPECT_EQ(summary.num_refined, 3);
+  ASSERT_EQ(summary.kept.size(), 1u);
+  EXPECT_EQ(summary.kept[0].name, "v3.png");
+  for (int view = 0; view < 3; ++view) {
+    int num_bare = 0;
+    int num_right = 0;
+    const Image<float> depth = ReadDepthMap(Paths(view).depth);
+    for (int y = 0; y < depth.Height(); ++y) {
+      for (int x = 0; x < depth.Width(); ++x) {
+        if (SyntheticWorkspace::IsBare(view, x, y)) {
+          ++num_bare;
+          num_right += std::abs(depth(x, y) - 5.f) < 0.05f ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_GT(num_right, num_bare / 2) << view;
+  }
+}
+
+TEST_F(RefineWorkspaceTest, TheOrderOfTheImagesDoesNotMatter) {
+  const Tree expected = RefinedInOneGo();
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "v3.png\n__all__\nleft/v2.png\n__all__\nv0.png\n__all__\n"
+            "v1.png\n__all__\n");
+  Refine();
+  ExpectSameFiles(expected, MapsOf(root_));
+}
+
+TEST_F(RefineWorkspaceTest, AnInterruptedRunLeavesNoEvidenceInTheInput) {
+  const Tree before = ReadTree(root_);
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  Observe(options);
+  ExpectSameFiles(before, ReadTree(root_));
+  Refine(options);
+  ExpectSameFiles(before, ReadTree(root_));
+  EXPECT_FALSE(
+      std::filesystem::exists(options.output_path / "stereo/tsar/evidence"));
+  ExpectSameFiles(RefinedInOneGo(), MapsOf(options.output_path));
+}
+
+}  // namespace
+}  // namespace tsar

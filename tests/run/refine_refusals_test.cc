@@ -1,0 +1,266 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/run/workspace_check.h"
+
+#include <limits>
+#include <mutex>
+
+#include "tests/run/refine_workspace_fixture.h"
+
+namespace tsar {
+namespace {
+
+TEST_F(RefineWorkspaceTest, TwoRunsAtATimeAreRefused) {
+  const WorkspaceLock lock(root_);
+  ExpectError(
+      ErrorCode::kUnsupported, {"lock", "another program"}, [&] { Refine(); });
+}
+
+TEST_F(RefineWorkspaceTest, NobodyChangesTheInputOfAnotherRun) {
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  {
+    const WorkspaceLock writer(root_);
+    ExpectError(ErrorCode::kUnsupported, {"lock", "another program"}, [&] {
+      Refine(options);
+    });
+    EXPECT_FALSE(std::filesystem::exists(options.output_path));
+  }
+  // While the first run reads, in the middle of its work.
+  int num_refusals = 0;
+  Refine(options, {}, [&] {
+    static std::mutex mutex;
+    const std::lock_guard<std::mutex> lock(mutex);
+    ExpectError(ErrorCode::kUnsupported, {root_.string(), "lock"}, [&] {
+      const WorkspaceLock writer(root_);
+    });
+    ++num_refusals;
+    return false;
+  });
+  EXPECT_GT(num_refusals, 0);
+  // An output workspace, worked on in place, reads the first one, too.
+  const WorkspaceLock writer(root_);
+  ExpectError(ErrorCode::kUnsupported, {root_.string(), "lock"}, [&] {
+    Refine(Options(options.output_path));
+  });
+}
+
+TEST_F(RefineWorkspaceTest, NobodyTouchesTheOutputOfAnotherRun) {
+  WorkspaceRefineOptions options = Options(root_);
+  options.output_path = folder_.Path() / "out";
+  Refine(options);
+  WriteText(root_ / "stereo/fusion.cfg", "v0.png\n");
+  {
+    const WorkspaceLock writer(options.output_path);
+    const Tree before = ReadTree(options.output_path);
+    ExpectError(ErrorCode::kUnsupported,
+                {options.output_path.string(), "lock", "another program"},
+                [&] { Refine(options); });
+    ExpectSameFiles(before, ReadTree(options.output_path));
+  }
+  Refine(options);
+  EXPECT_EQ(ReadText(options.output_path / "stereo/fusion.cfg"), "v0.png\n");
+}
+
+TEST_F(RefineWorkspaceTest, RefusesWorkspacesWithoutTheirFolders) {
+  ExpectRefusal(ErrorCode::kNotFound,
+                {"nowhere", "workspace_path"},
+                Options(folder_.Path() / "nowhere"));
+  for (const char* name : {"stereo/normal_maps", "stereo", "sparse"}) {
+    std::filesystem::remove_all(root_ / name);
+    ExpectRefusal(ErrorCode::kNotFound, {name});
+  }
+}
+
+TEST_F(RefineWorkspaceTest, RefusesMissingAndEmptyImageFiles) {
+  WriteText(root_ / "images/left/v2.png", "");
+  ExpectRefusal(ErrorCode::kCorrupt, {"left/v2.png", "empty"});
+  std::filesystem::remove(root_ / "images/left/v2.png");
+  ExpectRefusal(ErrorCode::kNotFound, {"left/v2.png", "image_undistorter"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesImagesThatAreTooLargeToDecode) {
+  WriteText(root_ / "sparse/cameras.txt",
+            "1 PINHOLE 32768 32769 32000 32000 48 36\n");
+  RemoveMaps(0, MapType::kPhotometric);
+  WriteDepthMap(Paths(0).depth, Image<float>(72, 72, 5.f));
+  WriteNormalMap(Paths(0).normal, Image<Vec3f>(72, 72, Vec3f{0.f, 0.f, -1.f}));
+  ExpectRefusal(ErrorCode::kUnsupported,
+                {"v0.png", "32768 x 32769", "2^30", "--max_image_size"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesMapsWithMorePixelsThanItCanNumber) {
+  RemoveMaps(1, MapType::kPhotometric);
+  // Of these files only the heads take space.
+  for (const auto& [path, channels] :
+       {std::pair(Paths(1).depth, 1), std::pair(Paths(1).normal, 3)}) {
+    const std::string head = "40000&30000&" + std::to_string(channels) + "&";
+    WriteText(path, head);
+    std::filesystem::resize_file(
+        path, head.size() + uintmax_t{4} * 40000 * 30000 * channels);
+  }
+  ExpectError(ErrorCode::kUnsupported,
+              {Paths(1).depth.string(), "40000 x 30000", "max_image_size"},
+              [&] { CheckWorkspace(Workspace(root_, MapType::kGeometric)); });
+}
+
+TEST_F(RefineWorkspaceTest, LooksForTheMapsThatTakeMemory) {
+  const auto look = [&] {
+    return CheckWorkspace(Workspace(root_, MapType::kGeometric));
+  };
+  EXPECT_FALSE(look().has_costs);
+  EXPECT_EQ(look().map_sides, std::vector<int>(4, 96));
+  CreateFolders(Paths(2).cost.Parent());
+  WritePlanarMap(UserPath(Paths(2).cost),
+                 {96, 72, 2, std::vector<float>(2 * 96 * 72)});
+  EXPECT_TRUE(look().has_costs);
+}
+
+TEST_F(RefineWorkspaceTest, RefusesBrokenMapsOfEitherType) {
+  for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+    for (const std::filesystem::path& path :
+         {Paths(3, type).depth, Paths(3, type).normal}) {
+      const std::string bytes = ReadText(path);
+      WriteText(path, bytes.substr(0, bytes.size() / 2));
+      ExpectRefusal(ErrorCode::kCorrupt, {path.string(), "not a complete map"});
+      WriteText(path, "");
+      ExpectRefusal(ErrorCode::kCorrupt, {path.string(), "empty"});
+      WriteText(path, bytes);
+    }
+  }
+}
+
+TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
+  WriteDepthMap(UserPath(Paths(3, MapType::kPhotometric).depth),
+                Image<float>(48, 36, 5.f));
+  WriteNormalMap(UserPath(Paths(3, MapType::kPhotometric).normal),
+                 Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
+  ExpectRefusal(ErrorCode::kMismatch, {"v3.png.photometric.bin", "48 x 36"});
+  RemoveMaps(3, MapType::kPhotometric);
+
+  const std::string normal = ReadText(Paths(2).normal);
+  WriteNormalMap(UserPath(Paths(2).normal),
+                 Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
+  ExpectRefusal(ErrorCode::kMismatch, {Paths(2).normal.string(), "48 x 36"});
+  WriteDepthMap(UserPath(Paths(2).normal), Image<float>(96, 72, 5.f));
+  ExpectRefusal(ErrorCode::kCorrupt, {Paths(2).normal.string(), "channels"});
+  std::filesystem::remove(Paths(2).normal);
+  ExpectRefusal(ErrorCode::kNotFound,
+                {Paths(2).normal.string(), "no normal map"});
+  WriteText(Paths(2).normal, normal);
+  std::filesystem::remove(Paths(2).depth);
+  ExpectRefusal(ErrorCode::kNotFound,
+                {Paths(2).depth.string(), "no depth map"});
+}
+
+// Of references and sources, and of both types.
+TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
+  Refine();
+  WriteText(root_ / "stereo/patch-match.cfg", "v0.png\nv1.png, v3.png\n");
+  const auto geometric = Paths(3);
+  const auto photometric = Paths(3, MapType::kPhotometric);
+  for (const auto& [path, num_channels] : {std::pair(geometric.depth, 1),
+                                           {geometric.normal, 3},
+                                           {photometric.depth, 1},
+                                           {photometric.normal, 3},
+                                           {Paths(0).depth, 1},
+                                           {Paths(0).cost, 2}}) {
+    const bool is_there = std::filesystem::exists(path);
+    const std::string bytes = is_there ? ReadText(path) : "";
+    for (const auto& [width, height] :
+         {std::pair(72, 96), {4000, 2}, {96, 36}}) {
+      CreateFolders(path.Parent());
+      WritePlanarMap(
+          path,
+          {width,
+           height,
+           num_channels,
+           std::vector<float>(
+               static_cast<size_t>(width * height * num_channels), 1.f)});
+      ExpectRefusal(ErrorCode::kMismatch,
+                    {path.string() + ": has " + std::to_string(width) + " x " +
+                         std::to_string(height) + " pixels",
+                     "not the shape of the image",
+                     "of 96 x 72; run patch_match_stereo again"});
+    }
+    std::filesystem::remove(path);
+    if (is_there) {
+      WriteText(path, bytes);
+    }
+  }
+}
+
+// What is kept of an image's maps and is not what was kept is named, also where
+// it is no map of this image at all; it matters only as long as nothing newer
+// stands in the place of the refined maps.
+TEST_F(RefineWorkspaceTest, RefusesOriginalsThatAreNotThoseThatWereKept) {
+  Refine();
+  const MapPaths paths = Paths(3);
+  const std::string depth = ReadText(paths.original_depth);
+  const std::string normal = ReadText(paths.original_normal);
+  for (const std::string& other : {std::string(),
+                                   depth.substr(0, depth.size() / 2),
+                                   normal,
+                                   std::string("1&1&1&\0\0\0\0", 10)}) {
+    WriteText(paths.original_depth, other);
+    ExpectRefusal(ErrorCode::kMismatch,
+                  {paths.original_depth.string() + ": this is not the original",
+                   "restore_conflicts"});
+  }
+  Image<float> newer = ReadDepthMap(paths.depth);
+  std::fill(newer.begin(), newer.end(), 7.f);
+  WriteDepthMap(paths.depth, newer);
+  WriteNormalMap(
+      paths.normal,
+      Image<Vec3f>(newer.Width(), newer.Height(), {0.6f, 0.f, -0.8f}));
+  // The image is kept as it is, since no other one confirms its new depths.
+  EXPECT_EQ(Refine().num_refined, 3);
+  EXPECT_EQ(ReadDepthMap(paths.depth)(0, 0), 7.f);
+}
+
+TEST_F(RefineWorkspaceTest, RefusesCostMapsThatDoNotFit) {
+  CreateFolders(Paths(0).cost.Parent());
+  WriteDepthMap(UserPath(Paths(0).cost), Image<float>(96, 72, 1.f));
+  ExpectRefusal(ErrorCode::kCorrupt, {Paths(0).cost.string(), "channels"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesUnknownImagesAndEmptyConfigurations) {
+  const std::filesystem::path config = root_ / "stereo/patch-match.cfg";
+  WriteText(config, "v0.png\nv9.png\n");
+  ExpectRefusal(ErrorCode::kMismatch, {"patch-match.cfg", "line 2", "v9.png"});
+  WriteText(config, "");
+  ExpectRefusal(ErrorCode::kNotFound, {"patch-match.cfg", "names no image"});
+}
+
+TEST_F(RefineWorkspaceTest, RefusesOptionsThatMakeNoSense) {
+  WorkspaceRefineOptions options = Options(root_);
+  options.devices.num_threads = 0;
+  ExpectRefusal(ErrorCode::kBadOption, {"num_threads"}, options);
+  options = Options(root_);
+  options.devices.gpu_indices = {0, 0};
+  ExpectRefusal(ErrorCode::kBadOption, {"gpu_index", "twice"}, options);
+  options = Options(root_);
+  options.devices.gpu_indices = {-1};
+  ExpectRefusal(ErrorCode::kBadOption, {"gpu_index", "no GPU -1"}, options);
+  options = Options(root_);
+  options.devices.cache_size = std::numeric_limits<double>::quiet_NaN();
+  ExpectRefusal(ErrorCode::kBadOption, {"cache_size"}, options);
+  options = Options(root_);
+  options.pass = RefinePass::kObserve;
+  for (const Shard& shard : {Shard{2, 2}, Shard{-1, 2}, Shard{0, 0}}) {
+    options.shard = shard;
+    ExpectRefusal(ErrorCode::kBadOption, {"shard", "part"}, options);
+  }
+  RefineOptions refine;
+  refine.num_iterations = 0;
+  ExpectError(ErrorCode::kBadOption, {"num_iterations"}, [&] {
+    Refine(Options(root_), refine);
+  });
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,245 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/discovery/discover_planes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/scene/discovery/discover_planes_fixture.h"
+#include "tests/support/synthetic_room.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+TEST_F(DiscoverPlanesTest, SupportIsTheSumOfTheScores) {
+  const SyntheticRoom room;
+  const DiscoveredPlanes found = Discover(room);
+  ASSERT_EQ(found.planes.size(), 3u);
+  for (int i = 0; i < 3; ++i) {
+    const double support =
+        SupportOf(i, found, room.Views(), options_.max_weight);
+    EXPECT_NEAR(found.planes[i].support, support, 1e-4 * support);
+  }
+}
+
+TEST_F(DiscoverPlanesTest, BoundsTheSlopeOfGrazingRays) {
+  // A floor just under the camera; all rays are at less than 3 degrees to it.
+  const WorldPlane floor = PlaneThrough({0.0, -1.0, 0.0}, {0.0, 0.1, 0.0});
+  constexpr int kNumSuperpixels = 20;
+  ViewEvidence evidence;
+  evidence.resolution.error_per_depth = SyntheticRoom::kErrorPerDepth;
+  evidence.weights.assign(kNumSuperpixels, 100.f);
+  evidence.first_observation.push_back(0);
+  Philox random(5, 0, 0);
+  for (int k = 0; k < kNumSuperpixels; ++k) {
+    for (int i = 0; i < 10; ++i) {
+      const float y = 0.015f + 0.025f * random.NextFloat();
+      const float z = 0.1f / y;
+      const double error =
+          0.6 * evidence.resolution.RelativeDepthError(z) * NextNormal(&random);
+      evidence.observations.push_back(
+          {{0.1f * k - 1.f, y, z * static_cast<float>(1.0 + error)}, 1.f});
+      evidence.sources.push_back(ObservationSource::kMeasured);
+    }
+    evidence.first_observation.push_back(10 * (k + 1));
+  }
+  const std::vector<ObservedView> views = {{&evidence, Camera()}};
+  const DiscoveredPlanes found =
+      DiscoverPlanes(views, {floor}, options_, *device_);
+  ASSERT_EQ(found.planes.size(), 1u);
+  EXPECT_LT(AngleBetween(found.planes[0].plane, floor), 0.1);
+  const double support = SupportOf(0, found, views, options_.max_weight);
+  EXPECT_NEAR(found.planes[0].support, support, 1e-4 * support);
+}
+
+TEST_F(DiscoverPlanesTest, FitsAllViewsAlike) {
+  SyntheticRoom room;
+  for (Observation& observation : room.evidence[0].observations) {
+    observation.sample.z *=
+        1.f + 0.4f * SyntheticRoom::kErrorPerDepth * observation.sample.z;
+  }
+  const std::vector<ScenePlane> found = Discover(room).planes;
+  // The largest, of more observations than a fit uses. A third of 0.4 times
+  // 0.025; more than three fourths of it, were the first ones used.
+  ASSERT_FALSE(found.empty());
+  EXPECT_NEAR(
+      found[0].plane.Height(room.surfaces[kWall].middle), 0.0033, 0.0012);
+}
+
+TEST_F(DiscoverPlanesTest, TakesTheFirstOfEqualCandidates) {
+  const SyntheticRoom room;
+  const WorldPlane& plane = room.surfaces[kWall].plane;
+  for (const double sign : {1.0, -1.0}) {
+    const WorldPlane first = {sign * plane.normal, sign * plane.offset};
+    const WorldPlane second = {-first.normal, -first.offset};
+    const std::vector<ScenePlane> found =
+        Discover(room, {first, second}).planes;
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_GT(found[0].plane.normal.dot(first.normal), 0.9);
+  }
+}
+
+TEST_F(DiscoverPlanesTest, MakesNoPlanesOfNoise) {
+  SyntheticRoom room;
+  Philox random(11, 0, 0);
+  std::vector<WorldPlane> candidates = room.Candidates();
+  for (int view = 0; view < 3; ++view) {
+    for (int k = 0; k < SyntheticRoom::kNumSuperpixels; k += 4) {
+      room.MakeNoise(view, k, &random);
+      const int first = room.evidence[view].first_observation[k];
+      Eigen::Vector3d points[3];
+      for (int i = 0; i < 3; ++i) {
+        const RayDepth& sample =
+            room.evidence[view].observations[first + 10 * i].sample;
+        points[i] =
+            room.cameras[view].rotation.transpose() *
+                Eigen::Vector3d(
+                    sample.x * sample.z, sample.y * sample.z, sample.z) +
+            room.cameras[view].Center();
+      }
+      candidates.push_back(PlaneThrough(
+          (points[1] - points[0]).cross(points[2] - points[0]), points[0]));
+    }
+  }
+  ExpectSurfaces(room, Discover(room, candidates));
+  // Nor where there is nothing else.
+  for (int view = 0; view < 3; ++view) {
+    for (int k = 0; k < SyntheticRoom::kNumSuperpixels; ++k) {
+      room.MakeNoise(view, k, &random);
+    }
+  }
+  const DiscoveredPlanes found = Discover(room, candidates);
+  EXPECT_TRUE(found.planes.empty());
+  for (const std::vector<int>& of_view : found.assignment) {
+    EXPECT_EQ(of_view, std::vector<int>(SyntheticRoom::kNumSuperpixels, -1));
+  }
+}
+
+TEST_F(DiscoverPlanesTest, CountsASuperpixelByItsWeightUpToTheMaximum) {
+  SyntheticRoom room;
+  const double full = Discover(room).planes[0].support;
+  for (ViewEvidence& evidence : room.evidence) {
+    evidence.weights.assign(evidence.weights.size(), 1e4f);
+  }
+  EXPECT_DOUBLE_EQ(Discover(room).planes[0].support, full);
+  for (ViewEvidence& evidence : room.evidence) {
+    evidence.weights.assign(evidence.weights.size(), 20.f);
+  }
+  EXPECT_NEAR(Discover(room).planes[0].support, 0.5 * full, 1e-3 * full);
+}
+
+TEST_F(DiscoverPlanesTest, DoesNotDependOnTheScale) {
+  SyntheticRoom room;
+  const DiscoveredPlanes small = Discover(room);
+  room.Transform(1000.0, Eigen::Vector3d::Zero());
+  std::vector<WorldPlane> candidates = SyntheticRoom().Candidates();
+  for (WorldPlane& candidate : candidates) {
+    candidate.offset *= 1000.0;
+  }
+  const DiscoveredPlanes found = Discover(room, candidates);
+  ExpectSurfaces(room, found, 1000.0);
+  EXPECT_EQ(found.assignment, small.assignment);
+}
+
+TEST_F(DiscoverPlanesTest, DoesNotDependOnTheOrigin) {
+  SyntheticRoom room;
+  const DiscoveredPlanes near = Discover(room);
+  const Eigen::Vector3d shift(1e6, -3e6, 2e5);
+  room.Transform(1.0, shift);
+  std::vector<WorldPlane> candidates = SyntheticRoom().Candidates();
+  for (WorldPlane& candidate : candidates) {
+    candidate.offset -= candidate.normal.dot(shift);
+  }
+  const DiscoveredPlanes found = Discover(room, candidates);
+  ASSERT_EQ(found.planes.size(), near.planes.size());
+  for (size_t i = 0; i < found.planes.size(); ++i) {
+    EXPECT_LT(AngleBetween(found.planes[i].plane, near.planes[i].plane), 1e-4);
+    const Eigen::Vector3d point(-0.8, 0.5, 4.5);
+    EXPECT_NEAR(found.planes[i].plane.Height(shift + point),
+                near.planes[i].plane.Height(point),
+                1e-5);
+  }
+  EXPECT_EQ(found.assignment, near.assignment);
+}
+
+TEST_F(DiscoverPlanesTest, FindsTheSamePlanesWithTheViewsInAnotherOrder) {
+  SyntheticRoom room({Poster()});
+  const DiscoveredPlanes found = Discover(room);
+  const std::vector<WorldPlane> candidates = room.Candidates();
+  std::rotate(
+      room.cameras.begin(), room.cameras.begin() + 1, room.cameras.end());
+  std::rotate(
+      room.evidence.begin(), room.evidence.begin() + 1, room.evidence.end());
+  const DiscoveredPlanes other = Discover(room, candidates);
+  ASSERT_EQ(other.planes.size(), found.planes.size());
+  for (size_t i = 0; i < found.planes.size(); ++i) {
+    EXPECT_LT(AngleBetween(other.planes[i].plane, found.planes[i].plane), 0.02);
+    const Eigen::Vector3d point(-0.8, 0.5, 4.5);
+    EXPECT_NEAR(other.planes[i].plane.Height(point),
+                found.planes[i].plane.Height(point),
+                1e-3);
+  }
+}
+
+TEST_F(DiscoverPlanesTest, GivesTheSameBitsWithAnyNumberOfThreads) {
+  const SyntheticRoom room({Poster()});
+  const DiscoveredPlanes found = Discover(room);
+  for (const int num_threads : {2, 5}) {
+    device_ = Device::CreateCpu(num_threads);
+    ExpectSameBits(Discover(room), found);
+  }
+}
+
+TEST_F(DiscoverPlanesTest, BearsCandidatesThatAreNoPlanes) {
+  const SyntheticRoom room;
+  const DiscoveredPlanes found = Discover(room);
+  std::vector<WorldPlane> candidates = room.Candidates();
+  candidates.push_back({Eigen::Vector3d::Constant(NAN), 1.0});
+  candidates.push_back({Eigen::Vector3d::UnitX(), INFINITY});
+  ExpectSameBits(Discover(room, candidates), found);
+}
+
+TEST_F(DiscoverPlanesTest, LeavesOutTheLastCandidatesThatDoNotFit) {
+  const SyntheticRoom room;
+  options_.max_scores = 2 * 3 * SyntheticRoom::kNumSuperpixels;
+  std::vector<WorldPlane> candidates;
+  for (const DrawnSurface& surface : room.surfaces) {
+    candidates.push_back(surface.plane);
+  }
+  const std::vector<ScenePlane> found = Discover(room, candidates).planes;
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_GE(Find(room.surfaces[kWall], found), 0);
+  EXPECT_GE(Find(room.surfaces[kLeft], found), 0);
+  EXPECT_EQ(Find(room.surfaces[kFloor], found), -1);
+}
+
+TEST_F(DiscoverPlanesTest, FindsNothingInNothing) {
+  SyntheticRoom room;
+  const std::vector<WorldPlane> candidates = room.Candidates();
+  EXPECT_TRUE(
+      DiscoverPlanes({}, candidates, options_, *device_).planes.empty());
+
+  const DiscoveredPlanes without_candidates = Discover(room, {});
+  EXPECT_TRUE(without_candidates.planes.empty());
+  ASSERT_EQ(without_candidates.assignment.size(), 3u);
+  EXPECT_EQ(without_candidates.assignment[1],
+            std::vector<int>(SyntheticRoom::kNumSuperpixels, -1));
+
+  for (ViewEvidence& evidence : room.evidence) {
+    evidence.observations.clear();
+    evidence.first_observation.assign(evidence.first_observation.size(), 0);
+  }
+  const DiscoveredPlanes without_observations = Discover(room, candidates);
+  EXPECT_TRUE(without_observations.planes.empty());
+  EXPECT_EQ(without_observations.assignment, without_candidates.assignment);
+
+  room.evidence.assign(3, ViewEvidence());
+  const DiscoveredPlanes without_superpixels = Discover(room, candidates);
+  EXPECT_TRUE(without_superpixels.planes.empty());
+  EXPECT_EQ(without_superpixels.assignment, std::vector<std::vector<int>>(3));
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,378 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/scene/evidence/label_view.h"
+
+#include "colmap_tsar/base/random.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "tests/scene/labeling/label_view_fixture.h"
+#include "tests/support/synthetic_scene.h"
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+TEST_F(LabelViewTest, SpreadsLabelsUpToAnEdgeOfTheImage) {
+  options_.unlabeled_cost = 0.01f;
+  Measure(WallAt(5.f), 2, 4);
+  const LabeledView all = Label({WallAt(5.f)});
+  ExpectColumns(all, {0, 0, 0, 0, 0, 0, 0, 0});
+  EXPECT_EQ(all.planes.size(), 1u);
+  EXPECT_EQ(all.planes[0].offset, 5.f);
+  DrawEdgeLeftOf(6);
+  ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, -1, -1});
+}
+
+TEST_F(LabelViewTest, ChangesWithoutAnEdgeWhereTwoPlanesMeet) {
+  // They meet at x = 50, not in the middle of what was not measured.
+  const Vec3f crease = inputs_.intrinsics.Ray(49.5f, 0.f);
+  const Plane left =
+      Plane::FromPoint(crease, 5.f, Normalized({-0.2f, 0.f, -1.f}));
+  const Plane right =
+      Plane::FromPoint(crease, 5.f, Normalized({0.2f, 0.f, -1.f}));
+  Measure(left, 0, 1);
+  Measure(right, 6, 7);
+  ExpectColumns(Label({left, right}), {0, 0, 0, 0, 0, 1, 1, 1});
+  ExpectColumns(Label({right, left}), {1, 1, 1, 1, 1, 0, 0, 0});
+}
+
+TEST_F(LabelViewTest, ChangesAtAnEdgeWherePlanesAreApart) {
+  Measure(WallAt(5.f), 0, 1);
+  Measure(WallAt(7.f), 6, 7);
+  for (const int column : {3, 5}) {
+    inputs_.contrast = Image<float>(kWidth, kHeight, 0.f);
+    DrawEdgeLeftOf(column);
+    const LabeledView view = Label({WallAt(5.f), WallAt(7.f)});
+    std::vector<int> expected(kNumColumns, 0);
+    std::fill(expected.begin() + column, expected.end(), 1);
+    ExpectColumns(view, expected);
+  }
+}
+
+// A bare box before a wall: in the other views its right part would lie beside
+// itself, on the wall, if it were part of that.
+TEST_F(LabelViewTest, ColorsOfOtherViewsTellABareBoxFromTheWallBehindIt) {
+  constexpr float kBox = 3.f;
+  constexpr float kWall = 5.f;
+  const auto draw = [&](double right) {
+    Image<Rgb> color(kWidth, kHeight, kGray);
+    const int shift = static_cast<int>(camera_.fx * right / kBox);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = std::max(3 * kSize - shift, 0); x < 5 * kSize - shift; ++x) {
+        color(x, y) = {180, 170, 160};
+      }
+    }
+    return color;
+  };
+  Measure(WallAt(kWall), 0, 2);
+  Measure(WallAt(kBox), 3, 4);
+  Measure(WallAt(kWall), 5, 7);
+  // The box is known at its top and its bottom.
+  for (int y = 2 * kSize; y < 4 * kSize; ++y) {
+    for (int x = 3 * kSize; x < 5 * kSize; ++x) {
+      inputs_.samples(x, y) = {};
+    }
+  }
+  color_ = draw(0.0);
+  for (const double right : {0.5, 0.7, 0.9}) {
+    AddPicture(right, draw(right));
+  }
+  const auto labels_of_right_part = [&] {
+    const LabeledView labeled = Label({WallAt(kWall), WallAt(kBox)});
+    std::vector<int> labels;
+    for (const int row : {2, 3}) {
+      labels.push_back(labeled.labels[row * kNumColumns + 4]);
+    }
+    return labels;
+  };
+  EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 1));
+  options_.color_cost = 0.f;
+  EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 0));
+  // Two views are too few to tell.
+  options_ = {};
+  pictures_.pop_back();
+  EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 0));
+}
+
+TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
+  options_.unlabeled_cost = 0.01f;
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 2);
+  const LabeledView near = Label({WallAt(5.f)});
+  for (int row = 0; row < kNumRows; ++row) {
+    EXPECT_EQ(near.labels[row * kNumColumns + 2], 0);
+    EXPECT_EQ(near.labels[row * kNumColumns + 7], -1);
+  }
+  // Next to where it was observed it is known.
+  EXPECT_EQ(near.labels[2 * kNumColumns + 3], 0);
+  options_.extrapolation_uncertainty = 0.f;
+  ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
+}
+
+TEST_F(LabelViewTest, APlaneObservedAllAroundIsKnownInTheMiddle) {
+  options_.unlabeled_cost = 0.01f;
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 7);
+  for (int y = 2 * kSize; y < 4 * kSize; ++y) {
+    for (int x = 2 * kSize; x < 6 * kSize; ++x) {
+      inputs_.samples(x, y) = RayDepth{};
+    }
+  }
+  options_.extrapolation_reach = 0.01f;
+  ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
+}
+
+TEST_F(LabelViewTest, APlaneIsUncertainWhereItsDepthIsUnknown) {
+  options_.extrapolation_uncertainty = 0.f;
+  DrawEdgesEverywhere();
+  // Along one row alone, about which the plane could turn.
+  Measure(WallAt(5.f), 0, 7);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (y != 25) {
+        inputs_.samples(x, y) = RayDepth{};
+      }
+    }
+  }
+  const LabeledView view = Label({WallAt(5.f)});
+  EXPECT_EQ(view.labels[3], -1);
+  EXPECT_EQ(view.labels[kNumColumns * (kNumRows - 1) + 3], -1);
+  options_.uncertainty_cost = 0.f;
+  ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
+}
+
+TEST_F(LabelViewTest, ObservationsThatFitNoPlaneGetNone) {
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 7);
+  Philox random(2, 0, 0);
+  const int noisy = 2 * kNumColumns + 4;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == noisy) {
+      inputs_.samples.Data()[i].z = 4.f + 2.f * random.NextFloat();
+    }
+  }
+  const LabeledView view = Label({WallAt(5.f), WallAt(5.5f)});
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    EXPECT_EQ(view.labels[s], s == noisy ? -1 : 0);
+    EXPECT_EQ(view.evidence[s],
+              s == noisy ? LabelEvidence::kNone : LabelEvidence::kMeasured);
+  }
+  options_.cost_of_unexplained = 2.f;
+  EXPECT_NE(Label({WallAt(5.f), WallAt(5.5f)}).labels[noisy], -1);
+}
+
+TEST_F(LabelViewTest, NeighborsMayOutvoteObservationsButDoNotMeasure) {
+  Measure(WallAt(5.f), 0, 7);
+  const int wrong = 2 * kNumColumns + 4;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == wrong) {
+      inputs_.samples.Data()[i].z = 4.f;
+    }
+  }
+  const LabeledView view = Label({WallAt(5.f)});
+  EXPECT_EQ(view.labels[wrong], 0);
+  EXPECT_EQ(view.evidence[wrong], LabelEvidence::kGuessed);
+  EXPECT_EQ(view.evidence[wrong + 1], LabelEvidence::kMeasured);
+}
+
+// A chest before a wall: the wall was measured around, and on the chest there
+// are but depths that other views confirm.
+TEST_F(LabelViewTest, ConfirmedDepthsTellAPlaneFromTheOneBehindIt) {
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 5);
+  Measure(WallAt(4.f), 6, 7);
+  inputs_.confirmed_samples = inputs_.samples;
+  const int chest = 2 * kNumColumns + 7;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == chest) {
+      inputs_.samples.Data()[i] = {};
+    }
+  }
+  const std::vector<Plane> planes = {WallAt(5.f), WallAt(4.f)};
+  const LabeledView confirmed = Label(planes);
+  EXPECT_EQ(confirmed.labels[chest], 1);
+  EXPECT_GT(confirmed.strengths[chest], 0.8f);
+  // Without them, nothing measures the superpixel.
+  inputs_.confirmed_samples = {};
+  EXPECT_EQ(Label(planes).strengths[chest], 0.f);
+}
+
+TEST_F(LabelViewTest, StrengthIsTheShareOfMeasurementsOnThePlane) {
+  Measure(WallAt(5.f), 0, 7);
+  const int mixed = 2 * kNumColumns + 4;
+  int number = 0;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == mixed && number++ % 4 == 0) {
+      inputs_.samples.Data()[i].z = 4.f;
+    }
+  }
+  const LabeledView view = Label({WallAt(5.f)});
+  EXPECT_EQ(view.labels[mixed], 0);
+  EXPECT_NEAR(view.strengths[mixed], 0.75f, 0.1f);
+  EXPECT_GT(view.strengths[mixed + 1], 0.95f);
+}
+
+TEST_F(LabelViewTest, QualityTellsClearLabelsFromDoubtfulOnes) {
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 7);
+  const int unmeasured = 2 * kNumColumns + 4;
+  for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+    if (inputs_.superpixels.Data()[i] == unmeasured) {
+      inputs_.samples.Data()[i] = {};
+    }
+  }
+  const LabeledView view = Label({WallAt(5.f)});
+  const LabelQuality& clear = view.qualities[unmeasured + 1];
+  EXPECT_GT(clear.strength.Value(), 0.95f);
+  EXPECT_GT(clear.margin.Value(), 0.3f);
+  const LabelQuality& doubtful = view.qualities[unmeasured];
+  EXPECT_EQ(doubtful.strength.Value(), 0.f);
+  EXPECT_LT(doubtful.margin.Value(), 0.1f);
+  // A plane that says nearly the same takes the margin away.
+  EXPECT_LT(Label({WallAt(5.f), WallAt(5.001f)})
+                .qualities[unmeasured + 1]
+                .margin.Value(),
+            0.05f);
+}
+
+TEST_F(LabelViewTest, TakesThePlaneThatFitsBest) {
+  DrawEdgesEverywhere();
+  // One pixel of disparity is 0.025: the other two are near enough to speak
+  // for.
+  Measure(WallAt(5.f), 0, 7);
+  ExpectColumns(Label({WallAt(5.02f), WallAt(5.002f), WallAt(4.98f)}),
+                {1, 1, 1, 1, 1, 1, 1, 1});
+}
+
+TEST_F(LabelViewTest, APlaneBehindTheCameraIsNoLabel) {
+  const Plane behind{{0.f, 0.f, 1.f}, 5.f};
+  options_.uncertainty_cost = 0.f;
+  Measure(WallAt(5.f), 0, 2);
+  ExpectColumns(Label({behind, WallAt(5.f)}), {1, 1, 1, 1, 1, 1, 1, 1});
+  ExpectColumns(Label({behind}), {-1, -1, -1, -1, -1, -1, -1, -1});
+  // Nothing tells of depths.
+  inputs_.samples = Image<RayDepth>(kWidth, kHeight);
+  ExpectColumns(Label({behind}), {-1, -1, -1, -1, -1, -1, -1, -1});
+  ExpectColumns(Label({WallAt(5.f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
+}
+
+TEST_F(LabelViewTest, WithoutPlanesThereAreNoLabels) {
+  Measure(WallAt(5.f), 0, 7);
+  const LabeledView view = Label({});
+  EXPECT_TRUE(view.planes.empty());
+  ExpectColumns(view, {-1, -1, -1, -1, -1, -1, -1, -1});
+  for (const LabelEvidence evidence : view.evidence) {
+    EXPECT_EQ(evidence, LabelEvidence::kNone);
+  }
+}
+
+TEST_F(LabelViewTest, TakesOneSuperpixelAndOneWithoutPixels) {
+  Measure(WallAt(5.f), 0, 7);
+  inputs_.superpixels = Image<int>(kWidth, kHeight, 0);
+  inputs_.num_superpixels = 1;
+  EXPECT_EQ(Label({WallAt(5.f)}).labels, std::vector<int>{0});
+  EXPECT_EQ(Label({WallAt(6.f)}).labels, std::vector<int>{-1});
+  inputs_.num_superpixels = 2;
+  EXPECT_EQ(Label({WallAt(5.f)}).labels[0], 0);
+  inputs_ = EvidenceInputs{};
+  EXPECT_TRUE(Label({WallAt(5.f)}).labels.empty());
+}
+
+TEST_F(LabelViewTest, APlaneObservedAtOnePointStaysThere) {
+  DrawEdgesEverywhere();
+  const int y = 2 * kSize + 5;
+  const int x = 4 * kSize + 5;
+  const Vec3f ray = inputs_.intrinsics.Ray(x, y);
+  inputs_.samples(x, y) = {ray.x, ray.y, 5.f};
+  const LabeledView view = Label({WallAt(5.f)});
+  EXPECT_EQ(std::count(view.labels.begin(), view.labels.end(), 0), 0);
+}
+
+TEST_F(LabelViewTest, LoneObservationsDoNotTellHowFarAPlaneReaches) {
+  options_.unlabeled_cost = 0.01f;
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 7);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      if (x % kSize != 5 || y % kSize != 5) {
+        inputs_.samples(x, y) = RayDepth{};
+      }
+    }
+  }
+  ExpectColumns(Label({WallAt(5.f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
+  options_.extrapolation_uncertainty = 0.f;
+  ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
+}
+
+TEST_F(LabelViewTest, TellsHowEachSuperpixelCameByItsPlane) {
+  Measure(WallAt(3.f), 0, 2);
+  DrawEdgeLeftOf(6);
+  // Column 3 of the reference.
+  AddSource([](int x, int) { return x >= 4 && x < 13 ? 3.f : 0.f; });
+  const LabeledView view = Label({WallAt(3.f)});
+  ExpectColumns(view, {0, 0, 0, 0, 0, 0, -1, -1});
+  ExpectEvidence(view,
+                 {LabelEvidence::kMeasured,
+                  LabelEvidence::kMeasured,
+                  LabelEvidence::kMeasured,
+                  LabelEvidence::kCarried,
+                  LabelEvidence::kGuessed,
+                  LabelEvidence::kGuessed,
+                  LabelEvidence::kNone,
+                  LabelEvidence::kNone});
+}
+
+TEST_F(LabelViewTest, PlanesFarFromAllDepthsAreImpossible) {
+  DrawEdgesEverywhere();
+  options_.uncertainty_cost = 0.f;
+  Measure(WallAt(5.f), 0, 2);
+  // From half the nearest depth to twice the farthest.
+  ExpectColumns(Label({WallAt(9.9f)}), {-1, -1, -1, 0, 0, 0, 0, 0});
+  ExpectColumns(Label({WallAt(2.6f)}), {-1, -1, -1, 0, 0, 0, 0, 0});
+  ExpectColumns(Label({WallAt(10.1f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
+  ExpectColumns(Label({WallAt(2.4f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
+}
+
+TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
+  options_.unlabeled_cost = 0.01f;
+  Measure(WallAt(3.f), 0, 2);
+  DrawEdgeLeftOf(6);
+  AddSource([](int x, int) {
+    return x >= 4 && x < 13 ? 3.f : x >= 34 ? 6.f : 0.f;
+  });
+  const LabeledView expected = Label({WallAt(3.f)});
+  camera_.rotation =
+      Eigen::AngleAxisd(1.0, Eigen::Vector3d(1.0, 2.0, 3.0).normalized())
+          .toRotationMatrix();
+  camera_.translation = {1e5, -2e5, 300.0};
+  const LabeledView view = Label({WallAt(3.f)});
+  EXPECT_EQ(view.labels, expected.labels);
+  EXPECT_EQ(view.evidence, expected.evidence);
+  EXPECT_NEAR(view.planes[0].offset, 3.f, 1e-4f);
+}
+
+TEST_F(LabelViewTest, DoesNotDependOnTheThreads) {
+  options_.unlabeled_cost = 0.01f;
+  Philox random(3, 0, 0);
+  for (float& contrast : inputs_.contrast) {
+    contrast = 20.f * random.NextFloat();
+  }
+  Measure(WallAt(3.f), 0, 1);
+  Measure(WallAt(5.f), 5, 6);
+  AddSource([](int x, int y) { return x + y < 50 ? 3.f : 5.f; });
+  const std::vector<Plane> planes = {
+      WallAt(3.f), WallAt(5.f), WallAt(4.f), WallAt(5.01f)};
+  const LabeledView expected = Label(planes);
+  device_ = Device::CreateCpu(4);
+  const LabeledView view = Label(planes);
+  EXPECT_EQ(view.labels, expected.labels);
+  EXPECT_EQ(view.evidence, expected.evidence);
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,212 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/evaluation/ply.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tests/tools/evaluation/test_files.h"
+
+namespace tsar {
+namespace {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+template <typename T>
+std::string Bytes(T value) {
+  std::string bytes(sizeof(T), '\0');
+  std::memcpy(bytes.data(), &value, sizeof(T));
+  return bytes;
+}
+
+std::string Header(const std::string& format, const std::string& elements) {
+  return "ply\nformat " + format + " 1.0\n" + elements + "end_header\n";
+}
+
+const char kXyz[] = "property float x\nproperty float y\nproperty float z\n";
+
+class PlyTest : public FolderTest {
+ protected:
+  Points Read(const std::string& content) {
+    return ReadPlyPoints(Write("cloud.ply", content));
+  }
+  std::optional<ErrorCode> Failure(const std::string& content) {
+    return CodeOf([&] { Read(content); });
+  }
+};
+
+TEST_F(PlyTest, ReadsAscii) {
+  const Points expected = {{1, 2, 3}, {-0.5, 1e3, 0}};
+  EXPECT_EQ(Read(Header("ascii", std::string("element vertex 2\n") + kXyz) +
+                 "1 2 3\n-0.5 1e3 0\n"),
+            expected);
+}
+
+TEST_F(PlyTest, ReadsBinaryWithOtherProperties) {
+  const std::string elements =
+      "comment made by a test\nelement vertex 2\nproperty uchar red\n"
+      "property float z\nproperty double x\nproperty short y\n";
+  std::string body;
+  for (int i = 0; i < 2; ++i) {
+    body += Bytes<uint8_t>(7) + Bytes<float>(0.25f + i) +
+            Bytes<double>(1e-9 + i) + Bytes<int16_t>(static_cast<int16_t>(-i));
+  }
+  const Points expected = {{1e-9, 0, 0.25}, {1e-9 + 1, -1, 1.25}};
+  EXPECT_EQ(Read(Header("binary_little_endian", elements) + body), expected);
+}
+
+TEST_F(PlyTest, ReadsColorsWhereAllThreeAreBytes) {
+  const auto read = [&](const std::string& type) {
+    return ReadPlyCloud(
+        Write("cloud.ply",
+              Header("ascii",
+                     std::string("element vertex 2\n") + kXyz +
+                         "property uchar blue\nproperty " + type +
+                         " red\nproperty uchar green\n") +
+                  "1 2 3 nan 300 -5\n1 2 3 7 8 9\n"),
+        10);
+  };
+  const PlyCloud cloud = read("uchar");
+  ASSERT_EQ(cloud.colors.size(), 2u);
+  EXPECT_EQ(cloud.colors[0].r, 255);
+  EXPECT_EQ(cloud.colors[0].g, 0);
+  EXPECT_EQ(cloud.colors[0].b, 0);
+  EXPECT_EQ(cloud.colors[1].r, 8);
+  EXPECT_EQ(cloud.colors[1].g, 9);
+  EXPECT_EQ(cloud.colors[1].b, 7);
+  EXPECT_TRUE(read("float").colors.empty());
+  EXPECT_EQ(read("float").points.size(), 2u);
+}
+
+TEST_F(PlyTest, TakesManyPointsEvenly) {
+  std::string body;
+  for (int i = 0; i < 1000; ++i) {
+    body += std::to_string(i) + " 0 0\n";
+  }
+  const auto path = Write(
+      "cloud.ply",
+      Header("ascii", std::string("element vertex 1000\n") + kXyz) + body);
+  for (const uint64_t wanted : {1u, 3u, 10u, 999u, 1000u, 5000u}) {
+    const PlyCloud cloud = ReadPlyCloud(path, wanted);
+    EXPECT_EQ(cloud.num_points_read, 1000u);
+    ASSERT_EQ(cloud.points.size(), std::min<uint64_t>(wanted, 1000));
+    for (size_t i = 0; i < cloud.points.size(); ++i) {
+      EXPECT_NEAR(cloud.points[i].x(), 1000.0 * i / cloud.points.size(), 1.0);
+    }
+  }
+}
+
+TEST_F(PlyTest, SkipsElementsAroundTheVertices) {
+  const std::string elements =
+      std::string(
+          "element camera 2\nproperty int a\nproperty uchar b\n"
+          "element vertex 1\n") +
+      kXyz + "element face 1\nproperty list uchar int vertex_index\n";
+  const Points expected = {{4, 5, 6}};
+  EXPECT_EQ(Read(Header("ascii", elements) + "1 2\n3 4\n4 5 6\n3 0 0 0\n"),
+            expected);
+  const std::string vertex =
+      Bytes<float>(4) + Bytes<float>(5) + Bytes<float>(6);
+  EXPECT_EQ(Read(Header("binary_little_endian", elements) +
+                 std::string(10, '\1') + vertex + "rest"),
+            expected);
+}
+
+TEST_F(PlyTest, ReadsLinesThatEndAsOnWindows) {
+  const Points expected = {{1, 2, 3}};
+  EXPECT_EQ(Read("ply\r\nformat ascii 1.0\r\nelement vertex 1\r\nproperty "
+                 "float x\r\nproperty float y\r\nproperty float "
+                 "z\r\nend_header\r\n1 2 3\r\n"),
+            expected);
+}
+
+TEST_F(PlyTest, ReadsACloudWithoutPoints) {
+  EXPECT_TRUE(Read(Header("binary_little_endian",
+                          std::string("element vertex 0\n") + kXyz))
+                  .empty());
+}
+
+TEST_F(PlyTest, MissingFileAndFolderAreNotFound) {
+  EXPECT_EQ(CodeOf([&] { ReadPlyPoints(folder_ / "none.ply"); }),
+            ErrorCode::kNotFound);
+  EXPECT_EQ(CodeOf([&] { ReadPlyPoints(folder_); }), ErrorCode::kNotFound);
+}
+
+TEST_F(PlyTest, CountsThatTheFileCannotHoldAreCorrupt) {
+  for (const char* count : {"3",
+                            "1000000000",
+                            "1000000000000000000",
+                            "18446744073709551615",
+                            "-1",
+                            "99999999999999999999",
+                            "many"}) {
+    const std::string elements =
+        std::string("element vertex ") + count + "\n" + kXyz;
+    EXPECT_EQ(Failure(Header("binary_little_endian", elements) +
+                      std::string(24, '\0')),
+              ErrorCode::kCorrupt)
+        << count;
+    EXPECT_EQ(Failure(Header("ascii", elements) + "1 2 3\n4 5 6\n"),
+              ErrorCode::kCorrupt)
+        << count;
+    const std::string before = std::string("element camera ") + count +
+                               "\nproperty double a\nelement vertex 0\n" + kXyz;
+    EXPECT_EQ(
+        Failure(Header("binary_little_endian", before) + std::string(16, '\0')),
+        ErrorCode::kCorrupt)
+        << count;
+  }
+}
+
+TEST_F(PlyTest, EveryTruncationIsCorrupt) {
+  const std::string whole =
+      Header("binary_little_endian", std::string("element vertex 2\n") + kXyz) +
+      std::string(24, '\0');
+  EXPECT_EQ(Failure(whole), std::nullopt);
+  for (size_t length = 0; length < whole.size(); ++length) {
+    EXPECT_EQ(Failure(whole.substr(0, length)), ErrorCode::kCorrupt) << length;
+  }
+}
+
+TEST_F(PlyTest, HeadersThatMakeNoSenseAreCorrupt) {
+  const std::string vertex = std::string("element vertex 1\n") + kXyz;
+  for (const std::string& content :
+       {std::string("hello\n"),
+        "ply\n" + vertex + "end_header\n1 2 3\n",
+        Header("ascii", "property float x\n" + vertex) + "1 2 3\n",
+        Header("ascii", "element vertex 1\nproperty float x\n") + "1\n",
+        Header("ascii", "element vertex 1\n"),
+        Header("ascii", "element vertex 1\nproperty half x\n") + "1 2 3\n",
+        Header("ascii", "elephant 1\n" + vertex) + "1 2 3\n",
+        Header("ascii", "element face 0\nproperty int a\n"),
+        Header("ascii", vertex) + "1 two 3\n"}) {
+    EXPECT_EQ(Failure(content), ErrorCode::kCorrupt) << content;
+  }
+}
+
+TEST_F(PlyTest, PositionsThatAreNotFiniteAreCorrupt) {
+  const std::string header =
+      Header("binary_little_endian", std::string("element vertex 1\n") + kXyz);
+  for (const float bad : {std::numeric_limits<float>::quiet_NaN(),
+                          std::numeric_limits<float>::infinity()}) {
+    EXPECT_EQ(Failure(header + Bytes(0.f) + Bytes(bad) + Bytes(0.f)),
+              ErrorCode::kCorrupt);
+  }
+}
+
+TEST_F(PlyTest, BigEndianAndListsAreUnsupported) {
+  const std::string vertex = std::string("element vertex 1\n") + kXyz;
+  EXPECT_EQ(Failure(Header("binary_big_endian", vertex) + std::string(12, 0)),
+            ErrorCode::kUnsupported);
+  EXPECT_EQ(
+      Failure(Header("ascii",
+                     "element face 1\nproperty list uchar int i\n" + vertex) +
+              "1 0\n1 2 3\n"),
+      ErrorCode::kUnsupported);
+}
+
+}  // namespace
+}  // namespace tsar

@@ -1,0 +1,139 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/stereo/stereo_memory.h"
+
+#include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/tools/stereo/fill_under_prior.h"
+#include "colmap_tsar/tools/stereo/stereo_image.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/run/counting_device.h"
+#include "tests/support/synthetic_views.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+struct Matched {
+  int64_t photometric = 0;  // Bytes at a time.
+  int64_t geometric = 0;
+  int64_t under_prior = 0;
+  StereoMaps maps;
+};
+
+Matched Match(const SyntheticViews& drawn,
+              size_t num_sources,
+              const StereoOptions& options) {
+  const DepthInterval range{2.0, 10.0};
+  // The first pass has no maps to read.
+  std::vector<ViewData> photos = drawn.views;
+  std::vector<const ViewData*> sources;
+  std::vector<const ViewData*> photo_sources;
+  for (size_t i = 0; i < num_sources; ++i) {
+    const size_t view = 1 + i % (photos.size() - 1);
+    photos[view].depth = {};
+    sources.push_back(&drawn.views[view]);
+    photo_sources.push_back(&photos[view]);
+  }
+  photos[0].depth = {};
+  Matched matched;
+  CountingDevice first("", SIZE_MAX, 2);
+  matched.maps = MatchImage(photos[0], photo_sources, range, 1, options, first);
+  matched.photometric = static_cast<int64_t>(first.PeakMemory());
+  CountingDevice second("", SIZE_MAX, 2);
+  MatchImageGeometrically(drawn.views[0],
+                          sources,
+                          range,
+                          1,
+                          options.num_geometric_passes - 1,
+                          /*keeps_holes=*/false,
+                          options,
+                          second);
+  matched.geometric = static_cast<int64_t>(second.PeakMemory());
+  ViewData with_costs = drawn.views[0];
+  with_costs.min_cost = Image<float>(
+      with_costs.depth.Width(), with_costs.depth.Height(), kUndefinedCost);
+  with_costs.second_cost = with_costs.min_cost;
+  CountingDevice third("", SIZE_MAX, 2);
+  MatchUnderPrior(with_costs, sources, range, 1, options, third);
+  matched.under_prior = static_cast<int64_t>(third.PeakMemory());
+  return matched;
+}
+
+StereoOptions FastOptions(int num_levels, bool planar_prior = false) {
+  StereoOptions options;
+  options.num_iterations = 1;
+  options.window_radius = 2;
+  options.num_levels = num_levels;
+  options.planar_prior = planar_prior;
+  return options;
+}
+
+TEST(StereoMemory, IsWhatMatchingTakes) {
+  for (const auto& [width, height] : {std::pair{64, 48}, {161, 41}}) {
+    SCOPED_TRACE(width);
+    SyntheticViewsOptions size;
+    size.width = width;
+    size.height = height;
+    const SyntheticViews drawn = MakeSyntheticViews(size);
+    const int64_t num_pixels = int64_t{width} * height;
+    for (const int num_levels : {1, 3}) {
+      SCOPED_TRACE(num_levels);
+      const StereoOptions options = FastOptions(num_levels, num_levels == 3);
+      for (const size_t num_sources : {size_t{1}, size_t{4}, size_t{40}}) {
+        SCOPED_TRACE(num_sources);
+        const Matched matched = Match(drawn, num_sources, options);
+        WorkspaceOverview overview;
+        overview.max_num_pixels = num_pixels;
+        overview.max_num_image_pixels = num_pixels;
+        overview.max_num_sources = static_cast<int>(num_sources);
+        const auto expect_planned = [&](bool geom_consistency,
+                                        int64_t at_a_time) {
+          StereoOptions planned = options;
+          planned.geom_consistency = geom_consistency;
+          const MemoryPlan plan = PlanStereo(planned, overview);
+          EXPECT_GE(DeviceBytes(plan, 1), at_a_time);
+          EXPECT_LE(DeviceBytes(plan, 1), 1.5 * at_a_time);
+          EXPECT_EQ(DeviceBytes(plan, 2), 2 * DeviceBytes(plan, 1));
+        };
+        expect_planned(false, matched.photometric);
+        expect_planned(
+            true,
+            std::max({matched.photometric,
+                      matched.geometric,
+                      options.planar_prior ? matched.under_prior : 0}));
+      }
+    }
+  }
+}
+
+TEST(StereoMemory, CountsMapsAndNoEvidence) {
+  const SyntheticViews drawn = MakeSyntheticViews({});
+  const StereoOptions options = FastOptions(1);
+  const StereoMaps maps = Match(drawn, 4, options).maps;
+  const size_t map_bytes =
+      maps.depth.NumPixels() * sizeof(float) +
+      maps.normal.NumPixels() * sizeof(Vec3f) +
+      (maps.min_cost.NumPixels() + maps.second_cost.NumPixels()) *
+          sizeof(float);
+  WorkspaceOverview overview;
+  overview.max_num_pixels = static_cast<int64_t>(maps.depth.NumPixels());
+  overview.max_num_sources = 4;
+  EXPECT_EQ(StereoMapsBytes(overview.max_num_pixels),
+            static_cast<int64_t>(map_bytes));
+  const MemoryPlan plan = PlanStereo(options, overview);
+  EXPECT_GT(plan.result, static_cast<int64_t>(map_bytes));
+  EXPECT_EQ(plan.view, static_cast<int64_t>(drawn.views[0].NumBytes()));
+  EXPECT_EQ(plan.model_block + plan.label_view + plan.make_evidence +
+                EvidenceBytes(plan, 3),
+            0);
+}
+
+}  // namespace
+}  // namespace tsar
