@@ -145,13 +145,6 @@ struct ComposeSceneKernel {
     }
     const Plane plane = inputs.scene_planes.At(x, y);
     const bool has_plane = plane.Valid();
-    if (const PriorDepth prior = inputs.prior.At(x, y);
-        !has_plane && prior.depth > 0.f) {
-      depth(x, y) = prior.depth;
-      normal(x, y) = inputs.prior.NormalAt(x, y);
-      provenance(x, y) = static_cast<uint8_t>(Provenance::kPrior);
-      return;
-    }
     depth(x, y) =
         has_plane ? plane.Depth(inputs.scene_planes.intrinsics.Ray(x, y)) : 0.f;
     normal(x, y) = has_plane ? plane.normal : Vec3f{};
@@ -162,6 +155,10 @@ struct ComposeSceneKernel {
             : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence));
   }
 };
+
+TSAR_HD inline float Bounded(float probability) {
+  return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
+}
 
 struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
@@ -178,45 +175,19 @@ struct SceneConfidenceKernel {
       confidence(x, y) = 0.f;
       return;
     }
-    const PriorDepth prior = inputs.prior.At(x, y);
-    if (static_cast<Provenance>(provenance(x, y)) == Provenance::kPrior) {
-      confidence(x, y) =
-          ProbabilityWithin(prior, kSameSurface) >= min_fill_confidence
-              ? Bounded(ProbabilityWithin(prior, kRight))
-              : 0.f;
-      return;
-    }
     const DepthEvidence evidence = EvidenceAt(x, y);
     const bool is_measured =
         static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured;
     const float in_surface = ConfidenceInSurface(evidence);
     // The prior identifies the surface, but not the precise depth.
     const float with_prior = PosteriorProbability(
-        in_surface, LogLikelihoodRatio(prior, depth(x, y)));
+        in_surface, LogLikelihoodRatio(inputs.prior.At(x, y), depth(x, y)));
     confidence(x, y) =
         is_measured || with_prior >= min_fill_confidence
             ? inputs.prior.depth.Empty()
                   ? ConfidenceOf(evidence)
                   : Bounded(ConfidenceOf(evidence) * with_prior / in_surface)
             : 0.f;
-  }
-
-  // The relative error of a correct depth, and of a prior that is on the right
-  // surface.
-  static constexpr float kRight = 0.01f;
-  static constexpr float kSameSurface = 0.03f;
-
-  TSAR_HD static float Bounded(float probability) {
-    return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
-  }
-
-  // The probability that a prior's relative error is below `error`, by an
-  // approximation of the normal distribution that is accurate to 0.01.
-  TSAR_HD static float ProbabilityWithin(const PriorDepth& prior, float error) {
-    constexpr float kTwoOverPi = 0.63661977f;
-    const float share = error / prior.sigma;
-    return (1.f - prior.outlier_share) *
-           sqrtf(1.f - ExpOfNegative(-kTwoOverPi * share * share));
   }
 
   TSAR_HD DepthEvidence EvidenceAt(int x, int y) const {
@@ -255,6 +226,43 @@ struct SceneConfidenceKernel {
       default:
         return DepthKind::kGuessed;
     }
+  }
+};
+
+// Fills pixels without a confidence by the prior, where it is probably on the
+// right surface.
+struct PriorFillKernel {
+  PriorRaster prior;
+  float min_fill_confidence;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> provenance;
+  ImageView<float> confidence;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const PriorDepth at_pixel = prior.At(x, y);
+    if (confidence(x, y) > 0.f || !(at_pixel.depth > 0.f) ||
+        ProbabilityWithin(at_pixel, kSameSurface) < min_fill_confidence) {
+      return;
+    }
+    depth(x, y) = at_pixel.depth;
+    normal(x, y) = prior.NormalAt(x, y);
+    provenance(x, y) = static_cast<uint8_t>(Provenance::kPrior);
+    confidence(x, y) = Bounded(ProbabilityWithin(at_pixel, kRight));
+  }
+
+  // The relative error of a correct depth, and of one that is on the right
+  // surface.
+  static constexpr float kRight = 0.01f;
+  static constexpr float kSameSurface = 0.03f;
+
+  // The probability that a prior's relative error is below `error`, by an
+  // approximation of the normal distribution that is accurate to 0.01.
+  TSAR_HD static float ProbabilityWithin(const PriorDepth& prior, float error) {
+    constexpr float kTwoOverPi = 0.63661977f;
+    const float share = error / prior.sigma;
+    return (1.f - prior.outlier_share) *
+           sqrtf(1.f - ExpOfNegative(-kTwoOverPi * share * share));
   }
 };
 
@@ -354,6 +362,25 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                     min_fill_confidence,
                                     confidence.View()});
   return confidence;
+}
+
+void FillByPrior(const PriorRaster& prior,
+                 float min_fill_confidence,
+                 ComposedMap* composed,
+                 DeviceImage<float>* confidence,
+                 Device& device) {
+  if (prior.depth.Empty()) {
+    return;
+  }
+  ParallelFor(device,
+              confidence->Width(),
+              confidence->Height(),
+              PriorFillKernel{prior,
+                              min_fill_confidence,
+                              composed->map.depth.View(),
+                              composed->map.normal.View(),
+                              composed->provenance.View(),
+                              confidence->View()});
 }
 
 DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,

@@ -87,6 +87,15 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        float min_fill_confidence,
                                        Device& device);
 
+// Fills pixels without a depth, or whose confidence is 0, by the prior where
+// that lies on the right surface with a probability of at least
+// min_fill_confidence. prior: may be empty.
+void FillByPrior(const PriorRaster& prior,
+                 float min_fill_confidence,
+                 ComposedMap* composed,
+                 DeviceImage<float>* confidence,
+                 Device& device);
+
 // The depth of a raster's plane at a pixel of the map; 0 where there is none.
 TSAR_HD inline float DepthOnPlane(const PlaneRaster& raster, int x, int y) {
   const Plane plane = raster.At(x, y);

@@ -374,14 +374,17 @@ RefineResult ComposeImage(
             kHoleIterations,
             &composed,
             device);
-  DeviceImage<float> confidence =
-      RateSceneConfidence(composed,
-                          inputs,
-                          surfaces,
-                          evidence.resolution,
-                          evidence.noise,
-                          static_cast<float>(options.min_fill_confidence),
-                          device);
+  const auto min_fill_confidence =
+      static_cast<float>(options.min_fill_confidence);
+  DeviceImage<float> confidence = RateSceneConfidence(composed,
+                                                      inputs,
+                                                      surfaces,
+                                                      evidence.resolution,
+                                                      evidence.noise,
+                                                      min_fill_confidence,
+                                                      device);
+  FillByPrior(
+      inputs.prior, min_fill_confidence, &composed, &confidence, device);
   RateCylinders(laid, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,

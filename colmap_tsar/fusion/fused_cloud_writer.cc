@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 
+#include "colmap_tsar/base/remove_files.h"
+
 #include <algorithm>
 #include <bit>
 #include <cstddef>

@@ -3,11 +3,11 @@
 
 #include "colmap_tsar/run/shard_entries.h"
 
-#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/run/run_account.h"
 #include "colmap_tsar/view/refine_option_list.h"

@@ -29,23 +29,6 @@
 namespace tsar {
 namespace {
 
-ViewGraph MakeGraph(const std::vector<SceneView>& views) {
-  ViewGraph neighbors(views.size());
-  for (size_t i = 0; i < views.size(); ++i) {
-    for (const size_t source : views[i].sources) {
-      if (source != i) {
-        neighbors[i].push_back(source);
-        neighbors[source].push_back(i);
-      }
-    }
-  }
-  for (std::vector<size_t>& of_view : neighbors) {
-    std::sort(of_view.begin(), of_view.end());
-    of_view.erase(std::unique(of_view.begin(), of_view.end()), of_view.end());
-  }
-  return neighbors;
-}
-
 class SceneModeler {
  public:
   SceneModeler(const std::vector<SceneView>& views,
@@ -64,7 +47,7 @@ class SceneModeler {
         pass_(pass),
         progress_(progress),
         should_stop_(should_stop),
-        neighbors_(MakeGraph(views)),
+        neighbors_(MakeViewGraph(views)),
         assignment_(views.size()) {}
 
   std::optional<SceneModel> Run() {
@@ -228,9 +211,15 @@ class SceneModeler {
     AdjustModel(
         [&](const std::vector<WorldPlane>& planes) {
           std::vector<std::vector<PlaneMeasurement>> of_views(views_.size());
-          VisitViews("adjustment " + std::to_string(++round), [&](size_t view) {
-            of_views[view] = Measure(view, planes);
-          });
+          ForEachObservedView(
+              "adjustment " + std::to_string(++round),
+              [&](size_t view, const ObservedView& observed) {
+                of_views[view] = MeasureView(
+                    observed,
+                    assignment_[view],
+                    planes,
+                    MakeSceneOptions(refine_options_, {observed}).measuring);
+              });
           std::vector<PlaneMeasurement> measurements;
           for (const std::vector<PlaneMeasurement>& of_view : of_views) {
             measurements.insert(
@@ -240,16 +229,6 @@ class SceneModeler {
         },
         may_move_,
         &model_);
-  }
-
-  std::vector<PlaneMeasurement> Measure(
-      size_t view, const std::vector<WorldPlane>& planes) const {
-    const std::shared_ptr<const ViewEvidence> evidence = evidence_.get(view);
-    const ObservedView observed = Observed(view, *evidence);
-    return MeasureView(observed,
-                       assignment_[view],
-                       planes,
-                       MakeSceneOptions(refine_options_, {observed}).measuring);
   }
 
   // Labels all views; nothing where the run is to stop.
@@ -312,11 +291,11 @@ class SceneModeler {
     });
     std::vector<BoundingCrease> creases =
         FindBoundingCreases(lines, sum.Get(), copies, {}, &model_);
-    const bool has_creases = !creases.empty();
-    if (has_creases) {
-      sweeps->Bound(std::move(creases));
+    if (creases.empty()) {
+      return false;
     }
-    return has_creases;
+    sweeps->Bound(std::move(creases));
+    return true;
   }
 
   void FindCylinders() {
@@ -329,11 +308,7 @@ class SceneModeler {
       ForEachEvidence(name, function);
     };
     search.visit = [this](const auto& name, const auto& function) {
-      VisitViews(name, [&](size_t view) {
-        const std::shared_ptr<const ViewEvidence> evidence =
-            evidence_.get(view);
-        function(view, Observed(view, *evidence));
-      });
+      ForEachObservedView(name, function);
     };
     search.visit_axes =
         [this](const auto& name, size_t num_axes, const auto& function) {
@@ -348,6 +323,17 @@ class SceneModeler {
         model_.frames, neighbors_, model_.planes, labels, search);
   }
 
+  // Calls function for all views, with the parts of their evidence that
+  // neighbors need.
+  void ForEachObservedView(
+      const std::string& name,
+      const std::function<void(size_t view, const ObservedView&)>& function) {
+    VisitViews(name, [&](size_t view) {
+      function(view, Observed(view, *evidence_.get(view)));
+    });
+  }
+
+  // The same with all parts.
   void ForEachEvidence(
       const std::string& name,
       const std::function<void(size_t view, const ObservedView&)>& function) {

@@ -3,11 +3,11 @@
 
 #pragma once
 
-#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/scene/device_pool.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
+#include "colmap_tsar/scene/view_blocks.h"
 #include "colmap_tsar/view/refine_options.h"
 
 #include <cstddef>
@@ -19,14 +19,6 @@
 #include <vector>
 
 namespace tsar {
-
-// An observed view.
-struct SceneView {
-  int image = -1;  // The key of its labels.
-  Camera camera;   // Camera of the image, at any size.
-  // Indices of its source views.
-  std::vector<size_t> sources;
-};
 
 // Access to the evidence of views by index; called from several threads.
 struct SceneEvidence {

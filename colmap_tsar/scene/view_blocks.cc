@@ -7,6 +7,23 @@
 
 namespace tsar {
 
+ViewGraph MakeViewGraph(const std::vector<SceneView>& views) {
+  ViewGraph neighbors(views.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    for (const size_t source : views[i].sources) {
+      if (source != i) {
+        neighbors[i].push_back(source);
+        neighbors[source].push_back(i);
+      }
+    }
+  }
+  for (std::vector<size_t>& of_view : neighbors) {
+    std::sort(of_view.begin(), of_view.end());
+    of_view.erase(std::unique(of_view.begin(), of_view.end()), of_view.end());
+  }
+  return neighbors;
+}
+
 std::vector<int> FindComponents(const ViewGraph& neighbors) {
   std::vector<int> components(neighbors.size(), -1);
   int count = 0;

@@ -3,13 +3,25 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
+
 #include <cstddef>
 #include <vector>
 
 namespace tsar {
 
+// An observed view.
+struct SceneView {
+  int image = -1;  // The key of its labels.
+  Camera camera;   // Camera of the image, at any size.
+  // Indices of its source views.
+  std::vector<size_t> sources;
+};
+
 // neighbors[i]: the indices of the views that view i reads or that read it.
 using ViewGraph = std::vector<std::vector<size_t>>;
+
+ViewGraph MakeViewGraph(const std::vector<SceneView>& views);
 
 // For each view, the index of its connected component of views; components are
 // in the order of their first views.

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 
+#include "colmap_tsar/base/remove_files.h"
+
 #include <chrono>
 #include <csignal>
 #include <new>

@@ -116,21 +116,23 @@ class ComposeSceneTest : public testing::Test {
         std::move(own), Inputs(), {views_, {}}, scale_, options_, *device_);
   }
   Result Compose() const {
-    const ComposedMap composed = ComposeOnDevice();
+    ComposedMap composed = ComposeOnDevice();
+    DeviceImage<float> confidence = Rate(composed);
+    FillByPrior(
+        Inputs().prior, min_fill_confidence_, &composed, &confidence, *device_);
     return {composed.map.depth.ToHost(),
             composed.map.normal.ToHost(),
             composed.provenance.ToHost(),
-            Rate(composed)};
+            confidence.ToHost()};
   }
-  Image<float> Rate(const ComposedMap& composed) const {
+  DeviceImage<float> Rate(const ComposedMap& composed) const {
     return RateSceneConfidence(composed,
                                Inputs(),
                                {views_, {}},
                                scale_,
                                kNoise,
                                min_fill_confidence_,
-                               *device_)
-        .ToHost();
+                               *device_);
   }
 
   static void Expect(const Result& result,
@@ -304,7 +306,7 @@ TEST_F(ComposeSceneTest, InterpolatedDepthsHaveAConfidenceOfTheirOwn) {
   filled(1, 1) = 1;
   ComposedMap composed = ComposeOnDevice();
   MarkInterpolated(std::as_const(filled).View(), &composed, *device_);
-  const Image<float> confidence = Rate(composed);
+  const Image<float> confidence = Rate(composed).ToHost();
   EXPECT_FLOAT_EQ(confidence(1, 1),
                   ConfidenceOnPlane(DepthKind::kInterpolated));
   EXPECT_EQ(confidence(0, 0), 0.f);
@@ -344,6 +346,23 @@ TEST_F(ComposeSceneTest, APriorFillsWhereThereIsNoPlane) {
   EXPECT_EQ(result.provenance(1, 2),
             static_cast<uint8_t>(Provenance::kRegionPlane));
   Expect(result, 10, 2, 0.f, {}, Provenance::kNone, 0.f);
+}
+
+TEST_F(ComposeSceneTest, ACertainPriorReplacesADoubtfulPlane) {
+  scene_ = PlanesAt(kScene);
+  SetAllEvidence(LabelEvidence::kGuessed);
+  Measure(5, 2, kScene);
+  SetPrior(1.5f * kScene, 0.005f);
+  min_fill_confidence_ = 0.3f;
+  const Result result = Compose();
+  EXPECT_FLOAT_EQ(result.depth(2, 2), 1.5f * kScene);
+  EXPECT_EQ(result.provenance(2, 2), static_cast<uint8_t>(Provenance::kPrior));
+  EXPECT_GT(result.confidence(2, 2), 0.9f);
+  ExpectMeasured(result, 5, 2, kScene);
+  // A prior that is not certain itself leaves a hole.
+  outlier_share_ = 0.5f;
+  min_fill_confidence_ = 0.6f;
+  EXPECT_EQ(Compose().confidence(2, 2), 0.f);
 }
 
 TEST_F(ComposeSceneTest, ConfidenceOfAPriorIsThatOfItsSigma) {

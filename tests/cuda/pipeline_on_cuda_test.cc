@@ -164,6 +164,30 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         MarkInterpolated(inputs.reliable.View(), &composed, device);
         DeviceImage<float> confidence = confidence_of();
         result->Add("confidence of filled pixels", confidence);
+        // A prior on one half of the raster.
+        Image<float> prior(raster.width, raster.height);
+        for (int y = 0; y < raster.height; ++y) {
+          for (int x = 0; x < raster.width / 2; ++x) {
+            prior(x, y) = (1.1f + 0.001f * (x + y)) * wall.offset;
+          }
+        }
+        const DeviceImage<float> prior_depth(device, prior);
+        const DeviceImage<float> prior_sigma(
+            device, Image<float>(raster.width, raster.height, 0.02f));
+        FillByPrior({prior_depth.View(),
+                     prior_sigma.View(),
+                     0.1f,
+                     inputs.views.MapIntrinsics(),
+                     confidence.Width(),
+                     confidence.Height()},
+                    0.3f,
+                    &composed,
+                    &confidence,
+                    device);
+        result->Add("depth with a prior", composed.map.depth);
+        result->Add("normal with a prior", composed.map.normal);
+        result->Add("provenance with a prior", composed.provenance);
+        result->Add("confidence with a prior", confidence);
         DropDoubtful(0.35f, &composed, &confidence, device);
         result->Add("depth above a confidence", composed.map.depth);
         result->Add("confidence above a limit", confidence);

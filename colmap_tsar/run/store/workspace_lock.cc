@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/run/store/workspace_lock.h"
 
-#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/links.h"

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
+#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/compose/confidence_level.h"
 #include "colmap_tsar/io/map_io.h"

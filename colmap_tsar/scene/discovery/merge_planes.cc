@@ -21,10 +21,6 @@
 namespace tsar {
 namespace {
 
-// The largest number of observations in a fit, evenly spaced where there are
-// more.
-constexpr size_t kMaxFittedObservations = 2000;
-
 // Planes at a larger angle are never merged.
 constexpr double kMinMergeCosine = 0.866;  // 30 degrees
 // A pair is not fitted if the loss without either of its planes exceeds this
@@ -368,34 +364,6 @@ class PlaneMerger {
 };
 
 }  // namespace
-
-double SuperpixelPlaneFitter::LossScale() const {
-  return kCauchyShare * tolerance_;
-}
-
-FitSamples SuperpixelPlaneFitter::Sample(
-    const std::vector<int>& members) const {
-  return Sample(members, kMaxFittedObservations);
-}
-
-FitSamples SuperpixelPlaneFitter::Sample(const std::vector<int>& members,
-                                         size_t max_samples) const {
-  FitSamples samples;
-  observations_->Sample(
-      members, max_samples, [&](const DepthObservation& sample) {
-        samples.Add(sample);
-      });
-  return samples;
-}
-
-WorldPlane SuperpixelPlaneFitter::Fit(const WorldPlane& initial,
-                                      const FitSamples& samples) const {
-  return FitPlane(initial, samples, LossScale());
-}
-
-ScoredPlane SuperpixelPlaneFitter::ScoreOne(const WorldPlane& plane) const {
-  return std::move(Score({plane})[0]);
-}
 
 bool MayBeMerged(const WorldPlane& a, const WorldPlane& b) {
   return std::abs(a.normal.dot(b.normal)) >= kMinMergeCosine;

@@ -5,55 +5,13 @@
 
 #include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/scene/discovery/plane_scores.h"
-#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/scene/discovery/superpixel_plane_fitter.h"
 #include "colmap_tsar/scene/evidence/superpixel_matches.h"
-#include "colmap_tsar/view/planes/fit_plane.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
-#include <cstddef>
 #include <vector>
 
 namespace tsar {
-
-// The scale of Cauchy's loss as a share of the tolerance.
-inline constexpr double kCauchyShare = 0.5;
-
-// Fits planes to observations of superpixels of several views. Keeps pointers.
-class SuperpixelPlaneFitter {
- public:
-  // tolerance: see DiscoverPlanesOptions; device: the scorer's.
-  SuperpixelPlaneFitter(const SuperpixelObservations& observations,
-                        const PlaneScorer& scorer,
-                        double tolerance,
-                        Device& device)
-      : observations_(&observations),
-        scorer_(&scorer),
-        tolerance_(tolerance),
-        device_(&device) {}
-
-  const SuperpixelObservations& Observations() const { return *observations_; }
-  double Tolerance() const { return tolerance_; }
-  // See FitPlane.
-  double LossScale() const;
-
-  // Evenly spaced observations of some superpixels; by default as many as a
-  // fit needs.
-  FitSamples Sample(const std::vector<int>& members) const;
-  FitSamples Sample(const std::vector<int>& members, size_t max_samples) const;
-
-  WorldPlane Fit(const WorldPlane& initial, const FitSamples& samples) const;
-
-  std::vector<ScoredPlane> Score(const std::vector<WorldPlane>& planes) const {
-    return ScorePlanes(*scorer_, planes, *device_);
-  }
-  ScoredPlane ScoreOne(const WorldPlane& plane) const;
-
- private:
-  const SuperpixelObservations* observations_;
-  const PlaneScorer* scorer_;
-  double tolerance_;
-  Device* device_;
-};
 
 // The largest distance of planes that are merged, in tolerances, where each of
 // them was measured.

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/io/workspace_model.h"
 
 #include <string>
