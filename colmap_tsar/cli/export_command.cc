@@ -25,8 +25,9 @@ constexpr const char* kSummary =
     "depth, normals and, where tsar_refine wrote them, confidence, sigma, "
     "provenance and planes as arrays of NumPy (npy), as OpenEXR (exr) or in 16 "
     "bits (png16); or depth with the images and cameras as a folder to train "
-    "on, for nerfstudio (transforms.json) or for the trainer of 3D Gaussian "
-    "splatting (3dgs: inverse depth, depth_params.json). manifest.json tells "
+    "on, for nerfstudio (transforms.json, with normals) or for the trainer of "
+    "3D Gaussian splatting (3dgs: inverse depth, depth_params.json). "
+    "manifest.json tells "
     "the camera and the pose of each map, and what its values mean. Depth is z "
     "in the camera's frame, in units of the sparse model; 0 is no depth.";
 
@@ -68,6 +69,10 @@ void ExportCommand::AddTo(OptionSet* set) {
            "The folder with masks of the undistorted images, named as for "
            "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), no "
            "depth is exported; nerfstudio gets the masks as well.");
+  set->Add("cloud_path",
+           &cloud_path,
+           "For nerfstudio: a cloud of tsar_fuse or stereo_fusion (PLY), which "
+           "becomes ply_file_path, the points that its methods start from.");
   set->Add("depth_scale",
            &options.depth_scale,
            "For png16: units of the sparse model per step of depth; 0.001 "
@@ -91,6 +96,7 @@ ExportSummary ExportCommand::Run(
   all.format = ParseExportFormat(format);
   all.output_path = output_path;
   all.mask_path = mask_path;
+  all.cloud_path = cloud_path;
   const Workspace workspace =
       OpenWorkspaceToExport(workspace_path, ParseMapType(input_type));
   return ExportWorkspace(workspace, all, progress, should_stop);

@@ -19,7 +19,8 @@ struct ExportCommand {
   std::string format;
   std::string input_type;
   std::string mask_path;
-  // Without format, output_path and mask_path, which the members above hold.
+  std::string cloud_path;
+  // Without the format and the paths, which the members above hold.
   ExportOptions options;
 
   void AddTo(OptionSet* set);

@@ -60,6 +60,7 @@ const Lines& MostUsed(const std::string& command) {
        {{"format", "of the files; nerfstudio and 3dgs make folders"},
         {"input_type", "the maps, if not the geometric ones"},
         {"mask_path", "the folder with masks of the images"},
+        {"cloud_path", "for nerfstudio: a cloud to start from"},
         {"overwrite", "replace an earlier export"}}},
       {"tsar_planes",
        {{"format", "if not given: by the name of the file"},

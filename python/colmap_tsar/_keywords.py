@@ -96,6 +96,7 @@ class ReportKeywords(typing.TypedDict, total=False):
 
 class ExportKeywords(typing.TypedDict, total=False):
     mask_path: typing.Union[str, os.PathLike[str], None]
+    cloud_path: typing.Union[str, os.PathLike[str], None]
     depth_scale: float
     overwrite: bool
     num_threads: int

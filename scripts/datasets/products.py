@@ -142,6 +142,8 @@ def make_export(scene, args, programs, form, masks):
     options = mask_options(masks)
     if form == "png16" and args.depth_scale is not None:
         options["depth_scale"] = args.depth_scale
+    elif form == "nerfstudio":
+        options["cloud_path"] = scene.folder / "after.ply"
 
     def action(step):
         # The command replaces its own files alone: a trainer may have written there.
@@ -153,7 +155,8 @@ def make_export(scene, args, programs, form, masks):
             if not re.match(r"\$ |Export.*: \[", line):
                 scene.say(line.strip())
 
-    scene.step(name, action, outputs=[name], removes=False, after=["refinement"],
+    scene.step(name, action, outputs=[name], removes=False,
+               after=["fusion_after" if "cloud_path" in options else "refinement"],
                inputs=files_named_by(options),
                options={**options, "colmap_tsar": programs.versions["colmap_tsar"]})
 

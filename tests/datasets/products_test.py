@@ -92,6 +92,9 @@ class ProductsTest(StandInTest):
         self.assertIn("--format png16", exports[0])
         self.assertIn("--overwrite 1 --depth_scale 0.01", exports[0])
         self.assertNotIn("depth_scale", exports[1])
+        self.assertNotIn("cloud_path", exports[0] + exports[1])
+        _, (export,) = self.run_well("--export", "nerfstudio")
+        self.assertIn(f"--cloud_path {self.output / 'after.ply'}", export)
         self.assertEqual(self.commands("--export", "png16"), ["tsar_export"])
         self.refuses("--depth_scale: is for", "--export", "npy", "--depth_scale", 1)
 

@@ -163,6 +163,12 @@ void Check(const ExportOptions& options) {
                 OptionName("depth_scale") + " is for " + OptionName("format") +
                     " png16 alone; leave it out, or give that format");
   }
+  if (options.format != ExportFormat::kNerfstudio &&
+      !options.cloud_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("cloud_path") + " is for " + OptionName("format") +
+                    " nerfstudio alone; leave it out, or give that format");
+  }
 }
 
 // Whether the format holds all images of the sparse model, with or without
@@ -196,7 +202,7 @@ std::unique_ptr<ImageExporter> MakeExporter(const Workspace& workspace,
                                             const ExportLoop& loop) {
   switch (options.format) {
     case ExportFormat::kNerfstudio:
-      return MakeNerfstudioExporter(workspace, folder);
+      return MakeNerfstudioExporter(workspace, folder, options.cloud_path);
     case ExportFormat::kGaussianSplatting:
       return MakeGaussianSplattingExporter(
           workspace, folder, MeasureAll(workspace, with_maps, loop));

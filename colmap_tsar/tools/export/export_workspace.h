@@ -22,6 +22,9 @@ struct ExportOptions {
   // The folder with the masks of images, see io/image_mask.h; empty:
   // none. Masked pixels are exported as if they had no depth.
   std::filesystem::path mask_path;
+  // For kNerfstudio: a PLY file in the world of the sparse model that trainers
+  // start from; empty: none.
+  std::filesystem::path cloud_path;
   bool overwrite = false;  // An earlier export alone may be replaced.
   // For kPng16: units of the sparse model per step of depth.
   double depth_scale = kDefaultDepthScale;
@@ -47,10 +50,10 @@ Workspace OpenWorkspaceToExport(const std::filesystem::path& root,
 // used instead of the workspace's.
 //
 // Throws Error: kNotFound (no image has maps, or none a depth), kBadOption (a
-// depth_scale for another format), kInterrupted once should_stop returned true,
-// and those of Workspace::UseMasks, RequireOutsideInputs, WorkspaceLock
-// (shared: a program is changing the workspace), OutputFolder, the exporters
-// and the readers of the maps.
+// depth_scale or cloud_path for another format), kInterrupted once should_stop
+// returned true, and those of Workspace::UseMasks, RequireOutsideInputs,
+// WorkspaceLock (shared: a program is changing the workspace), OutputFolder,
+// the exporters and the readers of the maps.
 ExportSummary ExportWorkspace(Workspace workspace,
                               const ExportOptions& options,
                               Progress& progress,

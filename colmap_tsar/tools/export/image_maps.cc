@@ -51,6 +51,14 @@ Image<float> ReadWholeDepth(const Workspace& workspace, int image) {
   return depth;
 }
 
+// Reads a normal map including masked pixels.
+Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
+                             int image,
+                             const Image<float>& depth) {
+  const ContainedPath path = workspace.Paths(image, workspace.Type()).normal;
+  return RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
+}
+
 float Median(std::vector<float>* values) {
   const auto middle =
       values->begin() + static_cast<std::ptrdiff_t>((values->size() - 1) / 2);
@@ -130,12 +138,19 @@ Image<float> ReadImageDepth(const Workspace& workspace, int image) {
   return depth;
 }
 
+Image<Vec3f> ReadImageNormal(const Workspace& workspace,
+                             int image,
+                             const Image<float>& depth) {
+  Image<Vec3f> normal = ReadWholeNormal(workspace, image, depth);
+  ClearMasked(MaskOf(workspace, image, depth), &normal);
+  return normal;
+}
+
 ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   ImageMaps maps;
   maps.depth = ReadWholeDepth(workspace, image);
-  maps.normal = RequireSizeOf(
-      maps.depth, "the depth map", paths.normal, ReadNormalMap(paths.normal));
+  maps.normal = ReadWholeNormal(workspace, image, maps.depth);
   maps.confidence = ReadIfThere(maps.depth, paths.confidence, &ReadGrayPng);
   maps.sigma = ReadIfThere(maps.depth, paths.sigma, &ReadSigmaMap);
   maps.provenance = ReadIfThere(maps.depth, paths.provenance, &ReadGrayPng);

@@ -59,6 +59,12 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image);
 // Reads the depth map alone; errors as ReadImageMaps().
 Image<float> ReadImageDepth(const Workspace& workspace, int image);
 
+// Reads the normal map alone, which has to be of the size of the depth map;
+// errors as ReadImageMaps().
+Image<Vec3f> ReadImageNormal(const Workspace& workspace,
+                             int image,
+                             const Image<float>& depth);
+
 // Statistics of the valid depths of a map; 0 if there are none.
 struct DepthStatistics {
   int64_t num_depths = 0;

@@ -3,11 +3,16 @@
 
 #include "colmap_tsar/tools/export/nerfstudio_exporter.h"
 
+#include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/run/store/json_file.h"
+#include "colmap_tsar/tools/evaluation/ply.h"
 #include "colmap_tsar/tools/export/scene_files.h"
 #include "colmap_tsar/tools/export/value_files.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace tsar {
@@ -16,15 +21,39 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr float kLevelsPerUnit = 1000.f;
+constexpr float kHalfOfLevels = 127.5f;  // Of a normal's element.
+constexpr const char* kCloudName = "points.ply";
+
+Image<Rgb> NormalColors(const Image<Vec3f>& normals) {
+  const auto to_level = [](float value) {
+    return static_cast<uint8_t>(std::lround(
+        kHalfOfLevels + kHalfOfLevels * std::clamp(value, -1.f, 1.f)));
+  };
+  Image<Rgb> colors(normals.Width(), normals.Height());
+  std::transform(
+      normals.begin(), normals.end(), colors.begin(), [&](const Vec3f& n) {
+        return Rgb{to_level(n.x), to_level(n.y), to_level(n.z)};
+      });
+  return colors;
+}
 
 class NerfstudioExporter : public ImageExporter {
  public:
-  NerfstudioExporter(const Workspace& workspace, const ContainedPath& folder)
+  NerfstudioExporter(const Workspace& workspace,
+                     const ContainedPath& folder,
+                     const std::filesystem::path& cloud)
       : workspace_(workspace),
         folder_(folder),
+        cloud_(cloud),
         images_with_maps_(FindImagesWithMaps(workspace)),
         has_masks_(HasAnyMask(workspace)) {
     RequireUtf8Names(workspace);
+    if (!cloud.empty() && ReadPlyCloud(cloud, 1).num_points_read == 0) {
+      throw Error::File(ErrorCode::kNotFound,
+                        cloud.string(),
+                        "has no points",
+                        "give the cloud of tsar_fuse or stereo_fusion");
+    }
   }
 
   Json DescribeMaps() const override {
@@ -35,6 +64,13 @@ class NerfstudioExporter : public ImageExporter {
         {"stored", "float32"},
         {"scale", 1.0 / kLevelsPerUnit},
         {"offset", 0.0}};
+    maps["normals"] = {
+        {"meaning",
+         "unit vector in the camera's frame, towards the camera; (0, 0, 0), "
+         "which is stored as 128, 128, 128: none"},
+        {"stored", "uint8, red green blue"},
+        {"scale", 1.0 / kHalfOfLevels},
+        {"offset", -1.0}};
     if (has_masks_) {
       maps["mask"] = {{"meaning", "0: masked, 255: not"}, {"stored", "uint8"}};
     }
@@ -46,9 +82,13 @@ class NerfstudioExporter : public ImageExporter {
         workspace_.Model().images.at(static_cast<size_t>(image));
     const bool has_maps = std::binary_search(
         images_with_maps_.begin(), images_with_maps_.end(), image);
+    const int width = model_image.camera.width;
+    const int height = model_image.camera.height;
     Image<float> depth = has_maps ? ReadImageDepth(workspace_, image)
-                                  : Image<float>(model_image.camera.width,
-                                                 model_image.camera.height);
+                                  : Image<float>(width, height);
+    const Image<Vec3f> normals = has_maps
+                                     ? ReadImageNormal(workspace_, image, depth)
+                                     : Image<Vec3f>(width, height);
     ExportedImage exported;
     exported.width = depth.Width();
     exported.height = depth.Height();
@@ -60,6 +100,10 @@ class NerfstudioExporter : public ImageExporter {
     }
     WriteArray(folder_ / path, depth);
     exported.files["depth"] = path;
+    const std::string normal_path = "normals/" + model_image.name + ".png";
+    WritePngFile(folder_ / normal_path,
+                 ResizeNearest<Rgb>(NormalColors(normals), width, height));
+    exported.files["normals"] = normal_path;
     if (has_masks_) {
       const std::string mask_path = "masks/" + model_image.name + ".png";
       WritePngFile(
@@ -79,6 +123,10 @@ class NerfstudioExporter : public ImageExporter {
     // World coordinates are those of the sparse model.
     json["applied_transform"] = {
         {1.0, 0.0, 0.0, 0.0}, {0.0, 1.0, 0.0, 0.0}, {0.0, 0.0, 1.0, 0.0}};
+    if (!cloud_.empty()) {
+      CopyFile(cloud_, folder_ / kCloudName);
+      json["ply_file_path"] = kCloudName;
+    }
     json["frames"] = Json::array();
     for (size_t i = 0; i < images.size(); ++i) {
       const Camera& camera =
@@ -86,6 +134,7 @@ class NerfstudioExporter : public ImageExporter {
       Json frame;
       frame["file_path"] = exported[i].files.at("photo");
       frame["depth_file_path"] = exported[i].files.at("depth");
+      frame["normal_file_path"] = exported[i].files.at("normals");
       if (has_masks_) {
         frame["mask_path"] = exported[i].files.at("mask");
       }
@@ -138,6 +187,7 @@ class NerfstudioExporter : public ImageExporter {
 
   const Workspace& workspace_;
   ContainedPath folder_;
+  std::filesystem::path cloud_;
   std::vector<int> images_with_maps_;
   bool has_masks_;
 };
@@ -145,8 +195,10 @@ class NerfstudioExporter : public ImageExporter {
 }  // namespace
 
 std::unique_ptr<ImageExporter> MakeNerfstudioExporter(
-    const Workspace& workspace, const ContainedPath& folder) {
-  return std::make_unique<NerfstudioExporter>(workspace, folder);
+    const Workspace& workspace,
+    const ContainedPath& folder,
+    const std::filesystem::path& cloud) {
+  return std::make_unique<NerfstudioExporter>(workspace, folder, cloud);
 }
 
 }  // namespace tsar

@@ -142,6 +142,11 @@ void WritePngFile(const ContainedPath& path, const Image<uint16_t>& values) {
   WritePng(path, AsMatrix(values, CV_16UC1));
 }
 
+void WritePngFile(const ContainedPath& path, const Image<Rgb>& values) {
+  const Image<Rgb> reversed = Reversed(values);
+  WritePng(path, AsMatrix(reversed, CV_8UC3));
+}
+
 void WritePngFile(const ContainedPath& path, const Image<Rgb16>& values) {
   const Image<Rgb16> reversed = Reversed(values);
   WritePng(path, AsMatrix(reversed, CV_16UC3));

@@ -24,9 +24,10 @@ void WriteArray(const ContainedPath& path, const Image<uint16_t>& values);
 // All functions write atomically and create the folder. Errors as AtomicFile,
 // and kIo if OpenCV cannot encode the picture.
 
-// Write PNG: one channel of 8 or 16 bits, or red, green and blue of 16 bits.
+// Write PNG: one channel, or red, green and blue, of 8 or 16 bits.
 void WritePngFile(const ContainedPath& path, const Image<uint8_t>& values);
 void WritePngFile(const ContainedPath& path, const Image<uint16_t>& values);
+void WritePngFile(const ContainedPath& path, const Image<Rgb>& values);
 void WritePngFile(const ContainedPath& path, const Image<Rgb16>& values);
 
 // Write OpenEXR of 32-bit floats, losslessly: one channel Y, or x, y, z as R,

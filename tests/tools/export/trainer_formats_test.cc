@@ -95,6 +95,67 @@ TEST_F(TrainerFormatsTest, NerfstudioGetsUnknownDepthOfImagesWithoutMaps) {
   EXPECT_EQ(depth.bytes.find_first_not_of('\0'), std::string::npos);
 }
 
+// 127.5 + 127.5 n in the camera's frame with y down and z forward, of the size
+// of the photo and of each image; grey is none.
+TEST_F(TrainerFormatsTest, NerfstudioGetsNormalsInTheFrameOfTheCamera) {
+  UseMask(8, 6, [](int x, int) { return x == 7; });
+  Export(ExportFormat::kNerfstudio);
+  const nlohmann::json transforms = ReadJson("transforms.json");
+  for (size_t image = 0; image < 3; ++image) {
+    const std::string path = transforms["frames"][image]["normal_file_path"];
+    EXPECT_EQ(path, "normals/" + Names()[image] + ".png");
+    EXPECT_EQ(ImageEntry(Names()[image])["files"]["normals"], path);
+    const cv::Mat normals = cv::imread((options_.output_path / path).string(),
+                                       cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(normals.type(), CV_8UC3);
+    ASSERT_EQ(normals.size(), cv::Size(8, 6));
+    for (int y = 0; y < 6; ++y) {
+      for (int x = 0; x < 8; ++x) {
+        const auto& blue_first = normals.at<cv::Vec3b>(y, x);
+        const bool has_normal =
+            image < 2 && !(image == 0 && x / 2 == 3) &&
+            Depth(static_cast<int>(image), x / 2, y / 2) > 0;
+        const Vec3f expected = has_normal ? Normal(x / 2, y / 2) : Vec3f{};
+        EXPECT_NEAR(blue_first[2] / 127.5 - 1.0, expected.x, 0.5 / 127);
+        EXPECT_NEAR(blue_first[1] / 127.5 - 1.0, expected.y, 0.5 / 127);
+        EXPECT_NEAR(blue_first[0] / 127.5 - 1.0, expected.z, 0.5 / 127);
+      }
+    }
+  }
+}
+
+// It resolves the path against the folder of transforms.json and moves points
+// as it moves the world of the cameras.
+TEST_F(TrainerFormatsTest, NerfstudioGetsTheCloudInTheWorldOfTheCameras) {
+  Export(ExportFormat::kNerfstudio);
+  EXPECT_FALSE(ReadJson("transforms.json").contains("ply_file_path"));
+  options_.overwrite = true;
+  options_.cloud_path = root_ / "fused.ply";
+  const std::string header =
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+      "property float y\nproperty float z\nend_header\n";
+  WriteText(options_.cloud_path, header + "1 2 3\n");
+  Export(ExportFormat::kNerfstudio);
+  const std::string path = ReadJson("transforms.json")["ply_file_path"];
+  EXPECT_EQ(ReadText(options_.output_path / path), header + "1 2 3\n");
+  EXPECT_THAT(ReadText(options_.output_path / "files.txt"),
+              testing::HasSubstr(path + "\n"));
+}
+
+TEST_F(TrainerFormatsTest, RefusesCloudsThatNoTrainerCanStartFrom) {
+  options_.format = ExportFormat::kNerfstudio;
+  options_.cloud_path = folder_.Path() / "cloud.ply";
+  ExpectFailure(ErrorCode::kNotFound, {"cloud.ply"});
+  WriteText(options_.cloud_path, "solid");
+  ExpectFailure(ErrorCode::kCorrupt, {"cloud.ply"});
+  WriteText(options_.cloud_path,
+            "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\n"
+            "property float y\nproperty float z\nend_header\n");
+  ExpectFailure(ErrorCode::kNotFound, {"cloud.ply", "no points", "tsar_fuse"});
+  options_.format = ExportFormat::kGaussianSplatting;
+  ExpectFailure(ErrorCode::kBadOption, {"cloud_path", "nerfstudio alone"});
+}
+
 // The trainer of 3D Gaussian splatting: depths/ and the keys of the parameters
 // have the name without what follows its last dot, stored values are divided by
 // 65536.
