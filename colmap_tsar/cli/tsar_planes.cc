@@ -32,9 +32,9 @@ constexpr const char* kSummary =
     "its area, the images that see it, and its outlines with holes in the "
     "world "
     "frame. Walls and floors meet in the same lines. JSON holds everything; "
-    "PLY "
-    "and OBJ hold triangles for viewers, DXF triangles and outlines for CAD "
-    "programs. Coordinates and lengths are those of the sparse model, unless "
+    "PLY, OBJ and GLB (glTF) hold triangles for viewers, DXF triangles and "
+    "outlines for CAD programs. Coordinates and lengths are those of the "
+    "sparse model, unless "
     "--up and --scale change them.";
 
 struct PlanesCommand {
@@ -80,7 +80,7 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                      "The axis of the written coordinates that points up: z "
                      "for CAD programs, y for most viewers. model: the axes of "
                      "the sparse model, which point anywhere unless it was "
-                     "aligned.");
+                     "aligned. In GLB it is y in any case.");
   options->Add("scale",
                &command->scale,
                "Meters per unit of the sparse model: what is written is in "

@@ -46,7 +46,8 @@ TEST_F(TsarPlanesTest, WritesThePlanes) {
   EXPECT_EQ(Write(json_, {"--overwrite", "1", "--min_area", "15"}).exit_code,
             0);
   EXPECT_EQ(nlohmann::json::parse(ReadText(json_))["planes"].size(), 2u);
-  for (const char* name : {"planes.ply", "planes.obj", "planes.dxf"}) {
+  for (const char* name :
+       {"planes.ply", "planes.obj", "planes.dxf", "planes.glb"}) {
     EXPECT_EQ(Write(folder_.Path() / name).exit_code, 0);
     EXPECT_TRUE(fs::is_regular_file(folder_.Path() / name));
   }

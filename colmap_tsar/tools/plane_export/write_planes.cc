@@ -303,7 +303,8 @@ void PutPlanesPly(const ExportedPlanes& planes, std::ostream* out) {
 }
 
 const std::vector<std::string>& PlaneFormatNames() {
-  static const std::vector<std::string> names = {"json", "ply", "obj", "dxf"};
+  static const std::vector<std::string> names = {
+      "json", "ply", "obj", "dxf", "glb"};
   return names;
 }
 
@@ -324,10 +325,10 @@ PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path) {
                 name.empty()
                     ? OptionName("output_path") + ": the name " + path +
                           " does not tell the format; let it end in .json, "
-                          ".ply, .obj or .dxf, or give " +
+                          ".ply, .obj, .dxf or .glb, or give " +
                           OptionName("format")
                     : OptionName("format") + ": '" + name +
-                          "' is not known; give json, ply, obj or dxf");
+                          "' is not known; give json, ply, obj, dxf or glb");
   }
   return static_cast<PlaneFormat>(found - names.begin());
 }
@@ -348,6 +349,9 @@ void WritePlanes(const ContainedPath& path,
       break;
     case PlaneFormat::kDxf:
       PutPlanesDxf(planes, &file.Stream());
+      break;
+    case PlaneFormat::kGlb:
+      PutPlanesGlb(planes, &file.Stream());
       break;
   }
   file.Commit();

@@ -19,9 +19,11 @@ enum class PlaneFormat {
   kObj,   // Triangles in groups, plane_ID_CLASS.
   kDxf,  // R12 ASCII: triangles (3DFACE) and outlines (POLYLINE) in a layer for
          // each class.
+  kGlb,  // Binary glTF 2.0: a mesh of triangles for each plane, plane_ID_CLASS,
+         // with colors as in kPly; y is up where there is a vertical.
 };
 
-// "json", "ply", "obj" and "dxf", in the order of PlaneFormat.
+// "json", "ply", "obj", "dxf" and "glb", in the order of PlaneFormat.
 const std::vector<std::string>& PlaneFormatNames();
 
 // The format by its name, or by the extension of a path if the name is empty.
@@ -39,5 +41,6 @@ void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out);
 void PutPlanesPly(const ExportedPlanes& planes, std::ostream* out);
 void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out);
 void PutPlanesDxf(const ExportedPlanes& planes, std::ostream* out);
+void PutPlanesGlb(const ExportedPlanes& planes, std::ostream* out);
 
 }  // namespace tsar

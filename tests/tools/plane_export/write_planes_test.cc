@@ -7,6 +7,9 @@
 #include "colmap_tsar/tools/evaluation/ply.h"
 #include "colmap_tsar/tools/plane_export/place_planes.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -82,6 +85,7 @@ TEST(PlaneFormat, IsGivenOrReadFromTheName) {
   EXPECT_EQ(ParsePlaneFormat("", "planes.ply"), PlaneFormat::kPly);
   EXPECT_EQ(ParsePlaneFormat("", "planes.obj"), PlaneFormat::kObj);
   EXPECT_EQ(ParsePlaneFormat("dxf", "planes.txt"), PlaneFormat::kDxf);
+  EXPECT_EQ(ParsePlaneFormat("", "planes.glb"), PlaneFormat::kGlb);
   for (const char* path : {"planes", "planes.txt", "planes.", ".json"}) {
     ExpectError(ErrorCode::kBadOption, {"output_path", path, ".json"}, [&] {
       ParsePlaneFormat("", path);
@@ -294,6 +298,160 @@ TEST(PlanesDxf, TellsItsUnit) {
   EXPECT_EQ(unit_of(planes), std::pair(70, std::string("0")));
   ScaleToMeters(2.0, &planes);
   EXPECT_EQ(unit_of(planes), std::pair(70, std::string("6")));
+}
+
+// A file as the specification of glTF 2.0 describes it: fails the test where it
+// breaks the structure, and returns the JSON and the binary chunk.
+std::pair<Json, std::string> ReadGlb(const std::string& text) {
+  const auto number_at = [&](size_t offset) {
+    uint32_t number = 0;
+    EXPECT_LE(offset + sizeof(number), text.size());
+    text.copy(reinterpret_cast<char*>(&number), sizeof(number), offset);
+    return size_t{number};
+  };
+  EXPECT_EQ(text.substr(0, 4), "glTF");
+  EXPECT_EQ(number_at(4), 2u);
+  EXPECT_EQ(number_at(8), text.size());
+  std::vector<std::string> chunks;
+  size_t offset = 12;
+  while (offset < text.size()) {
+    const size_t length = number_at(offset);
+    EXPECT_EQ(length % 4, 0u);
+    EXPECT_EQ(text.substr(offset + 4, 4),
+              chunks.empty() ? "JSON" : std::string("BIN\0", 4));
+    chunks.push_back(text.substr(offset + 8, length));
+    EXPECT_EQ(chunks.back().size(), length);
+    offset += 8 + length;
+  }
+  EXPECT_EQ(offset, text.size());
+  chunks.resize(2);
+  return {Json::parse(chunks[0]), chunks[1]};
+}
+
+// The numbers of an accessor, checked against its view and the buffer.
+template <typename T>
+std::vector<T> ReadAccessor(const Json& gltf,
+                            const std::string& data,
+                            const Json& index,
+                            int component_type,
+                            const std::string& type,
+                            int target) {
+  const Json& accessor = gltf["accessors"].at(index.get<size_t>());
+  EXPECT_EQ(accessor["componentType"], component_type);
+  EXPECT_EQ(accessor["type"], type);
+  const size_t num_components =
+      type == "SCALAR" ? 1 : static_cast<size_t>(type.back() - '0');
+  std::vector<T> values(accessor["count"].get<size_t>() * num_components);
+  const Json& view =
+      gltf["bufferViews"].at(accessor["bufferView"].get<size_t>());
+  const size_t offset = view["byteOffset"].get<size_t>();
+  EXPECT_EQ(view["buffer"], 0);
+  EXPECT_EQ(view["target"], target);
+  EXPECT_EQ(view["byteLength"], values.size() * sizeof(T));
+  EXPECT_EQ(offset % 4, 0u);
+  EXPECT_LE(offset + values.size() * sizeof(T),
+            gltf["buffers"][0]["byteLength"].get<size_t>());
+  data.copy(reinterpret_cast<char*>(values.data()),
+            values.size() * sizeof(T),
+            offset);
+  if (accessor.contains("min")) {
+    for (size_t c = 0; c < num_components; ++c) {
+      T low = values[c];
+      T high = values[c];
+      for (size_t i = c; i < values.size(); i += num_components) {
+        low = std::min(low, values[i]);
+        high = std::max(high, values[i]);
+      }
+      EXPECT_EQ(accessor["min"][c].get<T>(), low);
+      EXPECT_EQ(accessor["max"][c].get<T>(), high);
+    }
+  }
+  return values;
+}
+
+// The level of sRGB of linear light.
+int LevelOf(uint16_t linear) {
+  const double light = linear / 65535.0;
+  return static_cast<int>(
+      std::lround(255.0 * (light <= 0.0031308
+                               ? 12.92 * light
+                               : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055)));
+}
+
+TEST(PlanesGlb, HasAMeshForEachPlaneWithYUp) {
+  const auto [gltf, data] = ReadGlb(Written(&PutPlanesGlb));
+  EXPECT_EQ(gltf["asset"]["version"], "2.0");
+  ASSERT_EQ(gltf["buffers"].size(), 1u);
+  EXPECT_FALSE(gltf["buffers"][0].contains("uri"));
+  EXPECT_LT(data.size() - gltf["buffers"][0]["byteLength"].get<size_t>(), 4u);
+  EXPECT_EQ(gltf["scenes"].at(gltf["scene"].get<size_t>())["nodes"],
+            Json({0, 1}));
+  ASSERT_EQ(gltf["nodes"].size(), 2u);
+  ASSERT_EQ(gltf["meshes"].size(), 2u);
+  const std::vector<std::string> names = {"plane_0_floor", "plane_2_wall"};
+  const std::vector<size_t> num_points = {8, 7};
+  std::vector<std::vector<Triangle>> triangles(2);
+  for (size_t i = 0; i < 2; ++i) {
+    const Json& node = gltf["nodes"][i];
+    const Json& mesh = gltf["meshes"].at(node["mesh"].get<size_t>());
+    EXPECT_EQ(node["name"], names[i]);
+    EXPECT_EQ(mesh["name"], names[i]);
+    ASSERT_EQ(mesh["primitives"].size(), 1u);
+    const Json& primitive = mesh["primitives"][0];
+    EXPECT_LT(primitive["material"].get<size_t>(), gltf["materials"].size());
+    const Json& position = primitive["attributes"]["POSITION"];
+    EXPECT_TRUE(gltf["accessors"].at(position.get<size_t>()).contains("min"));
+    const auto positions =
+        ReadAccessor<float>(gltf, data, position, 5126, "VEC3", 34962);
+    ASSERT_EQ(positions.size(), 3 * num_points[i]);
+    const Json& color = primitive["attributes"]["COLOR_0"];
+    EXPECT_EQ(gltf["accessors"].at(color.get<size_t>())["normalized"], true);
+    const auto colors =
+        ReadAccessor<uint16_t>(gltf, data, color, 5123, "VEC4", 34962);
+    ASSERT_EQ(colors.size(), 4 * num_points[i]);
+    const Rgb expected = LabelColor(i == 0 ? 0 : 2);
+    for (size_t c = 0; c < colors.size(); c += 4) {
+      EXPECT_EQ(LevelOf(colors[c]), expected.r);
+      EXPECT_EQ(LevelOf(colors[c + 1]), expected.g);
+      EXPECT_EQ(LevelOf(colors[c + 2]), expected.b);
+      EXPECT_EQ(colors[c + 3], 65535);
+    }
+    const auto indices = ReadAccessor<uint32_t>(
+        gltf, data, primitive["indices"], 5125, "SCALAR", 34963);
+    ASSERT_EQ(indices.size() % 3, 0u);
+    for (size_t corner = 0; corner < indices.size(); ++corner) {
+      ASSERT_LT(indices[corner], num_points[i]);
+      if (corner % 3 == 0) {
+        triangles[i].emplace_back();
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<size_t>(axis);
+        triangles[i].back()[corner % 3][axis] =
+            node["translation"][a].get<double>() +
+            positions[3 * indices[corner] + a];
+      }
+    }
+  }
+  ExpectTriangles(triangles[0], 15.0, {0, 1, 0});
+  ExpectTriangles(triangles[1], 3.5, {0, 0, 1});
+  // From (1000000, 0.25, 3), with z up.
+  EXPECT_NEAR(triangles[0][0][0].y(), 3.0, 1e-9);
+  EXPECT_EQ(gltf["nodes"][0]["translation"][0], 1000000.0);
+}
+
+TEST(PlanesGlb, LeavesTheAxesWithoutAVertical) {
+  ExportedPlanes planes = MakePlanes();
+  planes.vertical = {};
+  const Json gltf = ReadGlb(Written(&PutPlanesGlb, planes)).first;
+  EXPECT_EQ(gltf["nodes"][0]["translation"], Json({1000000.0, 0.25, 3.0}));
+}
+
+// Lists may not be empty in glTF, and a buffer has at least one byte.
+TEST(PlanesGlb, HasNoListsWithoutPlanes) {
+  const auto [gltf, data] = ReadGlb(Written(&PutPlanesGlb, {}));
+  EXPECT_EQ(gltf.size(), 1u);
+  EXPECT_EQ(gltf["asset"]["version"], "2.0");
+  EXPECT_TRUE(data.empty());
 }
 
 TEST(ScaleToMeters, ScalesLengthsAndNoAngles) {
