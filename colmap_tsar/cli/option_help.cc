@@ -64,6 +64,7 @@ const Lines& MostUsed(const std::string& command) {
         {"overwrite", "replace an earlier export"}}},
       {"tsar_planes",
        {{"format", "if not given: by the name of the file"},
+        {"plan_path", "a floor plan instead, or as well"},
         {"min_area", "leave smaller planes out"},
         {"overwrite", "replace the file"}}},
       {"tsar_evaluate depth",

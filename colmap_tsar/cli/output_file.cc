@@ -16,9 +16,10 @@ namespace tsar {
 void RequireWritableOutput(const std::string& workspace_path,
                            const std::string& output_path,
                            const std::string& kind,
-                           bool overwrite) {
+                           bool overwrite,
+                           const std::string& option_key) {
   const std::filesystem::path path = output_path;
-  const std::string option = OptionName("output_path");
+  const std::string option = OptionName(option_key);
   RequireOutsideInputs(workspace_path, path, option);
   std::error_code error;
   const std::filesystem::path folder = UserPath(path).Root();

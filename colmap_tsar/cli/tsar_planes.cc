@@ -1,6 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
@@ -10,6 +12,7 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
+#include "colmap_tsar/tools/plane_export/floor_plan.h"
 #include "colmap_tsar/tools/plane_export/place_planes.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
@@ -18,6 +21,7 @@
 #include <cstddef>
 #include <iostream>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include <unistd.h>
@@ -33,13 +37,14 @@ constexpr const char* kSummary =
     "world "
     "frame. Walls and floors meet in the same lines. JSON holds everything; "
     "PLY, OBJ and GLB (glTF) hold triangles for viewers, DXF triangles and "
-    "outlines for CAD programs. Coordinates and lengths are those of the "
-    "sparse model, unless "
-    "--up and --scale change them.";
+    "outlines for CAD programs. With --plan_path it draws a floor plan of the "
+    "walls instead, or as well. Coordinates and lengths are those of the "
+    "sparse model, unless --up and --scale change them.";
 
 struct PlanesCommand {
   std::string workspace_path;
   std::string output_path;
+  std::string plan_path;
   std::string format;
   std::string input_type;
   std::string up = EnumName(kUpAxisNames, UpAxis::kModel);
@@ -52,15 +57,19 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
   options->AddRequired("workspace_path",
                        &command->workspace_path,
                        "The refined dense workspace.");
-  options->AddRequired("output_path",
-                       &command->output_path,
-                       "The file to write. One that is there is replaced with "
-                       "--overwrite 1 alone.");
+  options->Add("output_path",
+               &command->output_path,
+               "The file to write; not needed with --plan_path. One that is "
+               "there is replaced with --overwrite 1 alone.");
   options->AddChoice(
       "format",
       &command->format,
       PlaneFormatNames(),
       "What to write. If not given: what the name of the file ends in.");
+  options->Add("plan_path",
+               &command->plan_path,
+               "A floor plan to write: the walls seen from above, as a picture "
+               "with a scale bar (.svg) or for CAD programs (.dxf).");
   AddMapType(
       "input_type",
       &command->input_type,
@@ -138,6 +147,36 @@ void PrintPlanes(const ExportedPlanes& planes,
   std::cout << std::flush;
 }
 
+void PrintPlan(const FloorPlan& plan, const std::string& path) {
+  std::cout << "Drew " << plan.walls.size()
+            << (plan.walls.size() == 1 ? " wall" : " walls") << " to "
+            << Printable(path);
+  if (plan.num_leaning > 0) {
+    std::cout << "\n  left out, since they lean more than " << kMaxLean
+              << " degrees: " << plan.num_leaning;
+  }
+  std::cout << std::endl;
+}
+
+// Checks the paths of what is to be written.
+void Check(const PlanesCommand& command) {
+  const auto require_writable = [&](const std::string& path,
+                                    const std::string& option,
+                                    const std::string& kind) {
+    if (!path.empty()) {
+      RequireWritableOutput(
+          command.workspace_path, path, kind, command.overwrite, option);
+    }
+  };
+  require_writable(command.output_path, "output_path", "file of planes");
+  require_writable(command.plan_path, "plan_path", "floor plan");
+  if (command.plan_path == command.output_path) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("plan_path") + ": is the " +
+                    OptionName("output_path") + ", too; give another file");
+  }
+}
+
 }  // namespace
 
 int RunTsarPlanes(int argc, char** argv) {
@@ -150,14 +189,23 @@ int RunTsarPlanes(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  const PlaneFormat format =
-      ParsePlaneFormat(command.format, command.output_path);
+  if (command.output_path.empty() && command.plan_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("output_path") +
+                    " is missing; give the file to write, or a floor plan as " +
+                    OptionName("plan_path"));
+  }
+  std::optional<PlaneFormat> format;
+  std::optional<PlanFormat> plan_format;
+  if (!command.output_path.empty()) {
+    format = ParsePlaneFormat(command.format, command.output_path);
+  }
+  if (!command.plan_path.empty()) {
+    plan_format = ParsePlanFormat(command.plan_path);
+  }
   const Workspace workspace = OpenWorkspaceWithPlanes(
       command.workspace_path, ParseMapType(command.input_type));
-  RequireWritableOutput(command.workspace_path,
-                        command.output_path,
-                        "file of planes",
-                        command.overwrite);
+  Check(command);
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
   if (command.scale > 0.0) {
@@ -171,8 +219,18 @@ int RunTsarPlanes(int argc, char** argv) {
   if (command.scale > 0.0) {
     ScaleToMeters(command.scale, &planes);
   }
-  WritePlanes(UserPath(command.output_path), format, planes);
-  PrintPlanes(planes, format, command.output_path);
+  std::optional<FloorPlan> plan;
+  if (plan_format) {
+    plan = MakeFloorPlan(planes);
+  }
+  if (format) {
+    WritePlanes(UserPath(command.output_path), *format, planes);
+    PrintPlanes(planes, *format, command.output_path);
+  }
+  if (plan) {
+    WriteFloorPlan(UserPath(command.plan_path), *plan_format, *plan);
+    PrintPlan(*plan, command.plan_path);
+  }
   return 0;
 }
 

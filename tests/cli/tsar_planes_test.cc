@@ -98,6 +98,35 @@ TEST_F(TsarPlanesTest, TurnsAndScales) {
   ExpectFailure({"--output_path", json_.string(), "--scale", "-1"}, "scale");
 }
 
+TEST_F(TsarPlanesTest, DrawsAFloorPlanOfTheWalls) {
+  room_.Write();
+  const fs::path plan = folder_.Path() / "plan.svg";
+  Outcome outcome = Run({"--plan_path", plan.string()});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "Drew 4 walls to " + plan.string() + "\n");
+  EXPECT_EQ(CountOf(ReadText(plan), "<g id=\"plane_"), 4);
+  ExpectFailure({"--plan_path", plan.string()}, "--overwrite 1");
+  const std::string dxf = (folder_.Path() / "plan.dxf").string();
+  outcome = Write(json_, {"--plan_path", dxf, "--scale", "2"});
+  EXPECT_THAT(outcome.out, testing::StartsWith("Wrote 7 planes"));
+  EXPECT_THAT(outcome.out, testing::HasSubstr("\nDrew 4 walls to " + dxf));
+  EXPECT_TRUE(fs::is_regular_file(json_));
+  EXPECT_EQ(CountOf(ReadText(dxf), "\nLINE\n"), 4);
+  const std::string other = (folder_.Path() / "other.dxf").string();
+  ExpectFailure({"--plan_path", other, "--output_path", other},
+                "--plan_path: is the --output_path, too");
+  ExpectFailure({"--plan_path", (folder_.Path() / "plan.png").string()},
+                "let it end in .svg or .dxf");
+  ExpectFailure({"--plan_path", (folder_.Path() / "none/a.svg").string()},
+                "choose another --plan_path");
+  // The walls are the smaller planes.
+  outcome = Write(folder_.Path() / "other.json",
+                  {"--plan_path", other, "--min_area", "15"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.err, testing::HasSubstr("no plane is a wall"));
+  EXPECT_FALSE(fs::exists(folder_.Path() / "other.json"));
+}
+
 TEST_F(TsarPlanesTest, RefusesWhatCannotBe) {
   room_.Write();
   fs::create_directories(json_);

@@ -7,11 +7,11 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/label_color.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/tools/plane_export/dxf_writer.h"
 #include "colmap_tsar/tools/plane_export/plane_mesh.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cstddef>
 #include <filesystem>
 
@@ -19,68 +19,6 @@
 
 namespace tsar {
 namespace {
-
-// A layer with the name of its class and one of the standard color indices.
-struct Layer {
-  PlaneClass plane_class;
-  int color;
-};
-constexpr std::array<Layer, 4> kLayers = {{{PlaneClass::kFloor, 3},
-                                           {PlaneClass::kCeiling, 5},
-                                           {PlaneClass::kWall, 1},
-                                           {PlaneClass::kOther, 7}}};
-
-std::string LayerName(PlaneClass plane_class) {
-  std::string name = ToString(plane_class);
-  for (char& letter : name) {
-    letter =
-        static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
-  }
-  return name;
-}
-
-// Writes DXF, a sequence of pairs of lines: a group code and its value.
-class DxfWriter {
- public:
-  explicit DxfWriter(std::ostream* out) : out_(out) {}
-
-  void Put(int code, const std::string& value) {
-    const std::string text = std::to_string(code);
-    *out_ << std::string(3 - text.size(), ' ') << text << "\n" << value << "\n";
-  }
-  void Put(int code, int value) { Put(code, std::to_string(value)); }
-  // Writes a point with codes code, code + 10 and code + 20.
-  void PutPoint(int code, const Eigen::Vector3d& point) {
-    for (int i = 0; i < 3; ++i) {
-      Put(code + 10 * i, NumberText(point[i]));
-    }
-  }
-
-  void BeginSection(const char* name) {
-    Put(0, "SECTION");
-    Put(2, name);
-  }
-  void EndSection() { Put(0, "ENDSEC"); }
-
- private:
-  std::ostream* out_;
-};
-
-void PutLayers(DxfWriter* dxf) {
-  dxf->BeginSection("TABLES");
-  dxf->Put(0, "TABLE");
-  dxf->Put(2, "LAYER");
-  dxf->Put(70, static_cast<int>(kLayers.size()));
-  for (const Layer& layer : kLayers) {
-    dxf->Put(0, "LAYER");
-    dxf->Put(2, LayerName(layer.plane_class));
-    dxf->Put(70, 0);
-    dxf->Put(62, layer.color);
-    dxf->Put(6, "CONTINUOUS");
-  }
-  dxf->Put(0, "ENDTAB");
-  dxf->EndSection();
-}
 
 void PutTriangles(const PlaneMesh& mesh,
                   const std::string& layer,
@@ -185,19 +123,9 @@ Json ToJson(const ExportedPlane& plane) {
 }  // namespace
 
 void PutPlanesDxf(const ExportedPlanes& planes, std::ostream* out) {
-  DxfWriter dxf(out);
-  dxf.BeginSection("HEADER");
-  dxf.Put(9, "$ACADVER");
-  dxf.Put(1, "AC1009");
-  constexpr int kUnitless = 0;
-  constexpr int kMeters = 6;
-  dxf.Put(9, "$INSUNITS");
-  dxf.Put(70, planes.in_meters ? kMeters : kUnitless);
-  dxf.EndSection();
-  PutLayers(&dxf);
-  dxf.BeginSection("ENTITIES");
+  DxfWriter dxf(planes.in_meters, out);
   for (const ExportedPlane& plane : planes.planes) {
-    const std::string layer = LayerName(plane.plane_class);
+    const std::string layer = DxfWriter::LayerName(plane.plane_class);
     PutTriangles(MakePlaneMesh(plane), layer, &dxf);
     for (const PlanePolygon& polygon : plane.polygons) {
       PutOutline(polygon.outline, plane.coordinates, layer, &dxf);
@@ -206,8 +134,7 @@ void PutPlanesDxf(const ExportedPlanes& planes, std::ostream* out) {
       }
     }
   }
-  dxf.EndSection();
-  dxf.Put(0, "EOF");
+  dxf.Finish();
 }
 
 void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out) {
@@ -308,15 +235,15 @@ const std::vector<std::string>& PlaneFormatNames() {
   return names;
 }
 
+std::string ExtensionOf(const std::string& path) {
+  return FoldedCase(std::filesystem::path(path).extension().string())
+      .erase(0, 1);
+}
+
 PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path) {
   std::string wanted = name;
   if (wanted.empty()) {
-    wanted = std::filesystem::path(path).extension().string();
-    wanted.erase(0, 1);
-    std::transform(
-        wanted.begin(), wanted.end(), wanted.begin(), [](unsigned char c) {
-          return std::tolower(c);
-        });
+    wanted = ExtensionOf(path);
   }
   const std::vector<std::string>& names = PlaneFormatNames();
   const auto found = std::find(names.begin(), names.end(), wanted);

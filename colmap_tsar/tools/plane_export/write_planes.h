@@ -26,6 +26,9 @@ enum class PlaneFormat {
 // "json", "ply", "obj", "dxf" and "glb", in the order of PlaneFormat.
 const std::vector<std::string>& PlaneFormatNames();
 
+// What follows the last dot of a file's name, in lower case.
+std::string ExtensionOf(const std::string& path);
+
 // The format by its name, or by the extension of a path if the name is empty.
 // Throws Error kBadOption, which lists the formats.
 PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path);
