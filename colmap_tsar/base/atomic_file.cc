@@ -137,6 +137,7 @@ struct AtomicFile::State {
   }
 
   int Open() {
+    RequireNoFolder(path.Path());
     struct stat state;
     if (fstatat(folder.Descriptor(), name.c_str(), &state, 0) == 0 &&
         S_ISREG(state.st_mode)) {
@@ -263,6 +264,7 @@ void CreateFolders(const ContainedPath& path) { Folder::Create(path); }
 void LinkOrCopyFile(const std::filesystem::path& source,
                     const ContainedPath& path) {
   const Folder folder = Folder::Create(path.Parent());
+  RequireNoFolder(path.Path());
   const std::string name = path.Filename().string();
   const std::string temporary = TemporaryOf(name);
   unlinkat(folder.Descriptor(), temporary.c_str(), 0);

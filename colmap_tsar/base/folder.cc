@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -309,7 +310,15 @@ void ThrowSystemError(const std::filesystem::path& path,
   throw Error::File(ErrorCode::kIo,
                     path.string(),
                     what + " (" + std::strerror(error) + ")",
-                    "check the free space and the permissions there");
+                    error == EISDIR
+                        ? "move the folder of this name away"
+                        : "check the free space and the permissions there");
+}
+
+void RequireNoFolder(const fs::path& path) {
+  if (fs::is_directory(SymlinkStatus(path))) {
+    ThrowSystemError(path, "cannot be written", EISDIR);
+  }
 }
 
 }  // namespace tsar

@@ -77,4 +77,8 @@ std::set<std::string> ListFileNames(const ContainedPath& folder,
                                    const std::string& what,
                                    int error);
 
+// Throws Error kIo where a folder stands under the name of a file to write, to
+// be called before the content is computed. Links to folders can be replaced.
+void RequireNoFolder(const std::filesystem::path& path);
+
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #include "colmap_tsar/run/workspace_check.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/map_io.h"
@@ -11,6 +12,8 @@
 #include "colmap_tsar/io/photo.h"
 #include "colmap_tsar/io/photo_error.h"
 #include "colmap_tsar/run/store/originals.h"
+#include "colmap_tsar/run/store/result_files.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -148,6 +151,15 @@ void CheckCosts(const Workspace& workspace,
   }
 }
 
+// Checks that the files of an image can be written, before hours of work.
+void CheckTargets(const MapPaths& paths) {
+  RequireNoFolder(paths.depth.Path());
+  RequireNoFolder(paths.normal.Path());
+  for (const ResultFile& result : ResultFiles(paths)) {
+    RequireNoFolder(result.path->Path());
+  }
+}
+
 // Checks the files of an image. Returns whether it has maps to refine.
 bool CheckImage(const Workspace& workspace,
                 int image,
@@ -157,6 +169,7 @@ bool CheckImage(const Workspace& workspace,
   if (!size) {
     return false;
   }
+  CheckTargets(workspace.Paths(image, type));
   CheckPhotoFile(workspace.ImagePath(image));
   overview->num_with_alpha += HasAlpha(workspace.ImagePath(image)) ? 1 : 0;
   workspace.CheckMask(image, {size->width, size->height});
@@ -284,6 +297,7 @@ void CheckOriginals(const Workspace& workspace) {
 WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   const std::set<int> images = ImagesOfProblems(workspace);
   RequireMapsOfTheirOwn(workspace, images);
+  RequireNoFolder(GetSceneModelPath(workspace.Root()).Path());
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
   overview.map_sides.resize(workspace.Model().images.size());

@@ -7,7 +7,9 @@
 
 #include <chrono>
 #include <csignal>
+#include <functional>
 #include <new>
+#include <vector>
 
 #include "tests/support/test_workspace.h"
 #include <sys/resource.h>
@@ -122,11 +124,32 @@ TEST(AtomicFileTest, NamesTheFileWhereTheFolderIsReadOnly) {
 TEST(AtomicFileTest, KeepsTheOldFileWhereARenameFails) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "taken";
-  WriteText(path / "inside", "");
   AtomicFile file(UserPath(path));
-  ExpectError(
-      ErrorCode::kIo, {path.string(), "directory"}, [&] { file.Commit(); });
+  WriteText(path / "inside", "");
+  ExpectError(ErrorCode::kIo,
+              {path.string(), "directory", "move the folder of this name"},
+              [&] { file.Commit(); });
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
+}
+
+// A folder is told of before the content is computed, and stays.
+TEST(AtomicFileTest, RefusesTheNameOfAFolder) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "taken";
+  WriteText(path / "inside", "");
+  WriteText(folder.Path() / "source", "one");
+  const std::vector<std::function<void()>> attempts = {
+      [&] { AtomicFile file(UserPath(path)); },
+      [&] { LinkOrCopyFile(folder.Path() / "source", UserPath(path)); },
+      [&] { CopyFile(folder.Path() / "source", UserPath(path)); },
+      [&] { RemoveFile(UserPath(path)); }};
+  for (const std::function<void()>& attempt : attempts) {
+    ExpectError(ErrorCode::kIo,
+                {path.string(), "directory", "move the folder of this name"},
+                attempt);
+    EXPECT_TRUE(std::filesystem::exists(path / "inside"));
+    EXPECT_EQ(NumEntries(folder.Path()), 2u);
+  }
 }
 
 // A limit on the size of files fails in the same place as a full disk.

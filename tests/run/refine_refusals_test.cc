@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/run/workspace_check.h"
 
@@ -73,6 +74,20 @@ TEST_F(RefineWorkspaceTest, RefusesWorkspacesWithoutTheirFolders) {
   for (const char* name : {"stereo/normal_maps", "stereo", "sparse"}) {
     std::filesystem::remove_all(root_ / name);
     ExpectRefusal(ErrorCode::kNotFound, {name});
+  }
+}
+
+// Before hours of work, whatever it would write there.
+TEST_F(RefineWorkspaceTest, RefusesFoldersUnderTheNamesOfItsFiles) {
+  for (const ContainedPath& path : {Paths(1).confidence,
+                                    Paths(1).provenance,
+                                    Paths(1).planes,
+                                    Paths(1).sigma,
+                                    GetSceneModelPath(root_)}) {
+    WriteText(path.Path() / "inside", "");
+    ExpectRefusal(ErrorCode::kIo,
+                  {path.string(), "move the folder of this name away"});
+    std::filesystem::remove_all(path.Path());
   }
 }
 

@@ -52,7 +52,11 @@ class ImageRestorer {
                       record_ ? record_->original_depth : std::nullopt) ||
             IsChanged(normal_,
                       paths.original_normal,
-                      record_ ? record_->original_normal : std::nullopt)) {}
+                      record_ ? record_->original_normal : std::nullopt)) {
+    for (const ResultFile& result : ResultFiles(paths_)) {
+      RequireNoFolder(result.path->Path());
+    }
+  }
 
   void Run() {
     if (record_ && IsAnyRefinedWithoutOriginal()) {

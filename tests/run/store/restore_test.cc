@@ -211,6 +211,19 @@ TEST_F(RestoreTest, OriginalsThatWereChangedAreAConflict) {
   }
 }
 
+// Nothing is put back where what belongs to it cannot be removed.
+TEST_F(RestoreTest, RefusesFoldersUnderTheNamesOfResults) {
+  std::filesystem::remove(Paths().sigma);
+  WriteText(Paths().sigma.Path() / "inside", "");
+  const auto before = ReadTree(root_);
+  ExpectError(ErrorCode::kIo,
+              {Paths().sigma.string(), "move the folder of this name away"},
+              [&] { Restore(root_); });
+  EXPECT_TRUE(ReadTree(root_) == before);
+  std::filesystem::remove_all(Paths().sigma);
+  EXPECT_EQ(Restore(root_).num_restored, 1);
+}
+
 // Without a record there is no telling what was kept, but for what is no map.
 TEST_F(RestoreTest, OriginalsWithoutARecordAreCompleteMaps) {
   std::filesystem::remove(Paths().record);
