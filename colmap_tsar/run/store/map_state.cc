@@ -148,6 +148,14 @@ bool IsOriginal(const fs::path& stored,
                                      : SizeIfComplete(stored).has_value());
 }
 
+bool IsStoredChanged(std::optional<MapState> state,
+                     const fs::path& stored,
+                     const std::optional<WrittenMap>& original,
+                     Scrutiny scrutiny) {
+  return state && state != MapState::kOriginal &&
+         !IsOriginal(stored, original, scrutiny);
+}
+
 MapOwner FindOwner(std::optional<MapState> depth,
                    std::optional<MapState> normal) {
   const auto is_of_this_program = [](std::optional<MapState> state) {

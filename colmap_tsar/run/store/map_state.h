@@ -46,6 +46,14 @@ bool IsOriginal(const std::filesystem::path& stored,
                 const std::optional<WrittenMap>& original,
                 Scrutiny scrutiny = Scrutiny::kContent);
 
+// Whether the file at `stored`, kept while the map in place has this state
+// (nothing: none is kept), is not the recorded original. A map that is itself
+// the stored one may be newer than the record: a killed run has just kept it.
+bool IsStoredChanged(std::optional<MapState> state,
+                     const std::filesystem::path& stored,
+                     const std::optional<WrittenMap>& original,
+                     Scrutiny scrutiny = Scrutiny::kContent);
+
 // The program that made the maps of an image, since depth and normals always
 // come from one source.
 enum class MapOwner {

@@ -57,13 +57,10 @@ void RequireUnedited(const Map& map, std::optional<MapState> state) {
   }
 }
 
-// A map that is itself the stored one may be newer than the record: a killed
-// run has just stored it.
 void RequireOriginal(const Map& map,
                      std::optional<MapState> state,
                      Scrutiny scrutiny) {
-  if (state && state != MapState::kOriginal &&
-      !IsOriginal(map.stored, map.original, scrutiny)) {
+  if (IsStoredChanged(state, map.stored, map.original, scrutiny)) {
     throw Error::File(
         ErrorCode::kMismatch,
         map.stored.string(),

@@ -47,12 +47,13 @@ class ImageRestorer {
                         paths.original_normal,
                         record_ ? &record_->written_normal : nullptr)),
         is_changed_(
-            IsChanged(depth_,
-                      paths.original_depth,
-                      record_ ? record_->original_depth : std::nullopt) ||
-            IsChanged(normal_,
-                      paths.original_normal,
-                      record_ ? record_->original_normal : std::nullopt)) {
+            IsStoredChanged(depth_,
+                            paths.original_depth,
+                            record_ ? record_->original_depth : std::nullopt) ||
+            IsStoredChanged(
+                normal_,
+                paths.original_normal,
+                record_ ? record_->original_normal : std::nullopt)) {
     for (const ResultFile& result : ResultFiles(paths_)) {
       RequireNoFolder(result.path->Path());
     }
@@ -101,14 +102,6 @@ class ImageRestorer {
     return std::filesystem::exists(status)
                ? std::optional(InspectMap(current, stored, written))
                : std::nullopt;
-  }
-
-  // Whether the stored map is not the original, see FindOriginals().
-  static bool IsChanged(std::optional<MapState> state,
-                        const ContainedPath& stored,
-                        const std::optional<WrittenMap>& original) {
-    return state && state != MapState::kOriginal &&
-           !IsOriginal(stored, original);
   }
 
   bool IsAnyRefinedWithoutOriginal() const {

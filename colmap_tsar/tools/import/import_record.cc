@@ -13,6 +13,11 @@
 #include <nlohmann/json.hpp>
 
 namespace tsar {
+namespace {
+
+constexpr const char* kFormer = "former";
+
+}  // namespace
 
 ContainedPath GetImportFolder(const std::filesystem::path& root) {
   return {root, std::filesystem::path("stereo") / "tsar_import"};
@@ -63,6 +68,11 @@ std::optional<ImportRecord> ReadImportRecord(
         record.written[kind].push_back(
             WrittenMapFromText(entry.get<std::string>()));
       }
+      if (json.contains(kFormer) &&
+          json[kFormer].contains(kImportFolders[kind])) {
+        record.former[kind] = WrittenMapFromText(
+            json[kFormer][kImportFolders[kind]].get<std::string>());
+      }
     }
     record.is_being_undone = json.value("is_being_undone", false);
     return record;
@@ -85,6 +95,9 @@ void WriteImportRecord(const ContainedPath& path, const ImportRecord& record) {
       list.push_back(ToText(map));
     }
     json[kImportFolders[kind]] = std::move(list);
+    if (const std::optional<WrittenMap>& former = record.former[kind]) {
+      json[kFormer][kImportFolders[kind]] = ToText(*former);
+    }
   }
   json["is_being_undone"] = record.is_being_undone;
   WriteJson(path, json);

@@ -28,6 +28,9 @@ inline constexpr size_t kCostMaps = 2;
 struct ImportRecord {
   // The maps that imports may have written, for each of kImportFolders.
   std::array<std::vector<WrittenMap>, kImportFolders.size()> written;
+  // The former maps that are kept for them, by their content alone; nothing
+  // where none is kept.
+  std::array<std::optional<WrittenMap>, kImportFolders.size()> former;
   // Whether their undo has begun: a map without a former one may have been
   // restored already.
   bool is_being_undone = false;

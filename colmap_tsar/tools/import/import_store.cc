@@ -4,6 +4,7 @@
 #include "colmap_tsar/tools/import/import_store.h"
 
 #include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
@@ -49,11 +50,13 @@ std::optional<MapState> InspectKept(const std::filesystem::path& root,
              : std::nullopt;
 }
 
-// Keeps the maps that an import is about to replace, unless imports wrote them.
-// Throws kMismatch if their source is unknown.
+// Keeps the maps that an import is about to replace, unless imports wrote them,
+// and describes those in the record. Throws kMismatch if their source is
+// unknown.
 void KeepFormer(const std::filesystem::path& root,
                 const std::string& key,
-                const ImportRecord& record) {
+                const ImportRecord& record,
+                ImportRecord* next) {
   std::array<std::optional<MapState>, kImportFolders.size()> states;
   for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
     states[kind] = InspectKept(root, key, kind, record);
@@ -80,16 +83,22 @@ void KeepFormer(const std::filesystem::path& root,
   }
   for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
     const ContainedPath current = GetMapPath(root, kind, key);
+    const ContainedPath former = GetFormerPath(root, kind, key);
+    if (is_replaced) {
+      next->former[kind].reset();
+    }
     if (!IsForeignMap(current, record.written[kind])) {
       continue;
     }
     if (states[kind] && !is_replaced) {
       if (states[kind] != MapState::kOriginal) {
         SupersedeAndWarn(current, current);  // An edited or damaged import.
+        continue;
       }
     } else {
-      LinkOrCopyFile(current, GetFormerPath(root, kind, key));
+      LinkOrCopyFile(current, former);
     }
+    next->former[kind] = WrittenMap{HashFile(former), 0, {}};
   }
 }
 
@@ -159,7 +168,7 @@ void WriteImported(const std::filesystem::path& root,
       known.push_back(std::move(written));
     }
   }
-  KeepFormer(root, key, earlier);
+  KeepFormer(root, key, earlier, &record);
   WriteImportRecord(GetImportRecordPath(root, key), record);
   for (AtomicFile& file : files) {
     file.Commit();

@@ -57,15 +57,21 @@ class ImageUndoer {
           InspectMap(GetMapPath(root, kind, key),
                      GetFormerPath(root, kind, key),
                      has_record_ ? &record_.written[kind] : nullptr);
+      const ContainedPath former = GetFormerPath(root, kind, key);
+      is_changed_ =
+          is_changed_ ||
+          (Exists(former) &&
+           IsStoredChanged(states_[kind], former, record_.former[kind]));
     }
   }
 
   void Run() {
     const std::filesystem::path depth = GetMapPath(root_, kDepthMaps, key_);
     const MapOwner owner = FindOwner(states_[kDepthMaps], states_[kNormalMaps]);
-    const bool puts_back = owner == MapOwner::kThisProgram || !has_record_ ||
-                           record_.is_being_undone ||
-                           conflicts_ == RestoreConflicts::kOriginal;
+    const bool is_own = owner == MapOwner::kThisProgram || !has_record_ ||
+                        record_.is_being_undone;
+    const bool puts_back =
+        conflicts_ == RestoreConflicts::kOriginal || (is_own && !is_changed_);
     if (puts_back) {
       const bool is_begun = !has_record_ || record_.is_being_undone;
       if (!is_begun) {
@@ -80,8 +86,8 @@ class ImageUndoer {
       ++result_->num_images;
       // The record is removed last, since an interrupted undo still needs it.
       RemoveFile(GetImportRecordPath(root_, key_));
-    } else if (owner == MapOwner::kOtherProgram ||
-               conflicts_ == RestoreConflicts::kKeep) {
+    } else if (conflicts_ == RestoreConflicts::kKeep ||
+               (owner == MapOwner::kOtherProgram && !is_changed_)) {
       result_->kept.push_back(depth);
     } else {
       result_->conflicts.push_back(depth);
@@ -99,8 +105,9 @@ class ImageUndoer {
       RemoveFile(current);
       return;
     }
+    // An imported map is all that there is where its former one was changed.
     const bool is_foreign = state != MapState::kMissing &&
-                            state != MapState::kWritten &&
+                            (state != MapState::kWritten || is_changed_) &&
                             state != MapState::kOriginal;
     // Cost maps written later do not belong to the import.
     if (is_foreign && (has_former || (kind != kCostMaps && !is_begun))) {
@@ -126,6 +133,7 @@ class ImageUndoer {
   UndoResult* const result_;
   bool has_record_ = false;
   ImportRecord record_;
+  bool is_changed_ = false;  // Whether a kept map is not the former one.
   std::array<MapState, kImportFolders.size()> states_ = {};
 };
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/superseded.h"
 #include "colmap_tsar/tools/import/import_record.h"
 #include "colmap_tsar/tools/import/undo_import.h"
 
@@ -111,6 +112,39 @@ TEST_F(ImportStoreTest, UndoesAnImportThatHasOnlyTemporaries) {
     WriteText(path.string() + AtomicFile::kTemporarySuffix, "half a map");
     EXPECT_EQ(UndoImport(root_).num_images, 0);
     EXPECT_TRUE(ReadTree(root_) == before);
+  }
+}
+
+// As for the originals of tsar_refine.
+TEST_F(ImportStoreTest, FormerMapsThatWereChangedAreAConflict) {
+  for (const std::string folder : {"depth_maps", "normal_maps", "cost_maps"}) {
+    SCOPED_TRACE(folder);
+    WriteText(Paths().cost, "not read");
+    Write(50.f, true);
+    Write(60.f, true);  // The record of the first import is not lost.
+    std::string bytes = ReadText(Former(folder));
+    bytes.back() ^= 1;
+    WriteText(Former(folder), bytes);
+    const auto before = ReadTree(root_);
+    const std::filesystem::path map =
+        root_ / "stereo" / folder / (kName + ".geometric.bin");
+    const std::string imported = ReadText(map);
+    UndoResult result = UndoImport(root_);
+    EXPECT_EQ(result.num_images, 0);
+    EXPECT_THAT(result.conflicts, testing::ElementsAre(Paths().depth.Path()));
+    EXPECT_TRUE(ReadTree(root_) == before);
+    result = UndoImport(root_, RestoreConflicts::kKeep);
+    EXPECT_THAT(result.kept, testing::ElementsAre(Paths().depth.Path()));
+    EXPECT_TRUE(ReadTree(root_) == before);
+    // On demand it comes back, and the imported map is superseded.
+    result = UndoImport(root_, RestoreConflicts::kOriginal);
+    EXPECT_EQ(result.num_images, 1);
+    EXPECT_EQ(ReadText(map), bytes);
+    EXPECT_EQ(ReadText(GetSupersededFolder(root_) / folder /
+                       (kName + ".geometric.bin")),
+              imported);
+    std::filesystem::remove_all(root_);
+    MakeTestWorkspace(root_);
   }
 }
 
