@@ -188,8 +188,12 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
       [&](Progress& progress, const std::function<bool()>& should_stop) {
         summary = command.Run(progress, should_stop);
       });
+  py::dict dropped_priors;
+  for (const StereoSummary::ImageReason& image : summary.dropped_priors) {
+    dropped_priors[ToText(image.name)] = ToText(image.reason);
+  }
   py::list without_sources;
-  for (const StereoSummary::WithoutSources& image : summary.without_sources) {
+  for (const StereoSummary::ImageReason& image : summary.without_sources) {
     without_sources.append(ToText(image.name));
   }
   py::dict dict;
@@ -199,6 +203,8 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
   dict["num_images"] = summary.num_images;
   dict["num_skipped"] = summary.num_skipped;
   dict["num_masks"] = summary.num_masks;
+  dict["num_priors"] = summary.num_priors;
+  dict["dropped_priors"] = dropped_priors;
   dict["without_sources"] = without_sources;
   dict["wall_seconds"] = summary.wall_seconds;
   dict["peak_gpu_memory"] = ToDict(summary.peak_gpu_memory);

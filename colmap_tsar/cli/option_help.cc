@@ -33,6 +33,7 @@ const Lines& MostUsed(const std::string& command) {
       {"tsar_stereo",
        {{"image_list_path", "make the maps of the images of this list alone"},
         {"mask_path", "the folder with masks of the images"},
+        {"prior_path", "the folder with their depth priors"},
         {"overwrite", "replace maps of other programs and options"},
         {"TsarStereo.max_image_size", "longer side of the maps, in pixels"},
         {"TsarStereo.geom_consistency", "also make geometric maps"},

@@ -52,16 +52,27 @@ std::string Images(int64_t count) {
   return std::to_string(count) + (count == 1 ? " image" : " images");
 }
 
-void PrintPriors(const RunSummary& summary, std::ostream& out) {
-  if (summary.num_priors) {
-    out << "  depth priors for " << *summary.num_priors << " of "
-        << Images(summary.num_images);
-    if (const int64_t num_dropped = Count(summary, kPriorsDropped)) {
-      out << ", " << num_dropped
-          << " of them not used (stereo/tsar/manifest.json says why)";
+// where: the file that says why priors were dropped, in brackets, or empty.
+void PrintPriors(const std::optional<int64_t>& num_priors,
+                 int num_images,
+                 int64_t num_dropped,
+                 const std::string& where,
+                 std::ostream& out) {
+  if (num_priors) {
+    out << "  depth priors for " << *num_priors << " of " << Images(num_images);
+    if (num_dropped > 0) {
+      out << ", " << num_dropped << " of them not used" << where;
     }
     out << "\n";
   }
+}
+
+void PrintPriors(const RunSummary& summary, std::ostream& out) {
+  PrintPriors(summary.num_priors,
+              summary.num_images,
+              Count(summary, kPriorsDropped),
+              " (stereo/tsar/manifest.json says why)",
+              out);
 }
 
 void PrintImages(const RunSummary& summary, std::ostream& out) {
@@ -247,7 +258,21 @@ void PrintSummary(const StereoSummary& summary, std::ostream& out) {
   }
   out << ": " << Fixed(summary.wall_seconds, 1) << " s\n";
   PrintMasks(summary.num_masks, summary.num_images, out);
-  for (const StereoSummary::WithoutSources& image : summary.without_sources) {
+  const std::vector<StereoSummary::ImageReason>& dropped =
+      summary.dropped_priors;
+  PrintPriors(summary.num_priors,
+              summary.num_images,
+              static_cast<int64_t>(dropped.size()),
+              "",
+              out);
+  for (size_t i = 0; i < std::min(dropped.size(), kMaxKeptListed); ++i) {
+    out << "  " << Printable(dropped[i].name) << ": " << dropped[i].reason
+        << "\n";
+  }
+  if (dropped.size() > kMaxKeptListed) {
+    out << "  and " << dropped.size() - kMaxKeptListed << " more\n";
+  }
+  for (const StereoSummary::ImageReason& image : summary.without_sources) {
     out << "  " << Printable(image.name) << " has no maps: " << image.reason
         << "\n";
   }

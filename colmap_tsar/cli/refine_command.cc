@@ -68,30 +68,7 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                "the maps hold is no evidence for anything, and the refined "
                "maps have no depth. Images without a mask are used as a "
                "whole.");
-  options->Add(
-      "prior_path",
-      &command->prior_path,
-      "The folder with depth priors of the undistorted images: depth and "
-      "normals that a network or a sensor tells from one image. Depth, or "
-      "inverse depth, of a.jpg is a.jpg.EXT or a.EXT, its normals are "
-      "a.jpg.normal.EXT or a.normal.EXT, with npy, exr, pfm, png, tif or tiff "
-      "for EXT; those of images in subfolders are in the same subfolders. An "
-      "image may have both, one of the two, or none. Any size will do that has "
-      "the image's shape. 0 is no depth; PNG files of depth have 16 bits. "
-      "Normals are unit vectors in the camera's frame (x right, y down, z "
-      "forward) towards the camera; in PNG files 0 stands for -1 and the "
-      "largest value for 1.");
-  options->AddChoice(
-      "prior_type",
-      &command->prior_type,
-      {ToString(PriorType::kAuto),
-       ToString(PriorType::kMetric),
-       ToString(PriorType::kRelative),
-       ToString(PriorType::kInverse)},
-      "What the files of depth in prior_path hold. metric: depth, up to one "
-      "factor for each image. relative: the same plus a constant. inverse: "
-      "inverse depth (disparity) times a factor plus a constant. auto: "
-      "for each image, what fits its measured depths best.");
+  AddPriorOptions("", &command->prior_path, &command->prior_type, options);
   options->Add("region_path",
                &command->region_path,
                "The folder with label images of the undistorted images, "

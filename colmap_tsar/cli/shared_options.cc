@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/priors/prior_type.h"
 
 #include <algorithm>
 #include <iostream>
@@ -13,6 +14,17 @@ namespace tsar {
 namespace {
 
 constexpr size_t kMaxListed = 20;
+
+const std::string kPriorFiles =
+    "The folder with depth priors of the undistorted images: depth and normals "
+    "that a network or a sensor tells from one image. Depth, or inverse depth, "
+    "of a.jpg is a.jpg.EXT or a.EXT, its normals are a.jpg.normal.EXT or "
+    "a.normal.EXT, with npy, exr, pfm, png, tif or tiff for EXT; those of "
+    "images in subfolders are in the same subfolders. An image may have both, "
+    "one of the two, or none. Any size will do that has the image's shape. 0 "
+    "is no depth; PNG files of depth have 16 bits. Normals are unit vectors in "
+    "the camera's frame (x right, y down, z forward) towards the camera; in "
+    "PNG files 0 stands for -1 and the largest value for 1.";
 
 void PrintList(const std::string& title,
                const std::vector<std::filesystem::path>& paths) {
@@ -76,6 +88,24 @@ void AddMapType(const std::string& name,
       value,
       {ToString(MapType::kGeometric), ToString(MapType::kPhotometric)},
       description);
+}
+
+void AddPriorOptions(const std::string& use,
+                     std::string* prior_path,
+                     std::string* prior_type,
+                     OptionSet* options) {
+  options->Add("prior_path", prior_path, kPriorFiles + use);
+  options->AddChoice(
+      "prior_type",
+      prior_type,
+      {ToString(PriorType::kAuto),
+       ToString(PriorType::kMetric),
+       ToString(PriorType::kRelative),
+       ToString(PriorType::kInverse)},
+      "What the files of depth in prior_path hold. metric: depth, up to one "
+      "factor for each image. relative: the same plus a constant. inverse: "
+      "inverse depth (disparity) times a factor plus a constant. auto: "
+      "for each image, what fits its measured depths best.");
 }
 
 std::optional<MapType> ParseMapType(const std::string& value) {

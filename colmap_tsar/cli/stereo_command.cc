@@ -6,6 +6,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/priors/prior_type.h"
 
 #include <iostream>
 
@@ -39,10 +40,21 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
                "The folder with masks of the undistorted images, named as for "
                "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), no "
                "depth is made. Images without a mask are matched as a whole.");
+  AddPriorOptions(
+      " A prior is aligned with the depths measured on texture in its image "
+      "and takes part where planar_prior fills: its planes replace those "
+      "between measured depths that it contradicts, and continue where there "
+      "are none. Measured depths stay as they are, and a prior that explains "
+      "too little of them is not used. tsar_refine takes the same folder; "
+      "filled depths are nothing to it, so give the priors to it as well.",
+      &command->prior_path,
+      &command->prior_type,
+      options);
   options->Add("overwrite",
                &command->overwrite,
                "Replace maps that another program made, or that were made with "
-               "other options or from images that have changed since.");
+               "other options, or from images, masks or depth priors that have "
+               "changed since.");
   AddDeviceArguments("TsarStereo.", &command->devices, options);
   options->Add("TsarStereo.num_threads",
                &command->devices.num_threads,
@@ -134,14 +146,14 @@ void StereoCommand::AddTo(OptionSet* options) {
 
 StereoSummary StereoCommand::Run(
     Progress& progress, const std::function<bool()>& should_stop) const {
-  return MatchWorkspace(workspace_path,
-                        devices.Parse(),
-                        stereo,
-                        overwrite,
-                        progress,
-                        should_stop,
-                        image_list_path,
-                        mask_path);
+  return MatchWorkspace(
+      workspace_path,
+      devices.Parse(),
+      stereo,
+      overwrite,
+      progress,
+      should_stop,
+      {image_list_path, mask_path, prior_path, ParsePriorType(prior_type)});
 }
 
 int RunTsarStereo(int argc, char** argv) {

@@ -18,6 +18,8 @@ struct StereoCommand {
   std::string workspace_path;
   std::string image_list_path;
   std::string mask_path;
+  std::string prior_path;
+  std::string prior_type = "auto";
   bool overwrite = false;
   DeviceArguments devices;
   StereoOptions stereo;

@@ -242,7 +242,7 @@ struct PriorFillKernel {
   TSAR_HD void operator()(int x, int y) const {
     const PriorDepth at_pixel = prior.At(x, y);
     if (confidence(x, y) > 0.f || !(at_pixel.depth > 0.f) ||
-        ProbabilityWithin(at_pixel, kSameSurface) < min_fill_confidence) {
+        ProbabilityOfSurface(at_pixel) < min_fill_confidence) {
       return;
     }
     depth(x, y) = at_pixel.depth;
@@ -251,19 +251,8 @@ struct PriorFillKernel {
     confidence(x, y) = Bounded(ProbabilityWithin(at_pixel, kRight));
   }
 
-  // The relative error of a correct depth, and of one that is on the right
-  // surface.
+  // The relative error of a correct depth.
   static constexpr float kRight = 0.01f;
-  static constexpr float kSameSurface = 0.03f;
-
-  // The probability that a prior's relative error is below `error`, by an
-  // approximation of the normal distribution that is accurate to 0.01.
-  TSAR_HD static float ProbabilityWithin(const PriorDepth& prior, float error) {
-    constexpr float kTwoOverPi = 0.63661977f;
-    const float share = error / prior.sigma;
-    return (1.f - prior.outlier_share) *
-           sqrtf(1.f - ExpOfNegative(-kTwoOverPi * share * share));
-  }
 };
 
 struct PlaneMapKernel {

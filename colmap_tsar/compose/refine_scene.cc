@@ -76,23 +76,6 @@ EvidenceInputs DownloadInputs(const DeviceViews& views,
   return inputs;
 }
 
-// The measurements to which a prior is aligned: those with texture of their
-// own. On bare surfaces whole areas share errors, in all views alike, and a
-// prior would follow them.
-Image<RayDepth> SamplesToAlignBy(const EvidenceInputs& inputs) {
-  constexpr float kMinOwnTexture = 0.5f;
-  const EvidenceOptions options;
-  Image<RayDepth> samples = inputs.samples;
-  for (size_t i = 0; i < samples.NumPixels(); ++i) {
-    if (!(inputs.texture.Data()[i] > options.min_texture) ||
-        (!inputs.fattening_weight.Empty() &&
-         inputs.fattening_weight.Data()[i] < kMinOwnTexture)) {
-      samples.Data()[i] = {};
-    }
-  }
-  return samples;
-}
-
 // Keeps only those candidate planes of superpixels that explain the whole view:
 // most of the hundreds are duplicates, and every neighbor would have to score
 // each of them.
@@ -280,7 +263,10 @@ void MakeEvidence(const RefineOptions& options,
   EvidenceOptions evidence_options;
   if (measured.prior != nullptr) {
     measured.inputs.prior =
-        AlignPrior(*measured.prior, SamplesToAlignBy(measured.inputs));
+        AlignPrior(*measured.prior,
+                   SamplesToAlignBy(measured.inputs.samples,
+                                    measured.inputs.texture,
+                                    measured.inputs.fattening_weight));
     evidence_options.tolerance = static_cast<float>(
         ScenePlaneTolerance(options, MeasureNoise(measured.inputs)));
     timer.Finish("prior");

@@ -112,6 +112,15 @@ Error NoPriors(const Path& folder, const std::vector<std::string>& names) {
 
 }  // namespace
 
+void RequirePathOfPriorType(const Path& folder, PriorType type) {
+  if (folder.empty() && type != PriorType::kAuto) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("prior_type") +
+                    " says what depth priors mean; give " +
+                    OptionName("prior_path") + " as well");
+  }
+}
+
 PriorFolder::PriorFolder(const Path& folder,
                          PriorType type,
                          const std::vector<std::string>& image_names)

@@ -14,6 +14,11 @@
 
 namespace tsar {
 
+// Throws Error kBadOption, naming the options prior_type and prior_path, for a
+// type without a folder.
+void RequirePathOfPriorType(const std::filesystem::path& folder,
+                            PriorType type);
+
 // A folder with the depth priors of images, which are given by their indices in
 // a list of names. The depth of the image sub/a.jpg is sub/a.jpg.EXT or
 // sub/a.EXT in the folder, its normals are sub/a.jpg.normal.EXT or

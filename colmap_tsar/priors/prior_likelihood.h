@@ -36,6 +36,20 @@ TSAR_HD inline float LogLikelihoodRatio(const PriorDepth& prior, float depth) {
                           prior.outlier_share);
 }
 
+// The probability that a prior's relative error is below `error`, by an
+// approximation of the normal distribution that is accurate to 0.01.
+TSAR_HD inline float ProbabilityWithin(const PriorDepth& prior, float error) {
+  constexpr float kTwoOverPi = 0.63661977f;
+  const float share = error / prior.sigma;
+  return (1.f - prior.outlier_share) *
+         sqrtf(1.f - ExpOfNegative(-kTwoOverPi * share * share));
+}
+
+// The probability that a prior lies on the right surface.
+TSAR_HD inline float ProbabilityOfSurface(const PriorDepth& prior) {
+  return ProbabilityWithin(prior, 0.03f);
+}
+
 // Updates the probability of a depth by the log likelihood ratio of a prior.
 TSAR_HD inline float PosteriorProbability(float probability, float log_ratio) {
   const float odds = probability / (1.f - probability);

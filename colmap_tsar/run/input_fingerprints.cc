@@ -58,6 +58,12 @@ std::vector<ChangedInput> ChangesOfView(const InputState& before,
 
 }  // namespace
 
+std::string FingerprintOfPrior(const Workspace& workspace, int image) {
+  const PriorFiles& files = workspace.Priors().FilesOf(image);
+  return FingerprintOf(FileState(files.depth) + " " + FileState(files.normals) +
+                       " " + ToString(workspace.Priors().Type()));
+}
+
 InputFingerprints::InputFingerprints(const Workspace& workspace)
     : workspace_(workspace),
       problems_(workspace.Model().images.size()),
@@ -160,7 +166,7 @@ InputState InputFingerprints::Read(int image) const {
       state[kMask] = FingerprintOf(FileState(workspace_.MaskPath(image)));
     }
     if (workspace_.Priors().HasPrior(image)) {
-      state[kPrior] = PriorOf(image);
+      state[kPrior] = FingerprintOfPrior(workspace_, image);
     }
     if (const auto path = workspace_.LabelImagePath(image); !path.empty()) {
       state[kRegions] = FingerprintOf(FileState(path));
@@ -199,12 +205,6 @@ std::string InputFingerprints::MapsOf(int image) const {
         FileState(originals.depth) + " " + FileState(originals.normal) + " ";
   }
   return FingerprintOf(text);
-}
-
-std::string InputFingerprints::PriorOf(int image) const {
-  const PriorFiles& files = workspace_.Priors().FilesOf(image);
-  return FingerprintOf(FileState(files.depth) + " " + FileState(files.normals) +
-                       " " + ToString(workspace_.Priors().Type()));
 }
 
 const std::string& InputFingerprints::Name(int image) const {

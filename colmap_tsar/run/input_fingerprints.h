@@ -13,6 +13,9 @@
 
 namespace tsar {
 
+// Of the files of an image's depth prior and the meaning of their values.
+std::string FingerprintOfPrior(const Workspace& workspace, int image);
+
 // Fingerprints of all inputs of the images' results, beside the options and the
 // program. Photos, masks, depth priors, label images and maps are identified by
 // their sizes and times, which links and renaming keep. Can be used from
@@ -68,7 +71,6 @@ class InputFingerprints {
   const View& Find(int image);
   InputState Read(int image) const;
   std::string MapsOf(int image) const;
-  std::string PriorOf(int image) const;
   const std::string& Name(int image) const;
 
   const Workspace& workspace_;

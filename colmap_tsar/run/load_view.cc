@@ -307,8 +307,9 @@ Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
   return depth;
 }
 
-// The depth prior without masked pixels. mask: of the image's maps, or empty.
-std::shared_ptr<const DepthPrior> ReadPrior(const Workspace& workspace,
+}  // namespace
+
+std::shared_ptr<const DepthPrior> LoadPrior(const Workspace& workspace,
                                             int image,
                                             const Image<uint8_t>& mask) {
   std::shared_ptr<DepthPrior> prior = workspace.ReadPrior(image);
@@ -326,8 +327,6 @@ std::shared_ptr<const DepthPrior> ReadPrior(const Workspace& workspace,
   return prior;
 }
 
-}  // namespace
-
 ViewData LoadView(const Workspace& workspace, int image) {
   HypothesisReader reader(workspace, image);
   const int width = reader.Width();
@@ -342,7 +341,7 @@ ViewData LoadView(const Workspace& workspace, int image) {
       IsUnfiltered(reader.NumDepths(), reader.NumPixelsInUse());
   view.color = workspace.ReadImage(image, width, height);
   view.camera = CameraOfMaps(workspace, image, width, height);
-  view.prior = ReadPrior(workspace, image, reader.Mask());
+  view.prior = LoadPrior(workspace, image, reader.Mask());
   view.segments = workspace.ReadLabels(image);
   return view;
 }
@@ -369,7 +368,7 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   }
   ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));
   reduced.num_not_finite = reader.NumNotFinite();
-  reduced.prior = ReadPrior(workspace, image, reader.Mask());
+  reduced.prior = LoadPrior(workspace, image, reader.Mask());
   reduced.segments = workspace.ReadLabels(image);
   return reduced;
 }

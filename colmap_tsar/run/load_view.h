@@ -3,9 +3,14 @@
 
 #pragma once
 
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/view_data.h"
+
+#include <cstdint>
+#include <memory>
 
 namespace tsar {
 
@@ -19,6 +24,12 @@ ViewData LoadView(const Workspace& workspace, int image);
 ViewData LoadReducedView(const Workspace& workspace,
                          int image,
                          int max_side = kMaxJudgingSide);
+
+// Reads the image's depth prior without masked pixels; null where it has none.
+// mask: of the image's maps, or empty. Throws what Workspace::ReadPrior throws.
+std::shared_ptr<const DepthPrior> LoadPrior(const Workspace& workspace,
+                                            int image,
+                                            const Image<uint8_t>& mask);
 
 // Reads only the camera, the colors and the depths of the map to refine, which
 // are 0 where the image is masked.

@@ -21,9 +21,7 @@ void WorkspaceRefineOptions::Check() const {
   };
   require(!workspace_path.empty(),
           OptionName("workspace_path") + " is missing; give it");
-  require(!prior_path.empty() || prior_type == PriorType::kAuto,
-          OptionName("prior_type") + " says what depth priors mean; give " +
-              OptionName("prior_path") + " as well");
+  RequirePathOfPriorType(prior_path, prior_type);
   devices.Check();
   shard.Check();
   require(pass != RefinePass::kAll || shard.count == 1,

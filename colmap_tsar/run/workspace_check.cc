@@ -174,11 +174,7 @@ bool CheckImage(const Workspace& workspace,
   overview->num_with_alpha += HasAlpha(workspace.ImagePath(image)) ? 1 : 0;
   workspace.CheckMask(image, {size->width, size->height});
   overview->has_masks = overview->has_masks || workspace.HasMask(image);
-  const PriorMemory prior = workspace.CheckPrior(image);
-  overview->prior_memory.prior =
-      std::max(overview->prior_memory.prior, prior.prior);
-  overview->prior_memory.to_read =
-      std::max(overview->prior_memory.to_read, prior.to_read);
+  overview->AddPrior(workspace.CheckPrior(image));
   overview->max_num_label_pixels =
       std::max(overview->max_num_label_pixels, workspace.CheckLabels(image));
   CheckCosts(workspace, image, type, *size, overview);

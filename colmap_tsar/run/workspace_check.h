@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/run/store/workspace.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -25,6 +26,12 @@ struct WorkspaceOverview {
   bool has_masks = false;    // Whether some image has a mask.
   PriorMemory prior_memory;  // The maximum over the images' depth priors.
   int64_t max_num_label_pixels = 0;  // Of the largest label image; 0: none.
+
+  // Includes an image's depth prior in the maximum.
+  void AddPrior(const PriorMemory& memory) {
+    prior_memory.prior = std::max(prior_memory.prior, memory.prior);
+    prior_memory.to_read = std::max(prior_memory.to_read, memory.to_read);
+  }
 };
 
 // Whether an image of patch-match.cfg has a depth or a normal map of this type.

@@ -14,7 +14,6 @@
 #include <cmath>
 
 namespace tsar {
-namespace {
 
 ReducedRaster MakeRaster(int width, int height) {
   const double scale = std::min(
@@ -22,8 +21,6 @@ ReducedRaster MakeRaster(int width, int height) {
   return {std::max(1, static_cast<int>(std::lround(width * scale))),
           std::max(1, static_cast<int>(std::lround(height * scale)))};
 }
-
-}  // namespace
 
 DeviceReference::DeviceReference(const ViewData& view, Device& device)
     : camera(view.camera), color(device, view.color) {

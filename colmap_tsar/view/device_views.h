@@ -109,6 +109,9 @@ class DeviceViews {
   int num_sources_with_depth_ = 0;
 };
 
+// The raster of a map of this size.
+ReducedRaster MakeRaster(int width, int height);
+
 // The largest number of raster pixels of a map of num_pixels.
 int64_t MaxRasterPixels(int64_t num_pixels);
 

@@ -29,6 +29,8 @@ class RefineKeywords(typing.TypedDict, total=False):
 class StereoKeywords(typing.TypedDict, total=False):
     image_list_path: typing.Union[str, os.PathLike[str], None]
     mask_path: typing.Union[str, os.PathLike[str], None]
+    prior_path: typing.Union[str, os.PathLike[str], None]
+    prior_type: typing.Literal['auto', 'metric', 'relative', 'inverse']
     overwrite: bool
     device: typing.Literal['auto', 'cuda', 'cpu']
     gpu_index: typing.Union[str, float, typing.Sequence[float]]

@@ -284,6 +284,21 @@ float MeasureNoise(const EvidenceInputs& inputs) {
   return residuals.empty() ? 0.f : kMedianToSigma * UpperMedian(&residuals);
 }
 
+Image<RayDepth> SamplesToAlignBy(Image<RayDepth> samples,
+                                 const Image<float>& texture,
+                                 const Image<float>& fattening_weight) {
+  constexpr float kMinOwnTexture = 0.5f;
+  const EvidenceOptions options;
+  for (size_t i = 0; i < samples.NumPixels(); ++i) {
+    if (!(texture.Data()[i] > options.min_texture) ||
+        (!fattening_weight.Empty() &&
+         fattening_weight.Data()[i] < kMinOwnTexture)) {
+      samples.Data()[i] = {};
+    }
+  }
+  return samples;
+}
+
 GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
                                 const EvidenceOptions& options) {
   GatheredEvidence gathered;

@@ -71,6 +71,13 @@ struct GatheredEvidence {
   int num_region_planes = 0;
 };
 
+// The measurements to which a prior is aligned: those with texture of their
+// own. On bare surfaces whole areas share errors, in all views alike, and a
+// prior would follow them. The arguments are those of EvidenceInputs.
+Image<RayDepth> SamplesToAlignBy(Image<RayDepth> samples,
+                                 const Image<float>& texture,
+                                 const Image<float>& fattening_weight);
+
 // The standard deviation of measurements at their superpixels' planes, in
 // relative depths of one pixel of disparity; 0 where no superpixel has a plane.
 float MeasureNoise(const EvidenceInputs& inputs);

@@ -169,19 +169,17 @@ Image<Plane> TriangulatePlanes(const Image<float>& depth,
   return planes;
 }
 
-Image<Plane> FindPlanarPrior(const ReferenceView& reference,
-                             const Buffer<SourceView>& sources,
-                             float window_radius,
-                             Device& device) {
+DeviceImage<float> FindReliableDepth(const ReferenceView& reference,
+                                     const Buffer<SourceView>& sources,
+                                     float window_radius,
+                                     Device& device) {
   HypothesisFilterOptions reliable;
   reliable.min_ncc = kMinNcc;
   reliable.min_triangulation_angle = kMinTriangulationAngle;
   reliable.min_num_consistent =
       std::clamp(static_cast<int>(sources.Size()), 1, kMinNumConsistent);
   reliable.window_radius = window_radius;
-  return TriangulatePlanes(
-      FilterHypotheses(reference, sources, {}, reliable, device).ToHost(),
-      reference.intrinsics);
+  return FilterHypotheses(reference, sources, {}, reliable, device);
 }
 
 }  // namespace tsar

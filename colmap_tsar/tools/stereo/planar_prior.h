@@ -24,11 +24,11 @@ namespace tsar {
 Image<Plane> TriangulatePlanes(const Image<float>& depth,
                                const Intrinsics& intrinsics);
 
-// The planes of the triangles of the reference's depths that match well and
-// that the depths of two sources (or the only one) confirm.
-Image<Plane> FindPlanarPrior(const ReferenceView& reference,
-                             const Buffer<SourceView>& sources,
-                             float window_radius,
-                             Device& device);
+// The reference's depths that match well and that the depths of two sources (or
+// the only one) confirm; the others become 0.
+DeviceImage<float> FindReliableDepth(const ReferenceView& reference,
+                                     const Buffer<SourceView>& sources,
+                                     float window_radius,
+                                     Device& device);
 
 }  // namespace tsar

@@ -7,6 +7,7 @@
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
+#include "colmap_tsar/tools/stereo/depth_prior_planes.h"
 #include "colmap_tsar/tools/stereo/fill_under_prior.h"
 #include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_views.h"
@@ -150,11 +151,13 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   if (FillsUnderPrior(options)) {
     view.depth = std::as_const(maps.depth).View();
     view.normal = std::as_const(maps.normal).View();
-    FillWithPrior(
-        FindPlanarPrior(view, level_sources, search.window_radius, device),
-        view.intrinsics,
-        range,
-        &host);
+    const DeviceImage<float> reliable =
+        FindReliableDepth(view, level_sources, search.window_radius, device);
+    Image<Plane> prior = TriangulatePlanes(reliable.ToHost(), view.intrinsics);
+    if (reference.prior != nullptr) {
+      host.prior = UseDepthPrior(reference, reliable, device, &prior);
+    }
+    FillWithPrior(prior, view.intrinsics, range, &host);
   }
   return host;
 }

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/compose/depth_interval.h"
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/priors/align_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
 #include "colmap_tsar/view/view_data.h"
 
@@ -21,6 +22,7 @@ struct StereoMaps {
   Image<Vec3f> normal;
   Image<float> min_cost;
   Image<float> second_cost;
+  PriorAssessment prior{};  // Of the pass that fills.
 };
 
 // Matches an image with its sources, coarse to fine. Only color and camera of
@@ -38,7 +40,8 @@ StereoMaps MatchImage(const ViewData& reference,
 // pixels of the reference without a depth, which are masked, get none. pass
 // counts from 0. The last pass filters: depths that too few sources confirm
 // become 0, with their normals; if the run fills its maps, these pixels then
-// get those of the planar prior (FillWithPrior).
+// get those of the planar prior (FillWithPrior), in which the reference's depth
+// prior, if it has one, takes part (UseDepthPrior).
 StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const std::vector<const ViewData*>& sources,
                                    const DepthInterval& range,

@@ -9,6 +9,7 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/run/input_fingerprints.h"
 
 #include <algorithm>
 #include <array>
@@ -21,32 +22,43 @@ namespace tsar {
 namespace {
 
 // The inputs in the order of the words of a line, whose last word is the
-// image's name; that of the photo has the mask after a plus sign, if any.
+// image's name.
 constexpr std::array<const char*, 4> kWords = {
     "camera", "photo", "sources", "depths"};
-constexpr char kMaskSign = '+';
+// The inputs that stand behind the word of another one, after a plus sign, and
+// only where the image has them.
+struct Appended {
+  const char* word;
+  const char* key;
+};
+constexpr std::array<Appended, 2> kAppended = {Appended{"photo", "mask"},
+                                               {"depths", "prior"}};
+constexpr char kSign = '+';
 
 struct Part {
   const char* key;
   ChangedInput change;
 };
-const std::array<Part, 5> kParts = {
+const std::array<Part, 6> kParts = {
     Part{"camera", {"its camera", false}},
     Part{"photo", {"its photo", false}},
     Part{"mask", {"its mask", false}},
     Part{"sources", {"its list of sources", false}},
-    Part{"depths", {"the range of its sparse points", false}}};
+    Part{"depths", {"the range of its sparse points", false}},
+    Part{"prior", {"its depth prior", false}}};
 // The value of an unused input.
 constexpr const char* kNone = "-";
 // The first line of a file.
 const std::string kHead = std::string("fingerprints ") + kContentHashName;
 
-// Splits the word of the photo into photo and mask.
-void SplitPhoto(InputState* state) {
-  std::string& photo = (*state)["photo"];
-  const size_t sign = photo.find(kMaskSign);
-  (*state)["mask"] = sign == std::string::npos ? kNone : photo.substr(sign + 1);
-  photo = photo.substr(0, sign);
+// Splits words into their input and the one that is appended to it.
+void SplitWords(InputState* state) {
+  for (const auto& [word, key] : kAppended) {
+    std::string& value = (*state)[word];
+    const size_t sign = value.find(kSign);
+    (*state)[key] = sign == std::string::npos ? kNone : value.substr(sign + 1);
+    value = value.substr(0, sign);
+  }
 }
 
 std::string FingerprintOfSources(const Workspace& workspace,
@@ -119,7 +131,8 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
                     ? FingerprintOf(FileState(workspace.MaskPath(image)))
                     : kNone},
                {"sources", kNone},
-               {"depths", kNone}};
+               {"depths", kNone},
+               {"prior", kNone}};
     }
     return state;
   };
@@ -133,6 +146,9 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
     state["sources"] = FingerprintOfSources(workspace, sources);
     state["depths"] = FingerprintOfDepths(
         StereoDepths(workspace, problem.reference, options));
+    if (workspace.Priors().HasPrior(problem.reference)) {
+      state["prior"] = FingerprintOfPrior(workspace, problem.reference);
+    }
   }
   return inputs;
 }
@@ -156,7 +172,7 @@ std::optional<StereoInputs> ReadStereoInputs(
       state[word] = line.substr(begin, end - begin);
       begin = end + 1;
     }
-    SplitPhoto(&state);
+    SplitWords(&state);
     inputs[line.substr(begin)] = std::move(state);
   }
   return inputs;
@@ -168,8 +184,10 @@ void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs) {
   for (const auto& [name, state] : inputs) {
     for (const char* word : kWords) {
       file.Stream() << state.at(word);
-      if (std::string_view(word) == "photo" && state.at("mask") != kNone) {
-        file.Stream() << kMaskSign << state.at("mask");
+      for (const auto& [before, key] : kAppended) {
+        if (std::string_view(word) == before && state.at(key) != kNone) {
+          file.Stream() << kSign << state.at(key);
+        }
       }
       file.Stream() << " ";
     }

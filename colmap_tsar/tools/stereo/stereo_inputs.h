@@ -32,8 +32,8 @@ DepthInterval StereoDepths(const Workspace& workspace,
 std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size);
 
 // The inputs by the names of reference and source images: "camera", "photo",
-// "mask" and, for references, "sources" and "depths". Over the passes, every
-// map depends on all of them.
+// "mask" and, for references, "sources", "depths" and "prior". Over the passes,
+// every map depends on all of them.
 using StereoInputs = std::map<std::string, InputState>;
 
 // Throws the errors of StereoDepths.

@@ -6,12 +6,16 @@
 #include "colmap_tsar/device/working_bytes.h"
 #include "colmap_tsar/tools/stereo/fill_under_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
+#include "colmap_tsar/view/device_views.h"
 
 #include <algorithm>
 
 namespace tsar {
-
 namespace {
+
+// Main memory for the alignment of a depth prior, for each pixel of the raster:
+// its images, and lists of samples and of what is predicted of them.
+constexpr int64_t kAlignBytesPerPixel = 100;
 
 // Bytes of the device's memory, including the sources, linear in the pixels.
 // The factors were measured (tests/tools/stereo/stereo_memory_test.cc).
@@ -45,8 +49,12 @@ MemoryPlan PlanStereo(const StereoOptions& options,
   // merged with.
   const int64_t costs = 2 * BytesOf<float>(num_pixels);
   plan.load = std::max(LoadBytes(overview), costs);
+  const int64_t aligning =
+      overview.prior_memory.prior > 0
+          ? kAlignBytesPerPixel * MaxRasterPixels(num_pixels)
+          : 0;
   const int64_t filling =
-      BytesOf<Plane>(num_pixels) + BytesOf<float>(num_pixels);
+      BytesOf<Plane>(num_pixels) + BytesOf<float>(num_pixels) + aligning;
   plan.result =
       StereoMapsBytes(num_pixels) +
       std::max(FillsUnderPrior(options) ? std::max(costs, filling) : costs,

@@ -84,7 +84,7 @@ StereoMapFiles StereoPasses::Files(int pass, int image) const {
                          folder / "normal" / (key + ".bin"),
                          std::nullopt};
     // The next pass identifies filled pixels by their costs.
-    if (IsUnderPrior(pass + 1)) {
+    if (Fills(pass)) {
       files.cost = folder / "cost" / (key + ".bin");
     }
     return files;

@@ -39,6 +39,10 @@ class StereoPasses {
 
   int NumPasses() const { return 1 + num_geometric_ + num_prior_; }
   bool IsUnderPrior(int pass) const { return pass > num_geometric_; }
+  // Whether the pass fills the maps that the next one matches under the prior.
+  bool Fills(int pass) const {
+    return num_prior_ > 0 && pass == num_geometric_;
+  }
   StereoMapFiles Files(int pass, int image) const;
   // Whether the image has all final maps of the run.
   bool IsDone(int image) const;

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/image_name_hash.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/tools/stereo/fill_under_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
 
@@ -43,6 +44,10 @@ ViewCache::View StereoTask::Load(int image) const {
       ReadStereoMaps(files, passes_.IsUnderPrior(pass_), view.get());
     }
   }
+  if (passes_.Fills(pass_)) {
+    view->prior = LoadPrior(
+        workspace_, image, workspace_.ReadMask(image, {width, height}));
+  }
   return view;
 }
 
@@ -64,7 +69,7 @@ std::vector<int> StereoTask::Views(size_t index) const {
 StereoMaps StereoTask::Compute(size_t index,
                                size_t worker,
                                ViewCache::Lease* views,
-                               ImageReport* /*report*/) {
+                               ImageReport* report) {
   const int image = Problem(index).reference;
   std::vector<const ViewData*> sources;
   for (const int source : StereoSources(Problem(index), options_)) {
@@ -81,14 +86,17 @@ StereoMaps StereoTask::Compute(size_t index,
   if (passes_.IsUnderPrior(pass_)) {
     return MatchUnderPrior(reference, sources, range, stream, options_, device);
   }
-  return MatchImageGeometrically(reference,
-                                 sources,
-                                 range,
-                                 stream,
-                                 pass_ - 1,
-                                 /*keeps_holes=*/workspace_.HasMask(image),
-                                 options_,
-                                 device);
+  StereoMaps maps =
+      MatchImageGeometrically(reference,
+                              sources,
+                              range,
+                              stream,
+                              pass_ - 1,
+                              /*keeps_holes=*/workspace_.HasMask(image),
+                              options_,
+                              device);
+  report->prior = maps.prior;
+  return maps;
 }
 
 void StereoTask::Write(size_t index, StereoMaps maps, ImageReport* report) {

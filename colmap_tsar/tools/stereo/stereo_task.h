@@ -27,8 +27,9 @@ class StereoTask : public ImageTasks<StereoMaps> {
              int pass,
              std::vector<RefineWorker>& workers);
 
-  // Loads the image and, after the first pass, its current maps. Maps of images
-  // that are not to be matched are of earlier runs and ignored.
+  // Loads the image, after the first pass its current maps, and for the pass
+  // that fills its depth prior. Maps of images that are not to be matched are
+  // of earlier runs and ignored.
   ViewCache::View Load(int image) const;
 
   ImageReport Begin(size_t index) override;

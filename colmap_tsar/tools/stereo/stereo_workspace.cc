@@ -49,6 +49,7 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
     CheckPhotoFile(workspace.ImagePath(image));
     workspace.CheckMask(image, {width, height});
     overview.has_masks = overview.has_masks || workspace.HasMask(image);
+    overview.AddPrior(workspace.CheckPrior(image));
   };
   std::set<int> images;
   for (const StereoProblem& problem : workspace.Problems()) {
@@ -65,8 +66,21 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
   return overview;
 }
 
+void CheckPriorOptions(const StereoImageFiles& files,
+                       const StereoOptions& options) {
+  RequirePathOfPriorType(files.prior_path, files.prior_type);
+  if (!files.prior_path.empty() && !FillsUnderPrior(options)) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("prior_path") +
+                    ": depth priors tell where unmeasured pixels are filled; "
+                    "leave it out, or turn " +
+                    OptionName("planar_prior") + " and " +
+                    OptionName("geom_consistency") + " on");
+  }
+}
+
 // Opens a workspace of image_undistorter with the folders for maps.
-Workspace OpenForStereo(const fs::path& path, const fs::path& mask_path) {
+Workspace OpenForStereo(const fs::path& path, const StereoImageFiles& files) {
   if (path.empty()) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("workspace_path") + " is missing; give it");
@@ -88,7 +102,9 @@ Workspace OpenForStereo(const fs::path& path, const fs::path& mask_path) {
   }
   Workspace workspace(path, MapType::kPhotometric);
   workspace.WarnOfSourcesLeftOut();
-  workspace.UseMasks(mask_path);
+  workspace.UseMasks(files.mask_path);
+  workspace.UsePriors(files.prior_path, files.prior_type);
+  workspace.Priors().WarnOfStrayFiles();
   return workspace;
 }
 
@@ -102,16 +118,16 @@ std::vector<double> PassCosts(const StereoPasses& passes) {
   return costs;
 }
 
-// Returns the number of images that were done before.
-int RunPass(const Workspace& workspace,
-            const StereoOptions& options,
-            const StereoPasses& passes,
-            int pass,
-            std::vector<size_t> images,
-            int64_t view_bytes,
-            RefineDevices& devices,
-            Progress& progress,
-            const std::function<bool()>& should_stop) {
+// Returns the reports of the images.
+std::vector<ImageReport> RunPass(const Workspace& workspace,
+                                 const StereoOptions& options,
+                                 const StereoPasses& passes,
+                                 int pass,
+                                 std::vector<size_t> images,
+                                 int64_t view_bytes,
+                                 RefineDevices& devices,
+                                 Progress& progress,
+                                 const std::function<bool()>& should_stop) {
   const std::string name =
       std::to_string(pass + 1) + " of " + std::to_string(passes.NumPasses());
   StereoTask task(workspace, options, passes, pass, devices.workers);
@@ -119,27 +135,33 @@ int RunPass(const Workspace& workspace,
                   static_cast<size_t>(view_bytes),
                   [&](int image) { return task.Load(image); });
   progress.BeginPass();
-  const PipelineOutcome outcome =
-      ImagePipeline<StereoMaps>(task,
-                                std::move(images),
-                                "Pass " + name + ":",
-                                cache,
-                                devices.sizes,
-                                progress,
-                                should_stop)
-          .Run(devices.workers.size());
+  PipelineOutcome outcome = ImagePipeline<StereoMaps>(task,
+                                                      std::move(images),
+                                                      "Pass " + name + ":",
+                                                      cache,
+                                                      devices.sizes,
+                                                      progress,
+                                                      should_stop)
+                                .Run(devices.workers.size());
   outcome.RethrowFailure();
   if (!outcome.IsComplete()) {
     throw Error(ErrorCode::kInterrupted,
                 "interrupted in pass " + name +
                     "; run the same command again to go on");
   }
-  return static_cast<int>(std::count_if(outcome.reports.begin(),
-                                        outcome.reports.end(),
-                                        [](const ImageReport& report) {
-                                          return report.outcome ==
-                                                 ImageReport::Outcome::kSkipped;
-                                        }));
+  return std::move(outcome.reports);
+}
+
+int CountSkipped(const std::vector<ImageReport>& reports) {
+  return static_cast<int>(std::count_if(
+      reports.begin(), reports.end(), [](const ImageReport& report) {
+        return report.outcome == ImageReport::Outcome::kSkipped;
+      }));
+}
+
+const std::string& NameOf(const Workspace& workspace, size_t place) {
+  const StereoProblem& problem = workspace.Problems()[place];
+  return workspace.Model().images[static_cast<size_t>(problem.reference)].name;
 }
 
 }  // namespace
@@ -150,15 +172,15 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              bool overwrite,
                              Progress& progress,
                              const std::function<bool()>& should_stop,
-                             const fs::path& image_list_path,
-                             const fs::path& mask_path) {
+                             const StereoImageFiles& files) {
   device_options.Check();
   options.Check();
+  CheckPriorOptions(files, options);
   const Stopwatch stopwatch;
-  const Workspace workspace = OpenForStereo(workspace_path, mask_path);
+  const Workspace workspace = OpenForStereo(workspace_path, files);
   const WorkspaceLock lock(workspace.Root());
   const std::vector<bool> is_listed =
-      FindListedImages(workspace, image_list_path);
+      FindListedImages(workspace, files.image_list_path);
   const WorkspaceOverview overview = OverviewOf(workspace, options);
   StereoSummary summary;
   summary.workspace_path = workspace.Root();
@@ -168,8 +190,9 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   const std::vector<std::vector<size_t>> images =
       FindImagesOfPasses(workspace, options, passes.NumPasses(), is_listed);
   summary.num_images = static_cast<int>(images.back().size());
-  summary.num_masks =
-      CountMasks(workspace, ReferencesOf(workspace, images.back()));
+  const std::vector<int> references = ReferencesOf(workspace, images.back());
+  summary.num_masks = CountMasks(workspace, references);
+  summary.num_priors = workspace.Priors().Count(references);
   if (overview.max_num_sources == 0) {
     throw Error::File(
         ErrorCode::kNotFound,
@@ -187,10 +210,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
     const StereoProblem& problem = workspace.Problems()[place];
     if (problem.sources.empty()) {
       summary.without_sources.push_back(
-          {workspace.Model()
-               .images[static_cast<size_t>(problem.reference)]
-               .name,
-           problem.without_sources});
+          {NameOf(workspace, place), problem.without_sources});
     }
   }
   ClaimMaps(workspace, options, overwrite, is_listed);
@@ -207,16 +227,23 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   } else {
     progress.PlanPasses(PassCosts(passes));
     for (int pass = 0; pass < passes.NumPasses(); ++pass) {
-      summary.num_skipped = RunPass(workspace,
-                                    options,
-                                    passes,
-                                    pass,
-                                    images[static_cast<size_t>(pass)],
-                                    ViewBytes(overview),
-                                    devices,
-                                    progress,
-                                    should_stop) -
-                            num_without_sources;
+      const std::vector<size_t>& places = images[static_cast<size_t>(pass)];
+      const std::vector<ImageReport> reports = RunPass(workspace,
+                                                       options,
+                                                       passes,
+                                                       pass,
+                                                       places,
+                                                       ViewBytes(overview),
+                                                       devices,
+                                                       progress,
+                                                       should_stop);
+      summary.num_skipped = CountSkipped(reports) - num_without_sources;
+      for (size_t i = 0; i < places.size(); ++i) {
+        if (is_listed[places[i]] && reports[i].prior.IsDropped()) {
+          summary.dropped_priors.push_back(
+              {NameOf(workspace, places[i]), Describe(reports[i].prior)});
+        }
+      }
     }
   }
   passes.RemoveFilesBetween();

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
@@ -18,8 +19,23 @@
 
 namespace tsar {
 
+// Files about the images; empty paths: none.
+struct StereoImageFiles {
+  // A text file with the names of the images whose maps are made, identical to
+  // those of a run on all images, which an empty path stands for. The
+  // photometric maps of the images that they depend on are kept, too.
+  std::filesystem::path image_list_path;
+  // The folder with the masks of images, see io/image_mask.h. Masked pixels get
+  // no depth, and those of sources confirm none.
+  std::filesystem::path mask_path;
+  // The folder with the depth priors of images, see priors/prior_folder.h, and
+  // the meaning of their values. Without options.planar_prior they have no use.
+  std::filesystem::path prior_path;
+  PriorType prior_type = PriorType::kAuto;
+};
+
 struct StereoSummary {
-  struct WithoutSources {
+  struct ImageReason {
     std::string name;
     std::string reason;
   };
@@ -32,7 +48,11 @@ struct StereoSummary {
   int num_skipped = 0;  // Images done before.
   // The number of images with a mask; nullopt without masks.
   std::optional<int64_t> num_masks;
-  std::vector<WithoutSources> without_sources;
+  // The number of images with a depth prior; nullopt without priors.
+  std::optional<int64_t> num_priors;
+  // The images whose depth prior this run dropped.
+  std::vector<ImageReason> dropped_priors;
+  std::vector<ImageReason> without_sources;
   double wall_seconds = 0.0;
   std::vector<RunSummary::GpuMemory> peak_gpu_memory;
 };
@@ -41,25 +61,21 @@ struct StereoSummary {
 // photometric and, by default, geometric ones, in several passes over the
 // images. Intermediate files are kept in stereo/tsar_stereo until the run ends.
 // overwrite: whether to replace maps that this program did not make, or made
-// with other options or inputs. image_list_path: a text file with the names of
-// the images whose maps are made, identical to those of a run on all images;
-// empty: all. The photometric maps of the images that they depend on are kept,
-// too. mask_path: the folder with the masks of images, see io/image_mask.h;
-// empty: none. Masked pixels get no depth, and those of sources confirm none.
+// with other options or inputs.
 //
-// Throws Error: kUnsupported (there are such maps and overwrite is false, or
+// Throws Error: kBadOption (priors are given that have no use, or their type
+// alone), kUnsupported (there are such maps and overwrite is false, or
 // the workspace has been refined), kNotFound (no image has sources; an image
 // without sparse points needs options.depth_min and depth_max), kInterrupted
 // once should_stop returned true, and those of the workspace, its lock, the
-// devices, writing and Workspace::UseMasks. Completed images are kept; the same
-// call resumes the run.
+// devices, writing, Workspace::UseMasks, UsePriors and CheckPrior. Completed
+// images are kept; the same call resumes the run.
 StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const DeviceOptions& device_options,
                              const StereoOptions& options,
                              bool overwrite,
                              Progress& progress,
                              const std::function<bool()>& should_stop,
-                             const std::filesystem::path& image_list_path = {},
-                             const std::filesystem::path& mask_path = {});
+                             const StereoImageFiles& files = {});
 
 }  // namespace tsar

@@ -123,9 +123,16 @@ TEST(TriangulatePlanesTest, NeedsThreeSquares) {
   EXPECT_EQ(CountValid(TriangulatePlanes(depth, DrawnIntrinsics())), 0);
 }
 
+Image<Plane> FindPlanarPrior(TexturedPlane& scene, Device& device) {
+  return TriangulatePlanes(
+      FindReliableDepth(scene.Reference(), scene.Sources(), 5.f, device)
+          .ToHost(),
+      DrawnIntrinsics());
+}
+
 // A textured wall without texture in its middle, seen by the reference and two
 // sources whose depths there are noise.
-TEST(FindPlanarPriorTest, SpansABareWall) {
+TEST(FindReliableDepthTest, SpansABareWall) {
   const std::unique_ptr<Device> device = Device::CreateCpu(2);
   const Camera camera = SyntheticCamera(kWidth, kHeight, 100.0);
   TexturedPlane scene(kWall, camera, *device);
@@ -137,8 +144,7 @@ TEST(FindPlanarPriorTest, SpansABareWall) {
       scene.Depth()(x, y) *= 1.f + 0.01f * static_cast<float>((7 * x + y) % 20);
     }
   }
-  const Image<Plane> prior =
-      FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device);
+  const Image<Plane> prior = FindPlanarPrior(scene, *device);
   const Vec3f ray = DrawnIntrinsics().Ray(kWidth / 2, kHeight / 2);
   const Plane& middle = prior(kWidth / 2, kHeight / 2);
   ASSERT_TRUE(middle.Valid());
@@ -146,14 +152,13 @@ TEST(FindPlanarPriorTest, SpansABareWall) {
 }
 
 // Of two sources one has no depth, so that a single one confirms them.
-TEST(FindPlanarPriorTest, NeedsTwoSourcesIfThereAreTwo) {
+TEST(FindReliableDepthTest, NeedsTwoSourcesIfThereAreTwo) {
   const std::unique_ptr<Device> device = Device::CreateCpu(2);
   const Camera camera = SyntheticCamera(kWidth, kHeight, 100.0);
   TexturedPlane scene(kWall, camera, *device);
   scene.AddSource(SourceCamera(camera, {0.3, 0.05, 0.0}, -0.09));
   const auto count = [&] {
-    return CountValid(
-        FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device));
+    return CountValid(FindPlanarPrior(scene, *device));
   };
   EXPECT_GT(count(), kWidth * kHeight / 2);
   scene.AddSource(SourceCamera(camera, {-0.3, 0.05, 0.0}, 0.09));
@@ -161,13 +166,12 @@ TEST(FindPlanarPriorTest, NeedsTwoSourcesIfThereAreTwo) {
   EXPECT_EQ(count(), 0);
 }
 
-TEST(FindPlanarPriorTest, TakesWhateverDepthsThereAre) {
+TEST(FindReliableDepthTest, TakesWhateverDepthsThereAre) {
   const std::unique_ptr<Device> device = Device::CreateCpu(1);
   const Camera camera = SyntheticCamera(kWidth, kHeight, 100.0);
   TexturedPlane scene(kWall, camera, *device);
   const auto count = [&] {
-    return CountValid(
-        FindPlanarPrior(scene.Reference(), scene.Sources(), 5.f, *device));
+    return CountValid(FindPlanarPrior(scene, *device));
   };
   EXPECT_EQ(count(), 0);  // Without sources.
   scene.AddSource(SourceCamera(camera, {0.3, 0.05, 0.0}, -0.09));

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,7 +48,13 @@ Matched Match(const SyntheticViews& drawn,
   matched.maps = MatchImage(photos[0], photo_sources, range, 1, options, first);
   matched.photometric = static_cast<int64_t>(first.PeakMemory());
   CountingDevice second("", SIZE_MAX, 2);
-  MatchImageGeometrically(drawn.views[0],
+  ViewData reference = drawn.views[0];
+  if (options.planar_prior) {
+    auto prior = std::make_shared<DepthPrior>();
+    prior->values = drawn.truth;
+    reference.prior = std::move(prior);
+  }
+  MatchImageGeometrically(reference,
                           sources,
                           range,
                           1,
@@ -133,6 +140,18 @@ TEST(StereoMemory, CountsMapsAndNoEvidence) {
   EXPECT_EQ(plan.model_block + plan.label_view + plan.make_evidence +
                 EvidenceBytes(plan, 3),
             0);
+}
+
+TEST(StereoMemory, CountsDepthPriors) {
+  WorkspaceOverview overview;
+  overview.max_num_pixels = 6'000'000;
+  overview.max_num_sources = 4;
+  const MemoryPlan without = PlanStereo({}, overview);
+  overview.AddPrior({4'000'000, 70'000'000});
+  const MemoryPlan with = PlanStereo({}, overview);
+  EXPECT_EQ(with.view, without.view + 4'000'000);
+  EXPECT_EQ(with.load, 70'000'000);
+  EXPECT_GT(with.result, without.result);
 }
 
 }  // namespace

@@ -48,14 +48,14 @@ class StereoWorkspaceTest : public testing::Test {
     devices.num_threads = num_threads;
     std::ostringstream log;
     Progress progress(log, false);
-    return MatchWorkspace(root_,
-                          devices,
-                          options_,
-                          overwrite,
-                          progress,
-                          should_stop,
-                          image_list_path_,
-                          mask_path_);
+    return MatchWorkspace(
+        root_,
+        devices,
+        options_,
+        overwrite,
+        progress,
+        should_stop,
+        {image_list_path_, mask_path_, prior_path_, prior_type_});
   }
 
   void ExpectError(ErrorCode code,
@@ -89,6 +89,8 @@ class StereoWorkspaceTest : public testing::Test {
   StereoOptions options_;
   std::filesystem::path image_list_path_;
   std::filesystem::path mask_path_;
+  std::filesystem::path prior_path_;
+  PriorType prior_type_ = PriorType::kAuto;
 };
 
 }  // namespace tsar
