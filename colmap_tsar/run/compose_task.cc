@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/run/compose_task.h"
 
+#include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/device/scoped_synchronization.h"
 #include "colmap_tsar/run/store/scene_model_file.h"

@@ -3,11 +3,11 @@
 
 #pragma once
 
-#include "colmap_tsar/compose/refine_scene.h"
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/run/refine_task.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
+#include "colmap_tsar/scene/find_scene.h"
 
 #include <cstddef>
 #include <memory>

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/image_name_hash.h"
 #include "colmap_tsar/base/stopwatch.h"
-#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/compose/measure_image.h"
 
 #include <utility>
 

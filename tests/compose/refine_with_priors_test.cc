@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/priors/depth_prior.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/run/memory_plan.h"
 
-#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/compose/stage_memory.h"
 #include "colmap_tsar/run/device_view_cache.h"
 #include "colmap_tsar/scene/evidence/observed_view.h"

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/stage_options.h"
 
-#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/scene/scene_options.h"
 #include "colmap_tsar/view/refine_option_list.h"
 

@@ -13,32 +13,13 @@
 #include "colmap_tsar/view/uploaded_view.h"
 #include "colmap_tsar/view/view_data.h"
 
-#include <cstdint>
 #include <memory>
 #include <vector>
 
 namespace tsar {
 
-// The first and the last of the steps by which an image is refined together
-// with all others. The first takes it through the stages of a single view and
-// keeps their results. From these, the steps of find_scene.h make the planes of
-// the scene, with which the last step composes its map.
-
-// The first step in two parts: MeasureImage runs the stages, and its result
-// holds the measurements; MakeEvidence replaces these by the evidence. Neither
-// makes maps. Arguments are those of RefineImage. The second part has little
-// work for a GPU: with many images, it runs on a CPU while the GPU measures the
-// next one.
-RefineResult MeasureImage(
-    const ViewData& reference,
-    std::vector<std::shared_ptr<const UploadedView>> sources,
-    uint32_t image_id,
-    const RefineOptions& options,
-    Device& device,
-    StageObserver* observer = nullptr);
-void MakeEvidence(const RefineOptions& options,
-                  Device& device,
-                  RefineResult* result);
+// The last of the steps by which an image is refined together with all others,
+// after those of measure_image.h and find_scene.h.
 
 // Composes the reference's map from the planes and surfaces that were found in
 // it. The evidence of the reference must have all its parts. sources: for

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/compose/refine_scene.h"
+#include "colmap_tsar/compose/compose_image.h"
 
 #include "colmap_tsar/run/store/evidence_file.h"
 #include "colmap_tsar/view/reduce_view.h"
@@ -21,7 +21,7 @@ namespace {
 // A depth this close to the truth is right.
 constexpr float kRight = 5e-3f;
 
-class RefineSceneTest : public SyntheticViewsTest {
+class ComposeImageTest : public SyntheticViewsTest {
  protected:
   // The first so many views, with all others as their sources.
   std::vector<std::unique_ptr<ViewEvidence>> Observe(
@@ -81,7 +81,7 @@ class RefineSceneTest : public SyntheticViewsTest {
   }
 };
 
-TEST_F(RefineSceneTest, AWallWithoutTextureGetsItsPlane) {
+TEST_F(ComposeImageTest, AWallWithoutTextureGetsItsPlane) {
   const RefinedMaps maps = RefineAll();
   ExpectSoundMaps(maps);
   int num_bare = 0;
@@ -102,7 +102,7 @@ TEST_F(RefineSceneTest, AWallWithoutTextureGetsItsPlane) {
   EXPECT_GT(num_right, 0.95 * num_bare);
 }
 
-TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
+TEST_F(ComposeImageTest, LargeMapsAreJudgedAtASmallerSize) {
   constexpr int kWidth = 192;
   constexpr int kHeight = 144;
   const SyntheticViews whole =
@@ -134,7 +134,7 @@ TEST_F(RefineSceneTest, LargeMapsAreJudgedAtASmallerSize) {
 
 // The squares of three pixels reach beyond the map's end, and their middle is
 // off the corner from which pixels count.
-TEST_F(RefineSceneTest, ComposesWithTheCameraThatObserved) {
+TEST_F(ComposeImageTest, ComposesWithTheCameraThatObserved) {
   const SyntheticViews whole = DrawReduced(193, 145, 3);
   const auto evidence = Observe(drawn_.views.size());
   for (size_t i = 0; i < evidence.size(); ++i) {
@@ -163,7 +163,7 @@ TEST_F(RefineSceneTest, ComposesWithTheCameraThatObserved) {
   }
 }
 
-TEST_F(RefineSceneTest, NothingReliableGetsWorseThanWithASingleView) {
+TEST_F(ComposeImageTest, NothingReliableGetsWorseThanWithASingleView) {
   const RefinedMaps together = RefineAll();
   const RefinedMaps alone = RefineAlone();
   double error_together = 0.0;
@@ -192,7 +192,7 @@ TEST_F(RefineSceneTest, NothingReliableGetsWorseThanWithASingleView) {
   EXPECT_LE(error_together, error_alone);
 }
 
-TEST_F(RefineSceneTest, DoesNotDependOnTheNumberOfThreads) {
+TEST_F(ComposeImageTest, DoesNotDependOnTheNumberOfThreads) {
   const TemporaryFolder folder;
   const auto bytes = [&](const ViewEvidence& evidence) {
     WriteEvidence(UserPath(folder.Path() / "evidence.bin"), "", evidence);
@@ -209,7 +209,7 @@ TEST_F(RefineSceneTest, DoesNotDependOnTheNumberOfThreads) {
   ExpectSameMaps(one, Compose(with_three).maps);
 }
 
-TEST_F(RefineSceneTest, ScalingTheSceneByAPowerOfTwoScalesTheDepthsExactly) {
+TEST_F(ComposeImageTest, ScalingTheSceneByAPowerOfTwoScalesTheDepthsExactly) {
   const RefinedMaps maps = RefineAll();
   for (const float scale : {1024.f, 1.f / 1024.f}) {
     drawn_ = MakeSyntheticViews({});
@@ -223,13 +223,13 @@ TEST_F(RefineSceneTest, ScalingTheSceneByAPowerOfTwoScalesTheDepthsExactly) {
   }
 }
 
-TEST_F(RefineSceneTest, TheViewsEvidenceAloneWillDo) {
+TEST_F(ComposeImageTest, TheViewsEvidenceAloneWillDo) {
   const RefineResult result = Compose(Observe(1));
   EXPECT_EQ(result.reason_to_keep, "");
   ExpectSoundMaps(result.maps);
 }
 
-TEST_F(RefineSceneTest, EverySwitchLeavesSoundMaps) {
+TEST_F(ComposeImageTest, EverySwitchLeavesSoundMaps) {
   RefineOptions list;
   const size_t num_fields = ListRefineFields(&list).size();
   int num_switches = 0;
@@ -251,7 +251,7 @@ TEST_F(RefineSceneTest, EverySwitchLeavesSoundMaps) {
   EXPECT_GT(num_switches, 8);
 }
 
-TEST_F(RefineSceneTest, SaysWhereNothingIsLeft) {
+TEST_F(ComposeImageTest, SaysWhereNothingIsLeft) {
   // Wrong depths alone, of which none agrees with that of another view, also
   // not by chance.
   float nearest = 2.f;
