@@ -4,6 +4,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstddef>
 #include <cstdint>
 #include <exception>
 #include <functional>
@@ -31,6 +32,16 @@ class ThreadPool {
   // done; the calling thread works too. The first exception of a piece is
   // rethrown here. Not to be called from within a body.
   void Run(int64_t count, const std::function<void(int64_t, int64_t)>& body);
+
+  // Calls function(i) for each i in [0, count), as Run().
+  template <typename Function>
+  void ForEach(size_t count, const Function& function) {
+    Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
+      for (int64_t i = begin; i < end; ++i) {
+        function(static_cast<size_t>(i));
+      }
+    });
+  }
 
  private:
   // Ends the workers.

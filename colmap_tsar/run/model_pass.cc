@@ -51,12 +51,13 @@ bool ModelWorkspace(const ModelPassInputs& inputs,
   const SceneEvidence evidence = {
       [&](size_t view) { return inputs.evidence.Get(views[view].image); },
       [&](size_t view) { return inputs.evidence.ReadAll(views[view].image); }};
+  ModelSceneOptions options;
+  options.progress_prefix = pass;
   const std::optional<SceneModel> model = ModelScene(views,
                                                      evidence,
                                                      inputs.options,
-                                                     ModelSceneOptions(),
+                                                     options,
                                                      resources,
-                                                     pass,
                                                      progress,
                                                      should_stop);
   if (!model) {

@@ -36,7 +36,6 @@ class SceneModeler {
                const RefineOptions& refine_options,
                const ModelSceneOptions& options,
                const ModelResources& resources,
-               const std::string& pass,
                Progress& progress,
                const std::function<bool()>& should_stop)
       : views_(views),
@@ -44,7 +43,6 @@ class SceneModeler {
         refine_options_(refine_options),
         options_(options),
         resources_(resources),
-        pass_(pass),
         progress_(progress),
         should_stop_(should_stop),
         neighbors_(MakeViewGraph(views)),
@@ -90,7 +88,8 @@ class SceneModeler {
     const std::vector<std::vector<size_t>> parts =
         SplitIntoBlocks(neighbors_, options_.max_block_views);
     std::vector<std::vector<Block>> found(parts.size());
-    progress_.Start(static_cast<int>(views_.size()), pass_ + " planes:");
+    progress_.Start(static_cast<int>(views_.size()),
+                    options_.progress_prefix + " planes:");
     ForEachView(parts.size(),
                 resources_.num_blocks,
                 resources_.num_threads,
@@ -117,13 +116,8 @@ class SceneModeler {
       return views_[a].image < views_[b].image;
     });
     std::vector<std::shared_ptr<const ViewEvidence>> evidence(views.size());
-    device.Threads().Run(static_cast<int64_t>(views.size()),
-                         [&](int64_t begin, int64_t end) {
-                           for (int64_t i = begin; i < end; ++i) {
-                             const auto place = static_cast<size_t>(i);
-                             evidence[place] = evidence_.get(views[place]);
-                           }
-                         });
+    device.Threads().ForEach(
+        views.size(), [&](size_t i) { evidence[i] = evidence_.get(views[i]); });
     std::vector<ObservedView> observed;
     size_t num_superpixels = 0;
     size_t num_candidates = 0;
@@ -241,7 +235,7 @@ class SceneModeler {
                         resources_});
     const auto run = [&](int sweep, const std::string& name) {
       progress_.Start(static_cast<int>(views_.size()),
-                      pass_ + " labels " + name + ":");
+                      options_.progress_prefix + " labels " + name + ":");
       sweeps.Run(sweep + 1 < options_.num_sweeps, progress_, should_stop_);
       progress_.Finish();
       return !should_stop_();
@@ -359,7 +353,8 @@ class SceneModeler {
              int max_at_a_time,
              bool are_views,
              const std::function<void(size_t i, Device& cpu)>& function) {
-    progress_.Start(static_cast<int>(count), pass_ + " " + name + ":");
+    progress_.Start(static_cast<int>(count),
+                    options_.progress_prefix + " " + name + ":");
     ForEachView(count,
                 max_at_a_time,
                 resources_.num_threads,
@@ -378,7 +373,6 @@ class SceneModeler {
   const RefineOptions& refine_options_;
   const ModelSceneOptions options_;
   const ModelResources resources_;
-  const std::string pass_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
   const ViewGraph neighbors_;
@@ -395,7 +389,6 @@ std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                                      const RefineOptions& refine_options,
                                      const ModelSceneOptions& options,
                                      const ModelResources& resources,
-                                     const std::string& pass,
                                      Progress& progress,
                                      const std::function<bool()>& should_stop) {
   return SceneModeler(views,
@@ -403,7 +396,6 @@ std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                       refine_options,
                       options,
                       resources,
-                      pass,
                       progress,
                       should_stop)
       .Run();

@@ -29,6 +29,7 @@ struct SceneEvidence {
 };
 
 struct ModelSceneOptions {
+  std::string progress_prefix;  // Of the progress messages.
   // The largest number of views of a block, in which planes are discovered
   // jointly.
   size_t max_block_views = 32;
@@ -67,13 +68,12 @@ struct ModelResources {
 // views: in an order in which views of the same surfaces are close to each
 // other (OrderByNeighbors), since it decides which views share a block.
 // Result: the same bits for any resources; nothing once should_stop returned
-// true. pass: prefix of the progress messages.
+// true.
 std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
                                      const SceneEvidence& evidence,
                                      const RefineOptions& refine_options,
                                      const ModelSceneOptions& options,
                                      const ModelResources& resources,
-                                     const std::string& pass,
                                      Progress& progress,
                                      const std::function<bool()>& should_stop);
 

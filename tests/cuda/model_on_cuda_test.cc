@@ -72,7 +72,6 @@ TEST_F(CudaTest, ModelScene) {
                        RefineOptions(),
                        ModelSceneOptions(),
                        resources,
-                       "Model,",
                        progress,
                        [] { return false; });
   };

@@ -78,7 +78,6 @@ class DrawnRoomTest : public testing::Test {
                       refine_options_,
                       options_,
                       resources_,
-                      "Model,",
                       progress,
                       should_stop);
   }
@@ -130,7 +129,7 @@ class DrawnRoomTest : public testing::Test {
   SyntheticRoom room_;
   std::vector<SceneView> views_;
   RefineOptions refine_options_;
-  ModelSceneOptions options_;
+  ModelSceneOptions options_{.progress_prefix = "Model,"};
   ModelResources resources_;
   std::ostringstream text_;
 };

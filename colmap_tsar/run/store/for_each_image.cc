@@ -40,12 +40,7 @@ void ForEachImage(const Workspace& workspace,
                   int num_threads,
                   const std::function<void(size_t)>& function) {
   ThreadPool threads(NumThreads(workspace, images, num_threads));
-  threads.Run(static_cast<int64_t>(images.size()),
-              [&](int64_t begin, int64_t end) {
-                for (int64_t i = begin; i < end; ++i) {
-                  function(static_cast<size_t>(i));
-                }
-              });
+  threads.ForEach(images.size(), function);
 }
 
 }  // namespace tsar

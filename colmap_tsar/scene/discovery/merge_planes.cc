@@ -238,7 +238,7 @@ class PlaneMerger {
     }
     FindJoints(pairs, members);
     std::vector<Change> merges(pairs.size());
-    ForEach(pairs.size(), [&](size_t i) {
+    threads_.ForEach(pairs.size(), [&](size_t i) {
       merges[i] =
           Merge(pairs[i], losses.WithoutBoth(pairs[i].a, pairs[i].b), rankings);
     });
@@ -276,8 +276,8 @@ class PlaneMerger {
       }
     }
     std::vector<std::vector<WorldPlane>> fits(added.size());
-    ForEach(added.size(),
-            [&](size_t i) { fits[i] = FitBoth(added[i], members); });
+    threads_.ForEach(added.size(),
+                     [&](size_t i) { fits[i] = FitBoth(added[i], members); });
     ScoreJoints(fits, joints);
   }
 
@@ -341,15 +341,6 @@ class PlaneMerger {
       }
     }
     return change;
-  }
-
-  template <typename Function>
-  void ForEach(size_t count, const Function& function) const {
-    threads_.Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
-      for (int64_t i = begin; i < end; ++i) {
-        function(static_cast<size_t>(i));
-      }
-    });
   }
 
   const SuperpixelPlaneFitter& fitter_;

@@ -69,15 +69,6 @@ HeightRange HeightsOf(const OutlinePair& pair,
 
 double Squared(double x) { return x * x; }
 
-template <typename Function>
-void ForEach(size_t count, ThreadPool& threads, const Function& function) {
-  threads.Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
-    for (int64_t i = begin; i < end; ++i) {
-      function(static_cast<size_t>(i));
-    }
-  });
-}
-
 class CylinderFinder {
  public:
   CylinderFinder(const std::vector<OutlineView>& views,
@@ -87,7 +78,7 @@ class CylinderFinder {
 
   std::vector<Hypothesis> FindHypotheses(ThreadPool& threads) const {
     std::vector<std::vector<Hypothesis>> of_views(views_.size());
-    ForEach(of_views.size(), threads, [&](size_t i) {
+    threads.ForEach(of_views.size(), [&](size_t i) {
       for (const size_t j : neighbors_[i]) {
         if (j > i) {
           FindInTwo(i, j, &of_views[i]);
@@ -348,7 +339,7 @@ std::vector<ModelCylinder> FindCylinders(
   for (size_t begin = 0; begin < hypotheses.size(); begin += kFitBatch) {
     const size_t count = std::min(kFitBatch, hypotheses.size() - begin);
     std::vector<std::vector<ModelCylinder>> fits(count);
-    ForEach(count, threads, [&](size_t i) {
+    threads.ForEach(count, [&](size_t i) {
       const Hypothesis& hypothesis = hypotheses[begin + i];
       if (!is_taken(hypothesis.circle, hypothesis.heights)) {
         fits[i] = finder.Fit(hypothesis, frame);
