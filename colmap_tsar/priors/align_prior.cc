@@ -4,6 +4,7 @@
 #include "colmap_tsar/priors/align_prior.h"
 
 #include "colmap_tsar/priors/correct_prior.h"
+#include "colmap_tsar/priors/place_between.h"
 #include "colmap_tsar/priors/prior_type.h"
 
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
 #include <opencv2/imgproc.hpp>
 
 namespace tsar {
@@ -31,9 +33,9 @@ constexpr double kSmallSpread = 0.04;
 // held out to measure how well it is predicted.
 constexpr int kNumBlocks = 5;
 // Predictions with errors beyond this many sigmas are outliers.
-constexpr double kOutlier = 3.0;
-constexpr double kMinOutlierShare = 0.02;
-constexpr double kMaxOutlierShare = 0.5;
+constexpr float kOutlier = 3.f;
+constexpr float kMinOutlierShare = 0.02f;
+constexpr float kMaxOutlierShare = 0.5f;
 // Steps of the prior make depths within this share of the image's long side
 // uncertain, unless they are below kFlat. The larger share is for priors that
 // are not aligned with their images: it is used if pixels without steps within
@@ -41,40 +43,57 @@ constexpr double kMaxOutlierShare = 0.5;
 // without steps within the larger one.
 constexpr double kEdgeWidth = 0.004;
 constexpr double kLargeEdgeWidth = 0.02;
-constexpr double kMoreOutliers = 2.0;
-constexpr double kManyOutliers = 0.01;
+constexpr float kMoreOutliers = 2.f;
+constexpr float kManyOutliers = 0.01f;
 constexpr float kFlat = 0.03f;
 constexpr float kEdge = 0.1f;
 constexpr size_t kMinEdgeSamples = 50;
 
+Eigen::Map<Eigen::ArrayXf> AsArray(Image<float>* image) {
+  return {image->Data(), static_cast<Eigen::Index>(image->NumPixels())};
+}
+
 bool IsMeasured(const RayDepth& sample) { return sample.z > 0.f; }
 
-// The prior's value in a pixel of the raster: interpolated where all four
+bool IsValue(float value) { return value > 0.f && std::isfinite(value); }
+
+// The prior's values in the pixels of a raster: interpolated where all four
 // neighbors have one, so that slanted surfaces do not become stairs.
-float ValueAt(const Image<float>& values,
-              const Image<RayDepth>& raster,
-              int x,
-              int y) {
-  const float u = (x + 0.5f) * values.Width() / raster.Width() - 0.5f;
-  const float v = (y + 0.5f) * values.Height() / raster.Height() - 0.5f;
-  const int x0 =
-      std::clamp(static_cast<int>(std::floor(u)), 0, values.Width() - 1);
-  const int y0 =
-      std::clamp(static_cast<int>(std::floor(v)), 0, values.Height() - 1);
-  const int x1 = std::min(x0 + 1, values.Width() - 1);
-  const int y1 = std::min(y0 + 1, values.Height() - 1);
-  const float s = std::clamp(u - static_cast<float>(x0), 0.f, 1.f);
-  const float t = std::clamp(v - static_cast<float>(y0), 0.f, 1.f);
-  const float corners[] = {
-      values(x0, y0), values(x1, y0), values(x0, y1), values(x1, y1)};
-  if (std::all_of(std::begin(corners), std::end(corners), [](float value) {
-        return value > 0.f && std::isfinite(value);
-      })) {
-    return (1.f - t) * ((1.f - s) * corners[0] + s * corners[1]) +
-           t * ((1.f - s) * corners[2] + s * corners[3]);
+Image<float> Resample(const Image<float>& values, int width, int height) {
+  Image<float> result(width, height);
+  const std::vector<PlaceBetween> columns =
+      PlacesBetween(values.Width(), width);
+  const std::vector<PlaceBetween> rows = PlacesBetween(values.Height(), height);
+  for (int y = 0; y < height; ++y) {
+    const PlaceBetween row = rows[static_cast<size_t>(y)];
+    const float* const top = &values(0, static_cast<int>(row.first));
+    const float* const bottom = &values(0, static_cast<int>(row.second));
+    for (int x = 0; x < width; ++x) {
+      const auto [x0, x1, share] = columns[static_cast<size_t>(x)];
+      if (IsValue(top[x0]) && IsValue(top[x1]) && IsValue(bottom[x0]) &&
+          IsValue(bottom[x1])) {
+        result(x, y) =
+            (1.f - row.share) * ((1.f - share) * top[x0] + share * top[x1]) +
+            row.share * ((1.f - share) * bottom[x0] + share * bottom[x1]);
+      } else {
+        const float nearest =
+            (row.share < 0.5f ? top : bottom)[share < 0.5f ? x0 : x1];
+        result(x, y) = IsValue(nearest) ? nearest : 0.f;
+      }
+    }
   }
-  const float nearest = corners[(t < 0.5f ? 0 : 2) + (s < 0.5f ? 0 : 1)];
-  return nearest > 0.f && std::isfinite(nearest) ? nearest : 0.f;
+  return result;
+}
+
+// NaN where the function has no depth.
+Image<float> LogDepth(const PriorFunction& function, Image<float> values) {
+  auto value = AsArray(&values);
+  const Eigen::ArrayXf result = value * static_cast<float>(function.scale) +
+                                static_cast<float>(function.shift);
+  const Eigen::ArrayXf logarithm =
+      (function.type == PriorType::kInverse ? -1.f : 1.f) * result.log();
+  value = (value > 0.f && result > 0.f).select(logarithm, kNone);
+  return values;
 }
 
 // The largest minus the smallest value in a square window of this radius; NaN
@@ -107,16 +126,14 @@ bool IsLeftOut(int x, int y, const Image<float>& image) {
   return (x * kNumBlocks / side + y * kNumBlocks / side) % 2 == 1;
 }
 
-// The error of the corrected prior at a measurement, and its predictors.
+// The error of the corrected prior at a measurement that was held out.
 struct Prediction {
-  double error = 0.0;
-  double sigma = 0.0;
-  double step = 0.0;  // The excess over kFlat of the step within reach.
+  float error = 0.f;
+  float sigma = 0.f;
+  size_t pixel = 0;
 };
 
-// Predicts the measurements that were held out.
 std::vector<Prediction> Predict(const Image<float>& residual,
-                                const Image<float>& steps,
                                 const PriorCorrection& correction) {
   std::vector<Prediction> predictions;
   for (int y = 0; y < residual.Height(); ++y) {
@@ -124,7 +141,7 @@ std::vector<Prediction> Predict(const Image<float>& residual,
       if (!std::isnan(residual(x, y)) && IsLeftOut(x, y, residual)) {
         predictions.push_back({residual(x, y) - correction.offset(x, y),
                                correction.sigma(x, y),
-                               std::max(steps(x, y) - kFlat, 0.f)});
+                               residual.View().Index(x, y)});
       }
     }
   }
@@ -132,65 +149,70 @@ std::vector<Prediction> Predict(const Image<float>& residual,
 }
 
 // The size of errors at steps of the prior, as a share of the step.
-double ErrorAtSteps(const std::vector<Prediction>& predictions) {
-  std::vector<double> shares;
+float ErrorAtSteps(const std::vector<Prediction>& predictions,
+                   const Image<float>& steps) {
+  std::vector<float> shares;
   for (const Prediction& prediction : predictions) {
-    if (prediction.step > kEdge - kFlat) {
-      shares.push_back(prediction.error / prediction.step);
+    if (const float step = steps.Data()[prediction.pixel];
+        step > kEdge - kFlat) {
+      shares.push_back(prediction.error / step);
     }
   }
   return shares.size() >= kMinEdgeSamples
-             ? std::min(RobustSpread(std::move(shares)), 1.0)
-             : 0.5;
-}
-
-double SigmaOf(const Prediction& prediction, double error_at_steps) {
-  const double at_step = error_at_steps * prediction.step;
-  return std::sqrt(prediction.sigma * prediction.sigma + at_step * at_step);
+             ? std::min(static_cast<float>(RobustSpread(std::move(shares))),
+                        1.f)
+             : 0.5f;
 }
 
 // The error model of a prior, estimated from prediction errors.
 struct Calibration {
-  double error_at_steps = 0.5;
+  float error_at_steps = 0.5f;
   // The factor of sigma.
-  double stretch = 1.0;
-  double outlier_share = kMaxOutlierShare;
-  double outlier_share_if_flat = 0.0;  // Where there is no step.
+  float stretch = 1.f;
+  float outlier_share = kMaxOutlierShare;
+  float outlier_share_if_flat = 0.f;  // Where there is no step.
 };
 
-Calibration Calibrate(const std::vector<Prediction>& predictions) {
+Calibration Calibrate(const std::vector<Prediction>& predictions,
+                      const Image<float>& steps) {
   Calibration calibration;
   if (predictions.empty()) {
     return calibration;
   }
-  calibration.error_at_steps = ErrorAtSteps(predictions);
-  std::vector<double> ratios;
-  for (const Prediction& prediction : predictions) {
-    ratios.push_back(prediction.error /
-                     SigmaOf(prediction, calibration.error_at_steps));
+  calibration.error_at_steps = ErrorAtSteps(predictions, steps);
+  std::vector<float> ratios;
+  std::vector<float> ratios_if_flat;
+  for (const auto& [error, sigma, pixel] : predictions) {
+    const float step = steps.Data()[pixel];
+    const float at_step = calibration.error_at_steps * step;
+    ratios.push_back(error / std::sqrt(sigma * sigma + at_step * at_step));
+    if (!(step > 0.f)) {
+      ratios_if_flat.push_back(ratios.back());
+    }
   }
-  calibration.stretch = std::max(1.0, RobustSpread(ratios));
-  double num_outliers = 0.0;
-  double num_flat = 0.0;
-  double num_flat_outliers = 0.0;
-  for (size_t i = 0; i < ratios.size(); ++i) {
-    const double is_outlier =
-        std::abs(ratios[i]) > kOutlier * calibration.stretch ? 1.0 : 0.0;
-    const double is_flat = predictions[i].step > 0.0 ? 0.0 : 1.0;
-    num_outliers += is_outlier;
-    num_flat += is_flat;
-    num_flat_outliers += is_flat * is_outlier;
-  }
-  calibration.outlier_share = num_outliers / static_cast<double>(ratios.size());
-  calibration.outlier_share_if_flat =
-      num_flat_outliers / std::max(num_flat, 1.0);
+  calibration.stretch = std::max(1.f, static_cast<float>(RobustSpread(ratios)));
+  const auto share_of_outliers = [&](const std::vector<float>& errors) {
+    const auto count =
+        std::count_if(errors.begin(), errors.end(), [&](float error) {
+          return std::abs(error) > kOutlier * calibration.stretch;
+        });
+    return static_cast<float>(count) /
+           static_cast<float>(std::max<size_t>(errors.size(), 1));
+  };
+  calibration.outlier_share = share_of_outliers(ratios);
+  calibration.outlier_share_if_flat = share_of_outliers(ratios_if_flat);
   return calibration;
 }
 
+// The excess over kFlat of the prior's steps within a share of the long side.
 Image<float> StepsWithin(double width, const Image<float>& log_depth) {
   const int side = std::max(log_depth.Width(), log_depth.Height());
-  return LocalRange(log_depth,
-                    std::max(1, static_cast<int>(std::lround(width * side))));
+  Image<float> steps = LocalRange(
+      log_depth, std::max(1, static_cast<int>(std::lround(width * side))));
+  for (float& step : steps) {
+    step = std::max(step - kFlat, 0.f);
+  }
+  return steps;
 }
 
 // "as inverse depth it explains 97 % of the spread of the measured depths"
@@ -228,11 +250,10 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
     aligned.assessment.verdict = PriorVerdict::kNoDepth;
     return aligned;
   }
-  Image<float> values(width, height);
+  Image<float> values = Resample(prior.values, width, height);
   std::vector<PriorSample> measured;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      values(x, y) = ValueAt(prior.values, samples, x, y);
       if (values(x, y) > 0.f && IsMeasured(samples(x, y))) {
         measured.push_back({values(x, y), samples(x, y).z});
       }
@@ -251,51 +272,42 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
     return aligned;
   }
   aligned.assessment.verdict = PriorVerdict::kUsed;
-  Image<float> log_depth(width, height, kNone);
+  Image<float> log_depth = LogDepth(fit.function, std::move(values));
   Image<float> residual(width, height, kNone);
   Image<float> kept(width, height, kNone);  // Without the held out.
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      const double depth = fit.function.Depth(values(x, y));
-      if (!(depth > 0.0)) {
-        continue;
-      }
-      log_depth(x, y) = static_cast<float>(std::log(depth));
       if (IsMeasured(samples(x, y))) {
         residual(x, y) = std::log(samples(x, y).z) - log_depth(x, y);
         kept(x, y) = IsLeftOut(x, y, residual) ? kNone : residual(x, y);
       }
     }
   }
-  const PriorCorrection from_kept = CorrectPrior(log_depth, kept);
+  const std::vector<Prediction> predictions =
+      Predict(residual, CorrectPrior(log_depth, kept));
   Image<float> steps = StepsWithin(kEdgeWidth, log_depth);
-  Calibration calibration = Calibrate(Predict(residual, steps, from_kept));
+  Calibration calibration = Calibrate(predictions, steps);
   Image<float> more_steps = StepsWithin(kLargeEdgeWidth, log_depth);
-  const Calibration with_more =
-      Calibrate(Predict(residual, more_steps, from_kept));
+  const Calibration with_more = Calibrate(predictions, more_steps);
   if (calibration.outlier_share_if_flat >
       kMoreOutliers * with_more.outlier_share_if_flat + kManyOutliers) {
     steps = std::move(more_steps);
     calibration = with_more;
   }
-  aligned.outlier_share = static_cast<float>(std::clamp(
-      calibration.outlier_share, kMinOutlierShare, kMaxOutlierShare));
-  const PriorCorrection correction = CorrectPrior(log_depth, residual);
-  aligned.depth = Image<float>(width, height);
-  aligned.sigma = Image<float>(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      if (!std::isnan(log_depth(x, y))) {
-        aligned.depth(x, y) =
-            std::exp(log_depth(x, y) + correction.offset(x, y));
-        aligned.sigma(x, y) = static_cast<float>(
-            calibration.stretch * SigmaOf({0.0,
-                                           correction.sigma(x, y),
-                                           std::max(steps(x, y) - kFlat, 0.f)},
-                                          calibration.error_at_steps));
-      }
-    }
-  }
+  aligned.outlier_share =
+      std::clamp(calibration.outlier_share, kMinOutlierShare, kMaxOutlierShare);
+  PriorCorrection correction = CorrectPrior(log_depth, residual);
+  auto depth = AsArray(&correction.offset);
+  auto sigma = AsArray(&correction.sigma);
+  depth = (AsArray(&log_depth) + depth).exp();
+  sigma =
+      calibration.stretch *
+      (sigma.square() + (calibration.error_at_steps * AsArray(&steps)).square())
+          .sqrt();
+  depth = sigma.isNaN().select(0.f, depth);
+  sigma = sigma.isNaN().select(0.f, sigma);
+  aligned.depth = std::move(correction.offset);
+  aligned.sigma = std::move(correction.sigma);
   return aligned;
 }
 

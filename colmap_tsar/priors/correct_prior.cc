@@ -5,16 +5,18 @@
 
 #include "colmap_tsar/base/median.h"
 #include "colmap_tsar/priors/fit_prior.h"
+#include "colmap_tsar/priors/place_between.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
+#include <iterator>
 #include <limits>
-#include <queue>
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
@@ -31,6 +33,8 @@ constexpr double kJump = 0.05;
 constexpr double kNoJump = 0.03;
 // A pixel belongs to the surface of its cell if its depth is this close.
 constexpr float kSameSurface = 0.04f;
+// The logarithm of the depth of cells without one: on no pixel's surface.
+constexpr float kFar = 1e3f;
 // Residuals beyond this many standard deviations measure another surface.
 constexpr double kMaxResidual = 2.5;
 // Cells with a smaller share of measured pixels count as not measured.
@@ -45,21 +49,20 @@ constexpr int kNumReweightings = 3;
 constexpr double kMinWeight = 0.5;
 
 using Matrix = Eigen::SparseMatrix<double>;
+// A cell for each pixel of a row: its depth, offset and variance.
+using CellsOfPixels = Eigen::Array<float, Eigen::Dynamic, 3>;
 
 struct Step {
-  int first = 0;
-  int second = 0;
+  size_t first = 0;
+  size_t second = 0;
   double precision = 0.0;
 };
 
 double Square(double x) { return x * x; }
 
 double MeanSquare(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) {
-    sum += value * value;
-  }
-  return sum / static_cast<double>(values.size());
+  const auto size = static_cast<Eigen::Index>(values.size());
+  return Eigen::Map<const Eigen::ArrayXd>(values.data(), size).square().mean();
 }
 
 class CorrectionField {
@@ -75,17 +78,49 @@ class CorrectionField {
     Solve();
   }
 
+  // Interpolates the four cells around each pixel, mostly those of its surface.
   PriorCorrection Interpolate() const {
-    PriorCorrection result{
-        Image<float>(log_depth_.Width(), log_depth_.Height(), kNone),
-        Image<float>(log_depth_.Width(), log_depth_.Height(), kNone)};
-    for (int y = 0; y < log_depth_.Height(); ++y) {
-      for (int x = 0; x < log_depth_.Width(); ++x) {
-        const float depth = log_depth_(x, y);
-        if (!std::isnan(depth)) {
-          InterpolateAt(x, y, depth, &result);
-        }
+    const int width = log_depth_.Width();
+    const int height = log_depth_.Height();
+    PriorCorrection result{Image<float>::Uninitialized(width, height),
+                           Image<float>::Uninitialized(width, height)};
+    const std::vector<PlaceBetween> columns = PlacesBetween(width_, width);
+    const std::vector<PlaceBetween> rows = PlacesBetween(height_, height);
+    Eigen::ArrayXf right(width);  // The share of the cells on the right.
+    for (int x = 0; x < width; ++x) {
+      right[x] = columns[static_cast<size_t>(x)].share;
+    }
+    std::array<CellsOfPixels, 4> cells;
+    size_t row_of_cells = NumCells();
+    for (int y = 0; y < height; ++y) {
+      const auto [first, second, below] = rows[static_cast<size_t>(y)];
+      if (first != row_of_cells) {
+        row_of_cells = first;
+        cells = {ExpandRow(first, columns, &PlaceBetween::first),
+                 ExpandRow(first, columns, &PlaceBetween::second),
+                 ExpandRow(second, columns, &PlaceBetween::first),
+                 ExpandRow(second, columns, &PlaceBetween::second)};
       }
+      const Eigen::Map<const Eigen::ArrayXf> depth(&log_depth_(0, y), width);
+      Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(width);
+      Eigen::ArrayXf offset = sum;
+      Eigen::ArrayXf variance = sum;
+      for (size_t k = 0; k < 4; ++k) {
+        const float of_row = k / 2 == 0 ? 1.f - below : below;
+        const Eigen::ArrayXf near =
+            (k % 2 == 0 ? 1.f - right : right) * of_row + 1e-3f;
+        const Eigen::ArrayXf gap =
+            ((cells[k].col(0) - depth) * static_cast<float>(1.0 / kNoJump))
+                .square();
+        const Eigen::ArrayXf weight =
+            near / (1.f + gap.square()) + 1e-6f * near;
+        sum += weight;
+        offset += weight * cells[k].col(1);
+        variance += weight * cells[k].col(2);
+      }
+      Eigen::Map<Eigen::ArrayXf>(&result.offset(0, y), width) = offset / sum;
+      Eigen::Map<Eigen::ArrayXf>(&result.sigma(0, y), width) =
+          (variance / sum).sqrt();
     }
     return result;
   }
@@ -96,11 +131,10 @@ class CorrectionField {
     return std::max(2, static_cast<int>(int64_t{kGridSide} * size / side));
   }
 
-  int CellX(int x) const {
-    return static_cast<int>(int64_t{x} * width_ / log_depth_.Width());
-  }
-  int CellY(int y) const {
-    return static_cast<int>(int64_t{y} * height_ / log_depth_.Height());
+  // The first of the pixels, along a side of `num_pixels`, of a cell.
+  static int FirstPixel(int cell, int num_pixels, int num_cells) {
+    return static_cast<int>((int64_t{cell} * num_pixels + num_cells - 1) /
+                            num_cells);
   }
   size_t NumCells() const {
     return static_cast<size_t>(width_) * static_cast<size_t>(height_);
@@ -108,45 +142,48 @@ class CorrectionField {
 
   // The depth of a cell is that of its middle pixel.
   void DescribeCells() {
-    depths_.assign(NumCells(), kNone);
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        depths_[static_cast<size_t>(y * width_ + x)] = log_depth_(
+        depths_.push_back(log_depth_(
             static_cast<int>((x + 0.5) * log_depth_.Width() / width_),
-            static_cast<int>((y + 0.5) * log_depth_.Height() / height_));
+            static_cast<int>((y + 0.5) * log_depth_.Height() / height_)));
       }
     }
   }
 
   void MeasureCells(const Image<float>& residual) {
-    std::vector<double> all;
-    for (const float value : residual) {
-      if (!std::isnan(value)) {
-        all.push_back(value);
-      }
-    }
-    spread_ = all.empty() ? 0.0 : RobustSpread(std::move(all));
-    std::vector<std::vector<double>> of_cells(NumCells());
-    for (int y = 0; y < residual.Height(); ++y) {
-      for (int x = 0; x < residual.Width(); ++x) {
-        const auto cell = static_cast<size_t>(CellY(y) * width_ + CellX(x));
-        const float value = residual(x, y);
-        if (std::abs(value) <= kMaxResidual * spread_ &&
-            std::abs(log_depth_(x, y) - depths_[cell]) < kSameSurface) {
-          of_cells[cell].push_back(value);
-        }
-      }
-    }
+    std::vector<float> values;
+    std::copy_if(residual.begin(),
+                 residual.end(),
+                 std::back_inserter(values),
+                 [](float value) { return !std::isnan(value); });
+    spread_ = values.empty() ? 0.0 : RobustSpread(values);
+    const auto max_residual = static_cast<float>(kMaxResidual * spread_);
     const double pixels_per_cell = static_cast<double>(residual.NumPixels()) /
                                    static_cast<double>(NumCells());
     const auto min_count = static_cast<size_t>(
         std::max(1.0, std::ceil(kMinMeasured * pixels_per_cell)));
-    medians_.assign(NumCells(), std::numeric_limits<double>::quiet_NaN());
-    for (size_t i = 0; i < of_cells.size(); ++i) {
-      std::vector<double>& values = of_cells[i];
+    medians_.assign(NumCells(), kNone);
+    for (size_t cell = 0; cell < NumCells(); ++cell) {
+      const int column = static_cast<int>(cell) % width_;
+      const int row = static_cast<int>(cell) / width_;
+      const int end_x = FirstPixel(column + 1, residual.Width(), width_);
+      const int end_y = FirstPixel(row + 1, residual.Height(), height_);
+      values.clear();
+      for (int y = FirstPixel(row, residual.Height(), height_); y < end_y;
+           ++y) {
+        for (int x = FirstPixel(column, residual.Width(), width_); x < end_x;
+             ++x) {
+          const float value = residual(x, y);
+          if (std::abs(value) <= max_residual &&
+              std::abs(log_depth_(x, y) - depths_[cell]) < kSameSurface) {
+            values.push_back(value);
+          }
+        }
+      }
       if (values.size() >= min_count) {
-        medians_[i] = UpperMedian(&values);
-        measured_.push_back(static_cast<int>(i));
+        medians_[cell] = UpperMedian(&values);
+        measured_.push_back(cell);
       }
     }
   }
@@ -217,9 +254,8 @@ class CorrectionField {
   }
 
   void AddSteps() {
-    const auto add = [&](int first, int second) {
-      const double step = std::abs(depths_[static_cast<size_t>(first)] -
-                                   depths_[static_cast<size_t>(second)]);
+    const auto add = [&](size_t first, size_t second) {
+      const double step = std::abs(depths_[first] - depths_[second]);
       if (!std::isnan(step)) {
         steps_.push_back(
             {first,
@@ -227,57 +263,46 @@ class CorrectionField {
              1.0 / (step_ + jump_ * std::min(1.0, Square(step / kJump)))});
       }
     };
-    for (int y = 0; y < height_; ++y) {
-      for (int x = 0; x < width_; ++x) {
-        const int cell = y * width_ + x;
-        if (x + 1 < width_) {
-          add(cell, cell + 1);
-        }
-        if (y + 1 < height_) {
-          add(cell, cell + width_);
-        }
+    const auto width = static_cast<size_t>(width_);
+    for (size_t cell = 0; cell < NumCells(); ++cell) {
+      if ((cell + 1) % width != 0) {
+        add(cell, cell + 1);
+      }
+      if (cell + width < NumCells()) {
+        add(cell, cell + width);
       }
     }
   }
 
-  Matrix Precision(const std::vector<double>& weights) const {
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(4 * steps_.size() + 2 * NumCells());
+  void Solve() {
+    // The precision of a zero offset, too weak to change measured cells;
+    // unmeasured surfaces stay where the fit of the whole image has them.
+    const double anchor = 1e-3 / max_variance_;
+    std::vector<Eigen::Triplet<double>> entries;  // Of the lower triangle.
     for (size_t i = 0; i < NumCells(); ++i) {
-      entries.emplace_back(i, i, Anchor());
-    }
-    for (size_t k = 0; k < measured_.size(); ++k) {
-      entries.emplace_back(measured_[k], measured_[k], weights[k] / noise_);
+      entries.emplace_back(i, i, anchor);
     }
     for (const Step& step : steps_) {
       entries.emplace_back(step.first, step.first, step.precision);
       entries.emplace_back(step.second, step.second, step.precision);
-      entries.emplace_back(step.first, step.second, -step.precision);
       entries.emplace_back(step.second, step.first, -step.precision);
     }
-    const auto size = static_cast<Eigen::Index>(NumCells());
-    Matrix matrix(size, size);
+    Matrix matrix(NumCells(), NumCells());
     matrix.setFromTriplets(entries.begin(), entries.end());
-    return matrix;
-  }
-
-  // The precision of a zero offset, too weak to change measured cells;
-  // unmeasured surfaces stay where the fit of the whole image has them.
-  double Anchor() const { return 1e-3 / max_variance_; }
-
-  void Solve() {
-    const auto size = static_cast<Eigen::Index>(NumCells());
+    const Eigen::VectorXd unmeasured = matrix.diagonal();
     std::vector<double> weights(measured_.size(), 1.0);
     Eigen::SimplicialLDLT<Matrix> solver;
-    solver.analyzePattern(Precision(weights));
-    offsets_ = Eigen::VectorXd::Zero(size);
+    solver.analyzePattern(matrix);
     for (int i = 0; i <= kNumReweightings; ++i) {
-      solver.factorize(Precision(weights));
-      Eigen::VectorXd right = Eigen::VectorXd::Zero(size);
+      Eigen::VectorXd diagonal = unmeasured;
+      Eigen::VectorXd right = Eigen::VectorXd::Zero(unmeasured.size());
       for (size_t k = 0; k < measured_.size(); ++k) {
-        right[measured_[k]] =
-            weights[k] * medians_[static_cast<size_t>(measured_[k])] / noise_;
+        const double precision = weights[k] / noise_;
+        diagonal[measured_[k]] += precision;
+        right[measured_[k]] = precision * medians_[measured_[k]];
       }
+      matrix.diagonal() = diagonal;
+      solver.factorize(matrix);
       offsets_ = solver.solve(right);
       if (i < kNumReweightings) {
         Reweight(&weights);
@@ -288,8 +313,8 @@ class CorrectionField {
 
   void Reweight(std::vector<double>* weights) const {
     std::vector<double> errors;
-    for (const int cell : measured_) {
-      errors.push_back(medians_[static_cast<size_t>(cell)] - offsets_[cell]);
+    for (const size_t cell : measured_) {
+      errors.push_back(medians_[cell] - offsets_[cell]);
     }
     if (errors.empty()) {
       return;
@@ -306,85 +331,50 @@ class CorrectionField {
   // as that of a random walk in two dimensions.
   void EstimateVariancesOfCells(const std::vector<double>& weights) {
     variances_.assign(NumCells(), max_variance_);
-    std::vector<std::vector<std::pair<int, double>>> neighbors(NumCells());
-    for (const Step& step : steps_) {
-      const double variance = 1.0 / step.precision;
-      neighbors[static_cast<size_t>(step.first)].emplace_back(step.second,
-                                                              variance);
-      neighbors[static_cast<size_t>(step.second)].emplace_back(step.first,
-                                                               variance);
-    }
-    using Entry = std::pair<double, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
     for (size_t k = 0; k < measured_.size(); ++k) {
       // Cells that contradict the field tell nothing about their neighbors.
       if (weights[k] > kMinWeight) {
-        variances_[static_cast<size_t>(measured_[k])] = 0.0;
-        queue.emplace(0.0, measured_[k]);
+        variances_[measured_[k]] = 0.0;
       }
     }
-    while (!queue.empty()) {
-      const auto [variance, cell] = queue.top();
-      queue.pop();
-      if (variance > variances_[static_cast<size_t>(cell)]) {
-        continue;
+    bool is_changing = true;
+    const auto shorten = [&](const Step& step) {
+      double& first = variances_[step.first];
+      double& second = variances_[step.second];
+      const double of_step = 1.0 / step.precision;
+      double& larger = first < second ? second : first;
+      if (const double sum = std::min(first, second) + of_step; sum < larger) {
+        larger = sum;
+        is_changing = true;
       }
-      for (const auto& [next, of_step] : neighbors[static_cast<size_t>(cell)]) {
-        double& known = variances_[static_cast<size_t>(next)];
-        if (variance + of_step < known) {
-          known = variance + of_step;
-          queue.emplace(known, next);
-        }
-      }
+    };
+    while (is_changing) {
+      is_changing = false;
+      std::for_each(steps_.begin(), steps_.end(), shorten);
+      std::for_each(steps_.rbegin(), steps_.rend(), shorten);
     }
   }
 
-  // Interpolates the four cells around, mostly those of the pixel's surface.
-  void InterpolateAt(int x,
-                     int y,
-                     float depth,
-                     PriorCorrection* correction) const {
-    const double u = std::clamp((x + 0.5) * width_ / log_depth_.Width() - 0.5,
-                                0.0,
-                                static_cast<double>(width_ - 1));
-    const double v = std::clamp((y + 0.5) * height_ / log_depth_.Height() - 0.5,
-                                0.0,
-                                static_cast<double>(height_ - 1));
-    const int x0 = std::min(static_cast<int>(u), width_ - 2);
-    const int y0 = std::min(static_cast<int>(v), height_ - 2);
-    double sum = 0.0;
-    double offset = 0.0;
-    double variance = 0.0;
-    for (int k = 0; k < 4; ++k) {
-      const int cx = x0 + k % 2;
-      const int cy = y0 + k / 2;
-      const int cell = cy * width_ + cx;
-      const double gap =
-          static_cast<double>(depths_[static_cast<size_t>(cell)]) - depth;
-      if (std::isnan(gap)) {
-        continue;
-      }
-      constexpr double kLeast = 1e-6;
-      const double near =
-          (1.0 - std::abs(u - cx)) * (1.0 - std::abs(v - cy)) + 1e-3;
-      const double weight =
-          near * (1.0 / (1.0 + std::pow(gap / kNoJump, 4)) + kLeast);
-      sum += weight;
-      offset += weight * offsets_[cell];
-      variance += weight * variances_[static_cast<size_t>(cell)];
+  // For each pixel of a row the cell on its left or right.
+  CellsOfPixels ExpandRow(size_t row,
+                          const std::vector<PlaceBetween>& columns,
+                          size_t PlaceBetween::*side) const {
+    CellsOfPixels cells(columns.size(), 3);
+    for (size_t x = 0; x < columns.size(); ++x) {
+      const size_t cell = row * static_cast<size_t>(width_) + columns[x].*side;
+      cells.row(x) << (std::isnan(depths_[cell]) ? kFar : depths_[cell]),
+          static_cast<float>(offsets_[cell]),
+          static_cast<float>(variances_[cell] + noise_);
     }
-    correction->offset(x, y) =
-        sum > 0.0 ? static_cast<float>(offset / sum) : 0.f;
-    correction->sigma(x, y) = static_cast<float>(
-        std::sqrt((sum > 0.0 ? variance / sum : max_variance_) + noise_));
+    return cells;
   }
 
   const Image<float>& log_depth_;
   int width_;
   int height_;
-  std::vector<float> depths_;    // Log depth of each cell.
-  std::vector<double> medians_;  // Of the cell's residuals; NaN: none.
-  std::vector<int> measured_;
+  std::vector<float> depths_;   // Log depth of each cell.
+  std::vector<float> medians_;  // Of the cell's residuals; NaN: none.
+  std::vector<size_t> measured_;
   double spread_ = 0.0;
   double noise_ = 0.0;  // Variances: of a measured cell,
   double step_ = 0.0;   // of a step, and of one across a jump.

@@ -3,11 +3,10 @@
 
 #include "colmap_tsar/priors/fit_prior.h"
 
-#include "colmap_tsar/base/median.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -17,12 +16,15 @@ constexpr size_t kMaxSamples = 20000;
 constexpr int kNumIterations = 30;
 // The lower bound of relative errors.
 constexpr double kMinError = 1e-3;
-constexpr double kMedianToSigma = 1.4826;
 // A type with fewer unknowns is preferred to one that is hardly better.
 constexpr double kMinImprovement = 0.95;
 
-// The robust standard deviation about the median.
-double SpreadAboutMedian(std::vector<double> values) {
+// The robust standard deviation of the logarithms about their median.
+double SpreadOfDepths(const std::vector<PriorSample>& samples) {
+  std::vector<double> values;
+  for (const PriorSample& sample : samples) {
+    values.push_back(std::log(sample.depth));
+  }
   const double median = UpperMedian(&values);
   for (double& value : values) {
     value -= median;
@@ -52,6 +54,10 @@ PriorFunction FitFactor(const std::vector<PriorSample>& samples) {
 // iteratively reweighted least squares. Scale 0 where there is no rising line.
 PriorFunction FitLine(const std::vector<PriorSample>& samples, PriorType type) {
   const bool is_inverse = type == PriorType::kInverse;
+  std::vector<double> targets;
+  for (const PriorSample& sample : samples) {
+    targets.push_back(is_inverse ? 1.0 / sample.depth : sample.depth);
+  }
   double scale = 0.0;
   double shift = 0.0;
   for (int iteration = 0; iteration < kNumIterations; ++iteration) {
@@ -60,19 +66,19 @@ PriorFunction FitLine(const std::vector<PriorSample>& samples, PriorType type) {
     double y = 0.0;
     double xx = 0.0;
     double xy = 0.0;
-    for (const PriorSample& sample : samples) {
-      const double target = is_inverse ? 1.0 / sample.depth : sample.depth;
-      double weight = 1.0 / (target * target);
-      if (iteration > 0) {
-        const double error =
-            std::abs((scale * sample.value + shift) / target - 1.0);
-        weight /= std::max(error, kMinError);
-      }
+    for (size_t i = 0; i < samples.size(); ++i) {
+      const double value = samples[i].value;
+      const double target = targets[i];
+      // Its square over the relative error, which is at first 1 for all.
+      const double error =
+          iteration == 0 ? target : std::abs(scale * value + shift - target);
+      const double weight =
+          1.0 / (target * std::max(error, kMinError * target));
       w += weight;
-      x += weight * sample.value;
+      x += weight * value;
       y += weight * target;
-      xx += weight * sample.value * sample.value;
-      xy += weight * sample.value * target;
+      xx += weight * value * value;
+      xy += weight * value * target;
     }
     const double determinant = w * xx - x * x;
     if (!(determinant > 1e-12 * w * xx)) {
@@ -84,22 +90,20 @@ PriorFunction FitLine(const std::vector<PriorSample>& samples, PriorType type) {
   return {type, scale > 0.0 ? scale : 0.0, shift};
 }
 
-PriorFit FitType(const std::vector<PriorSample>& samples, PriorType type) {
-  PriorFit fit;
-  fit.function =
+PriorFit FitType(const std::vector<PriorSample>& samples,
+                 PriorType type,
+                 double spread_of_depths) {
+  const PriorFunction function =
       type == PriorType::kMetric ? FitFactor(samples) : FitLine(samples, type);
-  std::vector<double> depths;
   std::vector<double> errors;
   for (const PriorSample& sample : samples) {
-    depths.push_back(std::log(sample.depth));
-    const double depth = fit.function.Depth(sample.value);
+    const double depth = function.Depth(sample.value);
     // A value without a depth counts as a very large error.
     errors.push_back(depth > 0.0 ? std::log(sample.depth / depth) : 1e3);
   }
-  fit.spread_of_depths = SpreadAboutMedian(std::move(depths));
-  fit.spread = fit.function.scale > 0.0 ? RobustSpread(std::move(errors))
-                                        : fit.spread_of_depths;
-  return fit;
+  return {function,
+          function.scale > 0.0 ? RobustSpread(errors) : spread_of_depths,
+          spread_of_depths};
 }
 
 }  // namespace
@@ -117,12 +121,13 @@ double PriorFunction::Depth(double value) const {
 
 PriorFit FitPrior(const std::vector<PriorSample>& all_samples, PriorType type) {
   const std::vector<PriorSample> samples = ThinOut(all_samples);
+  const double spread_of_depths = SpreadOfDepths(samples);
   if (type != PriorType::kAuto) {
-    return FitType(samples, type);
+    return FitType(samples, type, spread_of_depths);
   }
-  PriorFit best = FitType(samples, PriorType::kMetric);
+  PriorFit best = FitType(samples, PriorType::kMetric, spread_of_depths);
   for (const PriorType other : {PriorType::kRelative, PriorType::kInverse}) {
-    const PriorFit fit = FitType(samples, other);
+    const PriorFit fit = FitType(samples, other, spread_of_depths);
     const double allowed = best.function.type == PriorType::kMetric
                                ? kMinImprovement * best.spread
                                : best.spread;
@@ -131,13 +136,6 @@ PriorFit FitPrior(const std::vector<PriorSample>& all_samples, PriorType type) {
     }
   }
   return best;
-}
-
-double RobustSpread(std::vector<double> values) {
-  for (double& value : values) {
-    value = std::abs(value);
-  }
-  return kMedianToSigma * UpperMedian(&values);
 }
 
 }  // namespace tsar

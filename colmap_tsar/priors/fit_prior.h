@@ -3,8 +3,10 @@
 
 #pragma once
 
+#include "colmap_tsar/base/median.h"
 #include "colmap_tsar/priors/depth_prior.h"
 
+#include <cmath>
 #include <vector>
 
 namespace tsar {
@@ -46,6 +48,12 @@ PriorFit FitPrior(const std::vector<PriorSample>& samples, PriorType type);
 
 // 1.48 times the median of absolute values: for normal errors about 0 their
 // standard deviation. values: at least one.
-double RobustSpread(std::vector<double> values);
+template <typename T>
+double RobustSpread(std::vector<T> values) {
+  for (T& value : values) {
+    value = std::abs(value);
+  }
+  return 1.4826 * UpperMedian(&values);
+}
 
 }  // namespace tsar
