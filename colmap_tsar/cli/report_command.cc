@@ -11,6 +11,7 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/cli/shared_options.h"
+#include "colmap_tsar/priors/prior_type.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 #include "colmap_tsar/tools/report/comparison_picture.h"
 #include "colmap_tsar/tools/report/pictures.h"
@@ -81,6 +82,11 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
                "What --TsarRefine.debug_path was when the workspace was "
                "refined: shows superpixels, edges, lines, regions and surfaces "
                "over the images.");
+  AddPriorOptions(
+      " The page shows each prior in the colors of the depth beside it.",
+      &command->prior_path,
+      &command->prior_type,
+      options);
   options->Add(
       "before_path",
       &command->before_path,
@@ -152,7 +158,11 @@ Workspace ReportCommand::Open() const {
       input_type.empty() ? FindRefinedImages(geometric).empty() &&
                                !FindRefinedImages(photometric).empty()
                          : input_type == ToString(MapType::kPhotometric);
-  return takes_photometric ? photometric : geometric;
+  Workspace workspace = takes_photometric ? photometric : geometric;
+  const PriorType type = ParsePriorType(prior_type);
+  RequirePathOfPriorType(prior_path, type);
+  workspace.UsePriors(prior_path, type);
+  return workspace;
 }
 
 void ReportCommand::WritePicture(const Workspace& workspace) const {

@@ -17,6 +17,8 @@ struct ReportCommand {
   std::string input_type;
   std::string report_path;
   std::string debug_path;
+  std::string prior_path;
+  std::string prior_type = "auto";
   std::string before_path;
   std::string after_path;
   std::string ground_truth_path;
@@ -30,7 +32,8 @@ struct ReportCommand {
 
   void AddTo(OptionSet* options);
 
-  // Opens the workspace with the requested maps. Throws what Workspace throws.
+  // Opens the workspace with the requested maps, and with the depth priors.
+  // Throws what Workspace throws.
   Workspace Open() const;
 
   bool WantsPicture() const { return !output_path.empty(); }

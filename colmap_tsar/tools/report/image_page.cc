@@ -11,6 +11,7 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/sigma_map.h"
+#include "colmap_tsar/priors/fit_prior.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/tools/report/colors.h"
 #include "colmap_tsar/tools/report/debug_pictures.h"
@@ -80,6 +81,34 @@ Image<Rgb> DrawPlanes(const fs::path& path, const Image<float>& depth) {
     return number - 1;
   });
   return ColorizeLabels(ids);
+}
+
+// The depth prior in the units of the maps: one function of its values, fitted
+// to the depths before. Empty where it has no values or nothing to be fitted
+// to.
+Image<float> FitToDepths(const DepthPrior& prior, const Image<float>& depth) {
+  const int step = 1 + std::max(depth.Width(), depth.Height()) / 256;
+  const Image<float>& values = prior.values;
+  std::vector<PriorSample> samples;
+  for (int y = 0; y < depth.Height() && !values.Empty(); y += step) {
+    for (int x = 0; x < depth.Width(); x += step) {
+      const float value = values(x * values.Width() / depth.Width(),
+                                 y * values.Height() / depth.Height());
+      if (value > 0.f && depth(x, y) > 0.f) {
+        samples.push_back({value, depth(x, y)});
+      }
+    }
+  }
+  if (samples.empty()) {
+    return {};
+  }
+  const PriorFunction function = FitPrior(samples, prior.type).function;
+  Image<float> fitted(values.Width(), values.Height());
+  std::transform(
+      values.begin(), values.end(), fitted.begin(), [&](float value) {
+        return value > 0.f ? static_cast<float>(function.Depth(value)) : 0.f;
+      });
+  return fitted;
 }
 
 }  // namespace
@@ -155,6 +184,13 @@ ImagePage WriteImagePage(const Workspace& workspace,
   if (options.show_planes && Exists(plane_map)) {
     write("planes", DrawPlanes(plane_map, row.after));
     page.has_planes = true;
+  }
+  if (const auto prior = workspace.ReadPrior(image)) {
+    const Image<float> fitted = FitToDepths(*prior, row.before);
+    if (!fitted.Empty()) {
+      write("prior", ColorizeDepth(fitted, page.range));
+      page.has_prior = true;
+    }
   }
   WriteJpeg(
       pictures / "preview.jpg",

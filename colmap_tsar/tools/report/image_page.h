@@ -34,6 +34,7 @@ struct ImagePage {
   std::string note;                        // Note of its record.
   bool has_sigma = false;   // Whether there is a picture of its sigma map.
   bool has_planes = false;  // Whether there is a picture of its planes.
+  bool has_prior = false;   // Whether there is a picture of its depth prior.
   // The optional pictures that exist.
   std::vector<std::string> stages;
   PointSample points_before;

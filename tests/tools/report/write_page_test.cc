@@ -50,10 +50,9 @@ class WritePageTest : public testing::Test {
   int Write() const {
     std::ostringstream out;
     Progress progress(out, false);
-    return WritePage(
-        Workspace(root_, MapType::kGeometric), options_, progress, [] {
-          return false;
-        });
+    Workspace workspace(root_, MapType::kGeometric);
+    workspace.UsePriors(prior_path_, PriorType::kAuto);
+    return WritePage(workspace, options_, progress, [] { return false; });
   }
 
   nlohmann::json Data() const {
@@ -73,6 +72,7 @@ class WritePageTest : public testing::Test {
   TemporaryFolder folder_;
   const fs::path root_ = folder_.Path() / "dense <&>";
   PageOptions options_;
+  fs::path prior_path_;
 };
 
 TEST_F(WritePageTest, CountsAndNamesWhatIsThere) {
@@ -278,6 +278,22 @@ TEST_F(WritePageTest, ShowsSigmaOfImagesThatHaveIt) {
   const Rgb half = ColorizeValues(Image<float>(1, 1, 0.5f), 1.f)(0, 0);
   EXPECT_NEAR(sigma.at<cv::Vec3b>(1, 1)[1], half.g, 2);
   EXPECT_EQ(sigma.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));
+}
+
+TEST_F(WritePageTest, ShowsDepthPriorsInTheColorsOfDepth) {
+  prior_path_ = folder_.Path() / "priors";
+  fs::create_directories(prior_path_);
+  // At another size and in another unit.
+  cv::imwrite((prior_path_ / "a.png").string(),
+              cv::Mat(6, 8, CV_16U, cv::Scalar(1234)));
+  Write();
+  EXPECT_EQ(Data()["images"][0]["has_prior"], true);
+  EXPECT_EQ(Data()["images"][1]["has_prior"], false);
+  const fs::path pictures = options_.report_path / "images/00000_a.png";
+  const cv::Mat prior = cv::imread((pictures / "prior.png").string());
+  const cv::Mat before = cv::imread((pictures / "depth_before.png").string());
+  ASSERT_EQ(prior.size(), cv::Size(8, 6));
+  EXPECT_EQ(prior.at<cv::Vec3b>(3, 3), before.at<cv::Vec3b>(1, 1));
 }
 
 TEST_F(WritePageTest, DamagedMapsAreOneErrorAndNoPage) {

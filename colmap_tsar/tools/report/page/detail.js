@@ -163,6 +163,20 @@ window.TsarDetail = (() => {
             ],
           ]
         : []),
+      ...(image.has_prior
+        ? [
+            [
+              "prior",
+              "Depth prior",
+              () =>
+                h(
+                  "p",
+                  { class: "muted" },
+                  "The depth prior in the colors of depth, by one scale and shift that fit the map before; black is none."
+                ),
+            ],
+          ]
+        : []),
       ...image.stages.map((stage) => [
         stage,
         STAGES[stage].title,
