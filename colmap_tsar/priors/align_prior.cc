@@ -237,6 +237,10 @@ std::string Describe(const PriorAssessment& assessment) {
       return "depth prior not used: too few of its pixels were measured";
     case PriorVerdict::kUnlike:
       return "depth prior not used: " + DescribeSkill(assessment, "only ");
+    case PriorVerdict::kOthersUnlike:
+      return "depth prior not used: those of most images explain too little of "
+             "the measured depths, though " +
+             DescribeSkill(assessment, "");
   }
   return "";
 }

@@ -17,9 +17,10 @@ enum class PriorVerdict : uint8_t {
   kNone = 0,  // There is no prior.
   kUsed = 1,
   // It was dropped:
-  kNoDepth = 2,      // It has no depths, but normals alone.
-  kFewMeasured = 3,  // Too few of its pixels were measured.
-  kUnlike = 4,       // It explains too little of the measured depths.
+  kNoDepth = 2,       // It has no depths, but normals alone.
+  kFewMeasured = 3,   // Too few of its pixels were measured.
+  kUnlike = 4,        // It explains too little of the measured depths.
+  kOthersUnlike = 5,  // Those of most images do (RemovePrior).
 };
 
 // The fit of an image's depth prior to its measured depths.

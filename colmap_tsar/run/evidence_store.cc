@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/remove_files.h"
-#include "colmap_tsar/run/store/evidence_file.h"
 
 #include <system_error>
 #include <utility>
@@ -51,8 +50,30 @@ void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
   WriteEvidence(Path(image), Fingerprint(image), evidence);
 }
 
+void EvidenceStore::JudgePriors() {
+  int num_used = 0;
+  int num_unlike = 0;
+  for (const StereoProblem& problem : workspace_.Problems()) {
+    const int image = problem.reference;
+    if (workspace_.Priors().HasPrior(image) && IsCurrent(image)) {
+      const PriorVerdict verdict = ReadPriorVerdict(Path(image));
+      num_used += verdict == PriorVerdict::kUsed ? 1 : 0;
+      num_unlike += verdict == PriorVerdict::kUnlike ? 1 : 0;
+    }
+  }
+  removes_priors_ = num_unlike > num_used;
+}
+
+ViewEvidence EvidenceStore::Read(int image, EvidenceParts parts) const {
+  ViewEvidence evidence = ReadEvidence(Path(image), parts);
+  if (removes_priors_) {
+    RemovePrior(&evidence);
+  }
+  return evidence;
+}
+
 ViewEvidence EvidenceStore::ReadAll(int image) const {
-  return ReadEvidence(Path(image));
+  return Read(image, EvidenceParts::kAll);
 }
 
 EvidenceStore::Evidence EvidenceStore::Get(int image) {
@@ -67,7 +88,7 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
   }
   // Two threads may read the same file, rather than all wait for one file.
   auto evidence = std::make_shared<const ViewEvidence>(
-      ReadEvidence(Path(image), EvidenceParts::kForNeighbors));
+      Read(image, EvidenceParts::kForNeighbors));
   const std::lock_guard<std::mutex> lock(mutex_);
   if (views_.Find(image) == nullptr) {
     views_.Add(image, evidence);

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/lru_map.h"
+#include "colmap_tsar/run/store/evidence_file.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/view/refine_options.h"
@@ -52,6 +53,12 @@ class EvidenceStore {
   // image must be a reference.
   void Write(int image, const ViewEvidence& evidence);
 
+  // To be called before evidence is read: if the priors of more images were
+  // dropped for explaining too little than are in use, they are those of
+  // another scene, of which a few fit by chance, and evidence is read without
+  // them.
+  void JudgePriors();
+
   // The complete evidence, for the view itself.
   ViewEvidence ReadAll(int image) const;
   // The part of the evidence that neighbors need; null where none is current.
@@ -63,6 +70,8 @@ class EvidenceStore {
  private:
   ContainedPath Path(int image) const;
 
+  ViewEvidence Read(int image, EvidenceParts parts) const;
+
   // A fingerprint of the inputs and options of a reference's evidence.
   std::string Fingerprint(int image);
 
@@ -71,6 +80,7 @@ class EvidenceStore {
   const std::string options_hash_;
   const size_t max_num_views_;
   std::optional<std::set<int>> expected_;
+  bool removes_priors_ = false;
   std::mutex mutex_;
   LruMap<int, Evidence> views_;  // By image.
 };

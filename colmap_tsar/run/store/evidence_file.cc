@@ -271,6 +271,14 @@ constexpr StateFileKind kEvidenceFile = {
     &MissingEvidence,
     &CorruptEvidence};
 
+PriorVerdict VerdictOf(const Header& header,
+                       const std::filesystem::path& path) {
+  if (header.prior_verdict > static_cast<uint32_t>(PriorVerdict::kUnlike)) {
+    throw CorruptEvidence(path, "it has an invalid prior");
+  }
+  return static_cast<PriorVerdict>(header.prior_verdict);
+}
+
 }  // namespace
 
 ContainedPath GetEvidenceFolder(const std::filesystem::path& root) {
@@ -337,12 +345,10 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   evidence.candidates.resize(header.num_candidates);
   reader.Read(NeighborArrays(evidence), header.neighbor_fingerprint);
   if (parts == EvidenceParts::kAll) {
-    if (header.prior_verdict > static_cast<uint32_t>(PriorVerdict::kUnlike) ||
-        header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
+    if (header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
       throw CorruptEvidence(path, "it has an invalid prior");
     }
-    evidence.prior.assessment.verdict =
-        static_cast<PriorVerdict>(header.prior_verdict);
+    evidence.prior.assessment.verdict = VerdictOf(header, path);
     evidence.prior.assessment.type = static_cast<PriorType>(header.prior_type);
     evidence.prior.assessment.skill = header.prior_skill;
     if (header.HasPriorDepth()) {
@@ -362,6 +368,11 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
     throw CorruptEvidence(path, "it has " + *fault);
   }
   return evidence;
+}
+
+PriorVerdict ReadPriorVerdict(const std::filesystem::path& path) {
+  return VerdictOf(StateFileReader<Header>(path, kEvidenceFile).GetHeader(),
+                   path);
 }
 
 std::optional<std::string> ReadEvidenceHash(const std::filesystem::path& path) {

@@ -18,6 +18,38 @@ int ViewEvidence::FirstOfPrior(int superpixel) const {
   return first;
 }
 
+void RemovePrior(ViewEvidence* evidence) {
+  const ViewEvidence with_prior = *evidence;
+  evidence->observations.clear();
+  evidence->sources.clear();
+  evidence->errors.clear();
+  for (size_t k = 0; k < with_prior.weights.size(); ++k) {
+    const auto begin = static_cast<size_t>(with_prior.first_observation[k]);
+    const auto end = static_cast<size_t>(with_prior.first_observation[k + 1]);
+    float own = 0.f;
+    float all = 0.f;
+    for (size_t i = begin; i < end; ++i) {
+      const Observation& observation = with_prior.observations[i];
+      all += observation.confidence;
+      if (!with_prior.IsOfPrior(i)) {
+        own += observation.confidence;
+        evidence->observations.push_back(observation);
+        evidence->sources.push_back(with_prior.sources[i]);
+      }
+    }
+    if (own < all) {
+      evidence->weights[k] *= own / all;
+    }
+    evidence->first_observation[k + 1] =
+        static_cast<int>(evidence->observations.size());
+  }
+  PriorAssessment& assessment = evidence->prior.assessment;
+  if (assessment.verdict == PriorVerdict::kUsed) {
+    assessment.verdict = PriorVerdict::kOthersUnlike;
+  }
+  evidence->prior = {.assessment = assessment};
+}
+
 std::vector<float> CountPixels(const ViewEvidence& evidence) {
   std::vector<float> num_pixels(evidence.weights.size(), 0.f);
   for (const uint16_t superpixel : evidence.superpixels) {

@@ -117,6 +117,10 @@ struct ViewEvidence {
   int NumSuperpixels() const { return static_cast<int>(weights.size()); }
 };
 
+// Removes what a prior says, except for candidate planes, which measurements
+// have to support. A prior in use gets the verdict kOthersUnlike.
+void RemovePrior(ViewEvidence* evidence);
+
 // The number of pixels of each superpixel of the evidence,
 std::vector<float> CountPixels(const ViewEvidence& evidence);
 
