@@ -143,7 +143,7 @@ def make_export(scene, args, programs, form, masks):
     if form == "png16" and args.depth_scale is not None:
         options["depth_scale"] = args.depth_scale
     elif form == "nerfstudio":
-        options["cloud_path"] = scene.folder / "after.ply"
+        options["cloud_path"] = str(scene.folder / "after.ply")
 
     def action(step):
         # The command replaces its own files alone: a trainer may have written there.
