@@ -14,6 +14,7 @@
 #include <functional>
 #include <map>
 
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
 
