@@ -6,6 +6,7 @@
 #include <chrono>
 #include <thread>
 
+#include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
 
@@ -95,6 +96,43 @@ TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(some->weights.size(), 1u);
   EXPECT_TRUE(some->ratings.Empty());
   EXPECT_TRUE(IsCurrent(1));
+}
+
+TEST_F(EvidenceStoreTest, PriorsOfWhichMostDoNotFitAreAllLeftOut) {
+  for (const char* name : {"a.pfm", "left/b.pfm", "c.pfm"}) {
+    WriteText(folder_.Path() / "priors" / name,
+              PfmBytes(4, 3, 1, std::vector<float>(12, 1.f), true));
+  }
+  // Every image has sources.
+  WriteText(root_ / "stereo/patch-match.cfg",
+            "a.png\n__all__\nleft/b.png\n__all__\nc.png\n__all__\n");
+  Workspace workspace = Open();
+  workspace.UsePriors(folder_.Path() / "priors", PriorType::kAuto);
+  const auto verdict_of_b = [&](PriorVerdict of_c) {
+    InputFingerprints inputs(workspace);
+    EvidenceStore store(workspace, inputs, kOptions, 4);
+    const PriorVerdict verdicts[] = {
+        PriorVerdict::kUnlike, PriorVerdict::kUsed, of_c};
+    for (int image = 0; image < 3; ++image) {
+      ViewEvidence evidence = EvidenceOf(image);
+      evidence.prior.assessment.verdict = verdicts[image];
+      if (verdicts[image] == PriorVerdict::kUsed) {
+        evidence.prior.depth = Image<float>(2, 1, 1.f);
+        evidence.prior.sigma = Image<float>(2, 1, 0.1f);
+        evidence.prior.outlier_share = 0.1f;
+      }
+      store.Write(image, evidence);
+    }
+    store.JudgePriors();
+    EXPECT_EQ(store.ReadAll(0).prior.assessment.verdict, PriorVerdict::kUnlike);
+    const AlignedPrior prior = store.ReadAll(1).prior;
+    EXPECT_EQ(prior.Empty(), prior.assessment.verdict != PriorVerdict::kUsed);
+    return prior.assessment.verdict;
+  };
+  EXPECT_EQ(verdict_of_b(PriorVerdict::kUnlike), PriorVerdict::kOthersUnlike);
+  EXPECT_EQ(verdict_of_b(PriorVerdict::kUsed), PriorVerdict::kUsed);
+  // Where too little was measured, nothing is known of the prior.
+  EXPECT_EQ(verdict_of_b(PriorVerdict::kFewMeasured), PriorVerdict::kUsed);
 }
 
 TEST_F(EvidenceStoreTest, OtherOptionsAndOtherMapTypesAreOthers) {

@@ -50,6 +50,30 @@ class PriorEvidenceTest : public GatherEvidenceTest {
   }
 };
 
+TEST_F(PriorEvidenceTest, WithoutItsPriorEvidenceIsThatOfMeasurements) {
+  Fill(&inputs_.samples, 3, RayDepth{});
+  MeasureOnePixel(2, plane_);
+  inputs_.prior.assessment = {PriorVerdict::kUsed, PriorType::kInverse, 0.8f};
+  ViewEvidence evidence = Gather();
+  RemovePrior(&evidence);
+  inputs_.prior = {};
+  const ViewEvidence expected = Gather();
+  EXPECT_EQ(evidence.first_observation, expected.first_observation);
+  EXPECT_EQ(evidence.sources, expected.sources);
+  EXPECT_TRUE(evidence.errors.empty());
+  ASSERT_EQ(evidence.observations.size(), expected.observations.size());
+  for (size_t i = 0; i < expected.observations.size(); ++i) {
+    EXPECT_EQ(evidence.observations[i].sample.z,
+              expected.observations[i].sample.z);
+  }
+  for (size_t k = 0; k < expected.weights.size(); ++k) {
+    EXPECT_NEAR(evidence.weights[k], expected.weights[k], 1e-4f);
+  }
+  EXPECT_TRUE(evidence.prior.Empty());
+  EXPECT_EQ(evidence.prior.assessment.verdict, PriorVerdict::kOthersUnlike);
+  EXPECT_EQ(evidence.prior.assessment.skill, 0.8f);
+}
+
 TEST_F(PriorEvidenceTest, FillsSuperpixelsOfWhichNothingElseIsKnown) {
   Fill(&inputs_.samples, 3, RayDepth{});
   const ViewEvidence evidence = Gather();
