@@ -96,5 +96,11 @@ TEST(PosteriorProbabilityTest, StaysOneWhateverIsSaid) {
   }
 }
 
+TEST(ProbabilityOfSurfaceTest, IsThatOfAnErrorOfUpToThreePercent) {
+  EXPECT_NEAR(ProbabilityOfSurface({2.f, 0.03f, 0.f}), 0.683f, 0.01f);
+  EXPECT_NEAR(ProbabilityOfSurface({2.f, 0.03f, 0.5f}), 0.341f, 0.01f);
+  EXPECT_NEAR(ProbabilityOfSurface({2.f, 0.001f, 0.f}), 1.f, 0.01f);
+}
+
 }  // namespace
 }  // namespace tsar
