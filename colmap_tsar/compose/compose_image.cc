@@ -105,7 +105,8 @@ DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
 }
 
 // The labels of superpixels with their evidence and the errors of their planes.
-std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
+std::vector<ComposedSuperpixel> RateSuperpixels(
+    const FoundScene& found, const std::vector<Vec3f>& prior_normals) {
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
   std::vector<ComposedSuperpixel> result;
@@ -121,7 +122,8 @@ std::vector<ComposedSuperpixel> RateSuperpixels(const FoundScene& found) {
                       label >= 0
                           ? found.plane_errors[static_cast<size_t>(label)]
                           : InverseDepthError{},
-                      is_curved});
+                      is_curved,
+                      prior_normals.empty() ? Vec3f{} : prior_normals[k]});
   }
   return result;
 }
@@ -181,8 +183,8 @@ RefineResult ComposeImage(
                           device,
                           &scene_planes);
   const DeviceImage<uint16_t> device_superpixels(device, superpixels);
-  const Buffer<ComposedSuperpixel> of_superpixel(device,
-                                                 RateSuperpixels(found));
+  const Buffer<ComposedSuperpixel> of_superpixel(
+      device, RateSuperpixels(found, evidence.prior.normals));
   ShowScene(observer, evidence, labeled, curved);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<float> texture = RasterTexture(evidence, device);
@@ -231,8 +233,7 @@ RefineResult ComposeImage(
                                                       evidence.noise,
                                                       min_fill_confidence,
                                                       device);
-  FillByPrior(
-      inputs.prior, min_fill_confidence, &composed, &confidence, device);
+  FillByPrior(inputs, min_fill_confidence, &composed, &confidence, device);
   RateCylinders(laid, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,

@@ -232,7 +232,7 @@ struct SceneConfidenceKernel {
 // Fills pixels without a confidence by the prior, where it is probably on the
 // right surface.
 struct PriorFillKernel {
-  PriorRaster prior;
+  ComposeSceneInputs inputs;
   float min_fill_confidence;
   ImageView<float> depth;
   ImageView<Vec3f> normal;
@@ -240,13 +240,15 @@ struct PriorFillKernel {
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
-    const PriorDepth at_pixel = prior.At(x, y);
+    const PriorDepth at_pixel = inputs.prior.At(x, y);
     if (confidence(x, y) > 0.f || !(at_pixel.depth > 0.f) ||
         ProbabilityOfSurface(at_pixel) < min_fill_confidence) {
       return;
     }
     depth(x, y) = at_pixel.depth;
-    normal(x, y) = prior.NormalAt(x, y);
+    const Vec3f& of_superpixel = SuperpixelAt(inputs, x, y).prior_normal;
+    normal(x, y) =
+        Norm(of_superpixel) > 0.f ? of_superpixel : inputs.prior.NormalAt(x, y);
     provenance(x, y) = static_cast<uint8_t>(Provenance::kPrior);
     confidence(x, y) = Bounded(ProbabilityWithin(at_pixel, kRight));
   }
@@ -353,18 +355,18 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
   return confidence;
 }
 
-void FillByPrior(const PriorRaster& prior,
+void FillByPrior(const ComposeSceneInputs& inputs,
                  float min_fill_confidence,
                  ComposedMap* composed,
                  DeviceImage<float>* confidence,
                  Device& device) {
-  if (prior.depth.Empty()) {
+  if (inputs.prior.depth.Empty()) {
     return;
   }
   ParallelFor(device,
               confidence->Width(),
               confidence->Height(),
-              PriorFillKernel{prior,
+              PriorFillKernel{inputs,
                               min_fill_confidence,
                               composed->map.depth.View(),
                               composed->map.normal.View(),

@@ -41,6 +41,7 @@ struct ComposedSuperpixel {
   InverseDepthError error{};  // Error of its plane.
   // The surface is curved, and its error is unknown.
   bool is_curved = false;
+  Vec3f prior_normal{};  // By a prior; (0, 0, 0): none.
 };
 
 struct ComposeSceneInputs {
@@ -89,8 +90,8 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
 
 // Fills pixels without a depth, or whose confidence is 0, by the prior where
 // that lies on the right surface with a probability of at least
-// min_fill_confidence. prior: may be empty.
-void FillByPrior(const PriorRaster& prior,
+// min_fill_confidence.
+void FillByPrior(const ComposeSceneInputs& inputs,
                  float min_fill_confidence,
                  ComposedMap* composed,
                  DeviceImage<float>* confidence,

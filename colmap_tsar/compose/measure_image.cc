@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/compose/lift_rating.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
+#include "colmap_tsar/priors/align_normals.h"
 #include "colmap_tsar/scene/evidence/foreground_fattening.h"
 #include "colmap_tsar/scene/evidence/gather_evidence.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
@@ -144,6 +145,10 @@ void MakeEvidence(const RefineOptions& options,
                    SamplesToAlignBy(measured.inputs.samples,
                                     measured.inputs.texture,
                                     measured.inputs.fattening_weight));
+    AlignNormals(measured.prior->normals,
+                 measured.inputs.superpixels,
+                 measured.inputs.superpixel_planes,
+                 &measured.inputs.prior);
     evidence_options.tolerance = static_cast<float>(
         ScenePlaneTolerance(options, MeasureNoise(measured.inputs)));
     timer.Finish("prior");

@@ -223,9 +223,7 @@ std::string DescribeSkill(const PriorAssessment& assessment,
          " % of the spread of the measured depths";
 }
 
-}  // namespace
-
-std::string Describe(const PriorAssessment& assessment) {
+std::string DescribeDepths(const PriorAssessment& assessment) {
   switch (assessment.verdict) {
     case PriorVerdict::kNone:
       break;
@@ -243,6 +241,38 @@ std::string Describe(const PriorAssessment& assessment) {
              DescribeSkill(assessment, "");
   }
   return "";
+}
+
+std::string DescribeNormals(const PriorAssessment& assessment) {
+  constexpr float kDegrees = 57.29578f;
+  const std::string sigma =
+      std::to_string(std::lround(kDegrees * assessment.normal_sigma)) +
+      " degrees from those of measured planes";
+  switch (assessment.of_normals) {
+    case PriorVerdict::kNone:
+    case PriorVerdict::kNoDepth:
+      break;
+    case PriorVerdict::kUsed:
+      return "normals used: they deviate by " + sigma;
+    case PriorVerdict::kFewMeasured:
+      return "normals not used: too few planes were measured";
+    case PriorVerdict::kUnlike:
+      return "normals not used: they deviate by " + sigma;
+    case PriorVerdict::kOthersUnlike:
+      return "normals not used: the priors of most images do not fit";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string Describe(const PriorAssessment& assessment) {
+  const std::string of_normals = DescribeNormals(assessment);
+  if (!of_normals.empty() && assessment.verdict == PriorVerdict::kNoDepth) {
+    return of_normals;
+  }
+  const std::string of_depths = DescribeDepths(assessment);
+  return of_depths + (of_normals.empty() ? "" : "; ") + of_normals;
 }
 
 AlignedPrior AlignPrior(const DepthPrior& prior,

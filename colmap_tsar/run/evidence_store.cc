@@ -56,9 +56,12 @@ void EvidenceStore::JudgePriors() {
   for (const StereoProblem& problem : workspace_.Problems()) {
     const int image = problem.reference;
     if (workspace_.Priors().HasPrior(image) && IsCurrent(image)) {
-      const PriorVerdict verdict = ReadPriorVerdict(Path(image));
-      num_used += verdict == PriorVerdict::kUsed ? 1 : 0;
-      num_unlike += verdict == PriorVerdict::kUnlike ? 1 : 0;
+      const PriorAssessment assessment = ReadPriorAssessment(Path(image));
+      for (const PriorVerdict verdict :
+           {assessment.verdict, assessment.of_normals}) {
+        num_used += verdict == PriorVerdict::kUsed ? 1 : 0;
+        num_unlike += verdict == PriorVerdict::kUnlike ? 1 : 0;
+      }
     }
   }
   removes_priors_ = num_unlike > num_used;

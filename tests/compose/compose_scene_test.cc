@@ -119,7 +119,7 @@ class ComposeSceneTest : public testing::Test {
     ComposedMap composed = ComposeOnDevice();
     DeviceImage<float> confidence = Rate(composed);
     FillByPrior(
-        Inputs().prior, min_fill_confidence_, &composed, &confidence, *device_);
+        Inputs(), min_fill_confidence_, &composed, &confidence, *device_);
     return {composed.map.depth.ToHost(),
             composed.map.normal.ToHost(),
             composed.provenance.ToHost(),

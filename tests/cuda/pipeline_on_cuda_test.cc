@@ -96,7 +96,8 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
               {static_cast<LabelEvidence>(k % 4),
                {0.01f * k, 0.02f * k, 0.025f * k, 0.03f * k},
                {1e-5f * k, 2e-6f, -3e-6f, 1e-6f * k, 4e-6f, 5e-6f},
-               k % 7 == 0});
+               k % 7 == 0,
+               k % 5 == 0 ? wall.normal : Vec3f{}});
         }
         // Three depths of four are trusted.
         Image<uint8_t> ratings(inputs.views.Width(), inputs.views.Height());
@@ -174,16 +175,14 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         const DeviceImage<float> prior_depth(device, prior);
         const DeviceImage<float> prior_sigma(
             device, Image<float>(raster.width, raster.height, 0.02f));
-        FillByPrior({prior_depth.View(),
-                     prior_sigma.View(),
-                     0.1f,
-                     inputs.views.MapIntrinsics(),
-                     confidence.Width(),
-                     confidence.Height()},
-                    0.3f,
-                    &composed,
-                    &confidence,
-                    device);
+        ComposeSceneInputs with_prior = scene_inputs;
+        with_prior.prior = {prior_depth.View(),
+                            prior_sigma.View(),
+                            0.1f,
+                            inputs.views.MapIntrinsics(),
+                            confidence.Width(),
+                            confidence.Height()};
+        FillByPrior(with_prior, 0.3f, &composed, &confidence, device);
         result->Add("depth with a prior", composed.map.depth);
         result->Add("normal with a prior", composed.map.normal);
         result->Add("provenance with a prior", composed.provenance);

@@ -10,8 +10,8 @@ namespace tsar {
 namespace {
 
 // Of the header, see evidence_file.cc.
-constexpr size_t kHeaderSize = 144;
-constexpr SignedLayout kLayout = {kHeaderSize, 120, 128, 136};
+constexpr size_t kHeaderSize = 160;
+constexpr SignedLayout kLayout = {kHeaderSize, 136, 144, 152};
 
 std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
   // The arrays that neighbors read come first.
@@ -57,7 +57,13 @@ std::vector<std::string> MakeSeeds() {
   evidence.prior.depth = Image<float>(3, 2, 2.f);
   evidence.prior.sigma = Image<float>(3, 2, 0.1f);
   evidence.prior.outlier_share = 0.1f;
-  evidence.prior.assessment = {PriorVerdict::kUsed, PriorType::kInverse, 0.9f};
+  evidence.prior.assessment = {PriorVerdict::kUsed,
+                               PriorType::kInverse,
+                               0.9f,
+                               PriorVerdict::kUsed,
+                               0.1f};
+  evidence.prior.normals = {{0.f, 0.f, -1.f}, {}};
+  evidence.prior.normal_outlier_share = 0.1f;
   evidence.first_confirmed = {0, 1, 1};
   evidence.confirmed = {{0.f, 0.f, 2.f}};
   evidence.confirmed_pixels = {3, 0};

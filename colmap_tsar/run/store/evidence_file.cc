@@ -132,6 +132,17 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
        !(prior.outlier_share > 0.f && prior.outlier_share < 1.f))) {
     return "an invalid prior";
   }
+  const bool uses_normals = prior.assessment.of_normals == PriorVerdict::kUsed;
+  if (prior.normals.size() != (uses_normals ? num_superpixels : 0) ||
+      !IsFiniteNotNegative(prior.assessment.normal_sigma) ||
+      (uses_normals && !(prior.assessment.normal_sigma > 0.f &&
+                         prior.normal_outlier_share > 0.f &&
+                         prior.normal_outlier_share < 1.f)) ||
+      !AllOf(prior.normals, [](const Vec3f& normal) {
+        return IsFinite(normal.x) & IsFinite(normal.y) & IsFinite(normal.z);
+      })) {
+    return "an invalid prior";
+  }
   if (first_confirmed.front() != 0 ||
       !std::ranges::is_sorted(first_confirmed) ||
       static_cast<size_t>(first_confirmed.back()) !=
@@ -178,20 +189,24 @@ struct Header {
   float noise = 0.f;
   float prior_outlier_share = 0.f;
   float prior_skill = 0.f;
-  uint32_t prior_verdict = 0;  // A PriorVerdict.
-  uint32_t prior_type = 0;     // A PriorType.
+  float normal_sigma = 0.f;
+  float normal_outlier_share = 0.f;
+  uint16_t prior_verdict = 0;  // PriorVerdicts.
+  uint16_t normal_verdict = 0;
+  uint32_t prior_type = 0;  // A PriorType.
   uint64_t num_superpixels = 0;
   uint64_t num_observations = 0;
   uint64_t num_errors = 0;
   uint64_t num_confirmed = 0;
   uint64_t num_candidates = 0;
   uint64_t num_borders = 0;
+  uint64_t num_normals = 0;
   uint64_t neighbor_fingerprint = 0;
   uint64_t own_fingerprint = 0;
   uint64_t header_fingerprint = 0;
 
   bool HasPriorDepth() const {
-    return prior_verdict == static_cast<uint32_t>(PriorVerdict::kUsed);
+    return prior_verdict == static_cast<uint16_t>(PriorVerdict::kUsed);
   }
   // The sizes in the order of NeighborArrays() and OwnArrays().
   std::vector<StateFileArray> Arrays() const {
@@ -215,6 +230,7 @@ struct Header {
             {num_candidates, sizeof(Plane)},
             {num_prior_pixels, sizeof(float)},
             {num_prior_pixels, sizeof(float)},
+            {num_normals, sizeof(Vec3f)},
             {num_superpixels, sizeof(int)},
             {1, sizeof(int)},
             {num_confirmed, sizeof(RayDepth)},
@@ -223,7 +239,7 @@ struct Header {
             {num_ratings, sizeof(uint8_t)}};
   }
 };
-static_assert(sizeof(Header) == 144);
+static_assert(sizeof(Header) == 160);
 
 // The arrays for writing and for reading.
 template <typename Evidence>
@@ -242,6 +258,7 @@ template <typename Evidence>
 auto OwnArrays(Evidence& evidence) {
   return std::vector{BytesOf(evidence.prior.depth),
                      BytesOf(evidence.prior.sigma),
+                     BytesOf(evidence.prior.normals),
                      BytesOf(evidence.first_confirmed),
                      BytesOf(evidence.confirmed),
                      BytesOf(evidence.confirmed_pixels),
@@ -267,16 +284,22 @@ Error CorruptEvidence(const std::filesystem::path& path,
 
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/11,
+    /*version=*/12,
     &MissingEvidence,
     &CorruptEvidence};
 
-PriorVerdict VerdictOf(const Header& header,
-                       const std::filesystem::path& path) {
-  if (header.prior_verdict > static_cast<uint32_t>(PriorVerdict::kUnlike)) {
+PriorAssessment AssessmentOf(const Header& header,
+                             const std::filesystem::path& path) {
+  constexpr auto kLast = static_cast<uint16_t>(PriorVerdict::kUnlike);
+  if (header.prior_verdict > kLast || header.normal_verdict > kLast ||
+      header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
     throw CorruptEvidence(path, "it has an invalid prior");
   }
-  return static_cast<PriorVerdict>(header.prior_verdict);
+  return {static_cast<PriorVerdict>(header.prior_verdict),
+          static_cast<PriorType>(header.prior_type),
+          header.prior_skill,
+          static_cast<PriorVerdict>(header.normal_verdict),
+          header.normal_sigma};
 }
 
 }  // namespace
@@ -307,8 +330,12 @@ void WriteEvidence(const ContainedPath& path,
   header.noise = evidence.noise;
   header.prior_outlier_share = evidence.prior.outlier_share;
   header.prior_skill = evidence.prior.assessment.skill;
+  header.normal_sigma = evidence.prior.assessment.normal_sigma;
+  header.normal_outlier_share = evidence.prior.normal_outlier_share;
   header.prior_verdict =
-      static_cast<uint32_t>(evidence.prior.assessment.verdict);
+      static_cast<uint16_t>(evidence.prior.assessment.verdict);
+  header.normal_verdict =
+      static_cast<uint16_t>(evidence.prior.assessment.of_normals);
   header.prior_type = static_cast<uint32_t>(evidence.prior.assessment.type);
   header.num_superpixels = evidence.weights.size();
   header.num_errors = evidence.errors.size();
@@ -316,6 +343,7 @@ void WriteEvidence(const ContainedPath& path,
   header.num_confirmed = evidence.confirmed.size();
   header.num_candidates = evidence.candidates.size();
   header.num_borders = evidence.borders.size();
+  header.num_normals = evidence.prior.normals.size();
   header.neighbor_fingerprint = FingerprintOfArrays(neighbor_arrays);
   header.own_fingerprint = FingerprintOfArrays(own_arrays);
   WriteStateFile(
@@ -345,12 +373,9 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   evidence.candidates.resize(header.num_candidates);
   reader.Read(NeighborArrays(evidence), header.neighbor_fingerprint);
   if (parts == EvidenceParts::kAll) {
-    if (header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
-      throw CorruptEvidence(path, "it has an invalid prior");
-    }
-    evidence.prior.assessment.verdict = VerdictOf(header, path);
-    evidence.prior.assessment.type = static_cast<PriorType>(header.prior_type);
-    evidence.prior.assessment.skill = header.prior_skill;
+    evidence.prior.assessment = AssessmentOf(header, path);
+    evidence.prior.normal_outlier_share = header.normal_outlier_share;
+    evidence.prior.normals.resize(header.num_normals);
     if (header.HasPriorDepth()) {
       evidence.prior.outlier_share = header.prior_outlier_share;
       evidence.prior.depth = Image<float>::Uninitialized(width, height);
@@ -370,9 +395,9 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
   return evidence;
 }
 
-PriorVerdict ReadPriorVerdict(const std::filesystem::path& path) {
-  return VerdictOf(StateFileReader<Header>(path, kEvidenceFile).GetHeader(),
-                   path);
+PriorAssessment ReadPriorAssessment(const std::filesystem::path& path) {
+  return AssessmentOf(StateFileReader<Header>(path, kEvidenceFile).GetHeader(),
+                      path);
 }
 
 std::optional<std::string> ReadEvidenceHash(const std::filesystem::path& path) {

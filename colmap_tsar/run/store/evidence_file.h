@@ -48,9 +48,9 @@ void WriteEvidence(const ContainedPath& path,
 ViewEvidence ReadEvidence(const std::filesystem::path& path,
                           EvidenceParts parts = EvidenceParts::kAll);
 
-// The verdict on the view's prior, from the file's header. Throws what
+// The assessment of the view's prior, from the file's header. Throws what
 // ReadEvidence() throws.
-PriorVerdict ReadPriorVerdict(const std::filesystem::path& path);
+PriorAssessment ReadPriorAssessment(const std::filesystem::path& path);
 
 // The options hash in a file's header, which tells whether the evidence may be
 // used. Nothing where there is no file, or none with an intact header, of this

@@ -108,6 +108,10 @@ struct LabelOptions {
   float color_cost = 4.f;
   float min_color_gap = 0.05f;
   float max_color_uncertainty = 0.3f;
+  // The cost of a pixel without an observation on a plane whose normal a prior
+  // contradicts: by four of its standard deviations; up to two cost nothing,
+  // since superpixels of one surface share their errors.
+  float normal_cost = 0.3f;
   // The largest residual of depths of other views at which they confirm a
   // plane, as a share of the tolerance.
   float confirmation_share = 0.5f;

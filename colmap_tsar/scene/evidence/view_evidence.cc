@@ -44,8 +44,10 @@ void RemovePrior(ViewEvidence* evidence) {
         static_cast<int>(evidence->observations.size());
   }
   PriorAssessment& assessment = evidence->prior.assessment;
-  if (assessment.verdict == PriorVerdict::kUsed) {
-    assessment.verdict = PriorVerdict::kOthersUnlike;
+  for (PriorVerdict* verdict : {&assessment.verdict, &assessment.of_normals}) {
+    if (*verdict == PriorVerdict::kUsed) {
+      *verdict = PriorVerdict::kOthersUnlike;
+    }
   }
   evidence->prior = {.assessment = assessment};
 }

@@ -46,6 +46,7 @@ struct SuperpixelData {
   float confidence = 0.f;
   // Ray of the center of the pixels.
   Vec3f ray;
+  Vec3f prior_normal;  // (0, 0, 0): none.
 };
 
 struct PlaneData {
@@ -85,6 +86,8 @@ struct CostKernel {
   float min_depth;
   float max_depth;
   LabelOptions options;
+  float normal_sigma;
+  float normal_cost;
   ImageView<PlaneCost> costs;  // Column: plane, row: superpixel.
 
   TSAR_HD void operator()(int k, int s) const {
@@ -95,6 +98,7 @@ struct CostKernel {
     AddOtherViews(s, plane.plane, &result);
     const float unobserved =
         fmaxf(superpixel.num_pixels - superpixel.weight, 0.f);
+    result.cost += unobserved * CostOfNormal(superpixel, plane.plane);
     result.uncertainty = Uncertainty(superpixel.ray, plane);
     result.cost += options.uncertainty_cost * unobserved * result.uncertainty;
     costs(k, s) = result;
@@ -169,6 +173,18 @@ struct CostKernel {
                            (sample.z * resolution.RelativeDepthError(sample.z));
     return fminf(fmaxf(residual / (options.tolerance * error) - slack, 0.f),
                  1.f);
+  }
+
+  // The cost of a pixel by the prior's normal.
+  TSAR_HD float CostOfNormal(const SuperpixelData& superpixel,
+                             const Plane& plane) const {
+    if (!(Norm(superpixel.prior_normal) > 0.f)) {
+      return 0.f;
+    }
+    const float deviation =
+        Norm(superpixel.prior_normal - plane.normal) / normal_sigma;
+    const float share = fminf(fmaxf(0.5f * deviation - 1.f, 0.f), 1.f);
+    return normal_cost * share * share;
   }
 
   TSAR_HD void AddOtherViews(int superpixel,
@@ -280,6 +296,9 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
               .confidence;
     }
     data.ray = rays[s];
+    if (!evidence.prior.normals.empty()) {
+      data.prior_normal = evidence.prior.normals[s];
+    }
     superpixels.push_back(data);
   }
   return superpixels;
@@ -343,6 +362,9 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                          min_depth,
                          max_depth,
                          options,
+                         evidence.prior.assessment.normal_sigma,
+                         options.normal_cost *
+                             (1.f - evidence.prior.normal_outlier_share),
                          costs.View()});
   AddColorCosts(inputs, planes, options, costs.View(), device);
   return costs.ToHost();

@@ -147,8 +147,8 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
   for (size_t length = 0; length < good.size(); length += 97) {
     SCOPED_TRACE(length);
     WriteText(path_, good.substr(0, length));
-    // The header's 144 bytes, the 16 of the options hash, the arrays.
-    ExpectCorruptAndNoHash(length < 144   ? "not complete"
+    // The header's 160 bytes, the 16 of the options hash, the arrays.
+    ExpectCorruptAndNoHash(length < 160   ? "not complete"
                            : length < 152 ? "cut off"
                                           : "not what the header says");
   }

@@ -60,8 +60,16 @@ ViewEvidence DrawEvidence() {
   evidence.sources[8] = ObservationSource::kPrior;
   evidence.observations[8].confidence = 2.f + draw();
   evidence.prior.outlier_share = 0.5f * draw();
-  evidence.prior.assessment = {
-      PriorVerdict::kUsed, PriorType::kInverse, draw()};
+  evidence.prior.assessment = {PriorVerdict::kUsed,
+                               PriorType::kInverse,
+                               draw(),
+                               PriorVerdict::kUsed,
+                               draw()};
+  evidence.prior.normal_outlier_share = 0.5f * draw();
+  for (int k = 0; k < kNumSuperpixels; ++k) {
+    evidence.prior.normals.push_back(k == 2 ? Vec3f{}
+                                            : Vec3f{0.f, 0.6f, -0.8f});
+  }
   evidence.prior.depth = Image<float>(9, 7);
   evidence.prior.sigma = Image<float>(9, 7);
   for (size_t i = 0; i < evidence.prior.depth.NumPixels(); ++i) {
@@ -129,6 +137,11 @@ std::string OwnBytes(const ViewEvidence& evidence) {
   std::string bytes;
   AppendAll(evidence.prior.depth, &bytes);
   AppendAll(evidence.prior.sigma, &bytes);
+  for (const Vec3f& normal : evidence.prior.normals) {
+    Append(normal.x, &bytes);
+    Append(normal.y, &bytes);
+    Append(normal.z, &bytes);
+  }
   AppendAll(evidence.first_confirmed, &bytes);
   for (const RayDepth& sample : evidence.confirmed) {
     Append(sample.x, &bytes);
@@ -165,7 +178,10 @@ std::string FileBytes(const HeaderFields& fields,
   Append(evidence.noise, &bytes);
   Append(evidence.prior.outlier_share, &bytes);
   Append(evidence.prior.assessment.skill, &bytes);
+  Append(evidence.prior.assessment.normal_sigma, &bytes);
+  Append(evidence.prior.normal_outlier_share, &bytes);
   Append(fields.prior_verdict, &bytes);
+  Append(static_cast<uint16_t>(evidence.prior.assessment.of_normals), &bytes);
   Append(static_cast<uint32_t>(evidence.prior.assessment.type), &bytes);
   Append(fields.num_superpixels, &bytes);
   Append(fields.num_observations, &bytes);
@@ -173,6 +189,7 @@ std::string FileBytes(const HeaderFields& fields,
   Append(fields.num_confirmed, &bytes);
   Append(fields.num_candidates, &bytes);
   Append(fields.num_borders, &bytes);
+  Append(uint64_t{evidence.prior.normals.size()}, &bytes);
   Append(HashOf(neighbor_bytes), &bytes);
   Append(HashOf(own_bytes), &bytes);
   Append(HashOf(bytes + kOptionsHash), &bytes);

@@ -29,7 +29,7 @@ struct HeaderFields {
         height(evidence.height),
         ratings_width(evidence.ratings.Width()),
         ratings_height(evidence.ratings.Height()),
-        prior_verdict(static_cast<uint32_t>(evidence.prior.assessment.verdict)),
+        prior_verdict(static_cast<uint16_t>(evidence.prior.assessment.verdict)),
         num_superpixels(evidence.weights.size()),
         num_observations(evidence.observations.size()),
         num_errors(evidence.errors.size()),
@@ -38,13 +38,13 @@ struct HeaderFields {
         num_borders(evidence.borders.size()) {}
 
   std::string magic = "TSARVIEW";
-  uint32_t version = 11;
+  uint32_t version = 12;
   uint32_t options_hash_length = 16;
   int32_t width;
   int32_t height;
   int32_t ratings_width;
   int32_t ratings_height;
-  uint32_t prior_verdict;
+  uint16_t prior_verdict;
   uint64_t num_superpixels;
   uint64_t num_observations;
   uint64_t num_errors;

@@ -1,0 +1,112 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/priors/align_normals.h"
+
+#include "colmap_tsar/base/median.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+constexpr size_t kMinPlanes = 20;
+// The length of the mean of unit vectors from which a superpixel counts as one
+// surface: deviations of 18 degrees.
+constexpr float kMinAgreement = 0.95f;
+// The median of a Rayleigh distribution, which the angles between directions
+// have, in standard deviations.
+constexpr float kMedianInSigmas = 1.1774f;
+// Normals with errors beyond this many standard deviations are outliers.
+constexpr float kOutlier = 3.f;
+constexpr float kMinOutlierShare = 0.02f;
+constexpr float kMaxOutlierShare = 0.5f;
+// The largest error of a prior in use, as a share of that of the best constant
+// direction, and the one (11 degrees) that is always small enough.
+constexpr float kMaxShareOfConstant = 0.5f;
+constexpr float kSmallSigma = 0.2f;
+
+float Angle(const Vec3f& a, const Vec3f& b) {
+  return std::acos(std::clamp(Dot(a, b), -1.f, 1.f));
+}
+
+std::vector<Vec3f> MeanNormals(const Image<Vec3f>& normals,
+                               const Image<int>& superpixels,
+                               size_t num_superpixels) {
+  std::vector<Vec3f> means(num_superpixels);
+  std::vector<int> num_pixels(num_superpixels);
+  for (int y = 0; y < superpixels.Height(); ++y) {
+    const int v = y * normals.Height() / superpixels.Height();
+    for (int x = 0; x < superpixels.Width(); ++x) {
+      const int u = x * normals.Width() / superpixels.Width();
+      const auto label = static_cast<size_t>(superpixels(x, y));
+      means[label] = means[label] + normals(u, v);
+      ++num_pixels[label];
+    }
+  }
+  for (size_t k = 0; k < num_superpixels; ++k) {
+    const float length = Norm(means[k]);
+    means[k] = length > kMinAgreement * static_cast<float>(num_pixels[k])
+                   ? means[k] * (1.f / length)
+                   : Vec3f{};
+  }
+  return means;
+}
+
+float SigmaOf(std::vector<float> angles) {
+  return UpperMedian(&angles) / kMedianInSigmas;
+}
+
+}  // namespace
+
+void AlignNormals(const Image<Vec3f>& normals,
+                  const Image<int>& superpixels,
+                  const std::vector<Plane>& planes,
+                  AlignedPrior* aligned) {
+  PriorAssessment& assessment = aligned->assessment;
+  if (normals.Empty()) {
+    return;
+  }
+  std::vector<Vec3f> means = MeanNormals(normals, superpixels, planes.size());
+  std::vector<size_t> measured;
+  Vec3f sum;
+  for (size_t k = 0; k < planes.size(); ++k) {
+    if (planes[k].Valid() && Norm(means[k]) > 0.f) {
+      measured.push_back(k);
+      sum = sum + planes[k].normal;
+    }
+  }
+  if (measured.size() < kMinPlanes) {
+    assessment.of_normals = PriorVerdict::kFewMeasured;
+    return;
+  }
+  const Vec3f constant = Normalized(sum);
+  std::vector<float> errors;
+  std::vector<float> errors_of_constant;
+  for (const size_t k : measured) {
+    errors.push_back(Angle(means[k], planes[k].normal));
+    errors_of_constant.push_back(Angle(constant, planes[k].normal));
+  }
+  const float sigma = SigmaOf(errors);
+  assessment.normal_sigma = sigma;
+  if (sigma > std::max(kSmallSigma,
+                       kMaxShareOfConstant * SigmaOf(errors_of_constant))) {
+    assessment.of_normals = PriorVerdict::kUnlike;
+    return;
+  }
+  assessment.of_normals = PriorVerdict::kUsed;
+  const auto num_outliers =
+      std::count_if(errors.begin(), errors.end(), [&](float error) {
+        return error > kOutlier * sigma;
+      });
+  aligned->normal_outlier_share = std::clamp(
+      static_cast<float>(num_outliers) / static_cast<float>(errors.size()),
+      kMinOutlierShare,
+      kMaxOutlierShare);
+  aligned->normals = std::move(means);
+}
+
+}  // namespace tsar
