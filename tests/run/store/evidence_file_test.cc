@@ -149,7 +149,7 @@ TEST_F(EvidenceFileTest, RefusesFilesOfAnotherLength) {
     WriteText(path_, good.substr(0, length));
     // The header's 160 bytes, the 16 of the options hash, the arrays.
     ExpectCorruptAndNoHash(length < 160   ? "not complete"
-                           : length < 152 ? "cut off"
+                           : length < 176 ? "cut off"
                                           : "not what the header says");
   }
   for (const std::string& more : {std::string("x"), good}) {

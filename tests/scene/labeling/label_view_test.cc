@@ -114,6 +114,30 @@ TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
+TEST_F(LabelViewTest, NormalsOfAPriorDecideWhereNothingWasMeasured) {
+  const Plane wall = WallAt(3.f);
+  const Plane side = DrawnPlane({-0.6f, 0.f, -0.8f}, 3.f);
+  Measure(wall, 0, 2);
+  Measure(side, 7, 7);
+  DrawEdgesEverywhere();
+  inputs_.prior.assessment.of_normals = PriorVerdict::kUsed;
+  inputs_.prior.assessment.normal_sigma = 0.1f;
+  inputs_.prior.normal_outlier_share = 0.1f;
+  for (const int first_of_side : {3, 5, 7}) {
+    inputs_.prior.normals.clear();
+    for (int k = 0; k < kNumSuperpixels; ++k) {
+      inputs_.prior.normals.push_back(
+          k % kNumColumns < first_of_side ? wall.normal : side.normal);
+    }
+    const LabeledView labeled = Label({wall, side});
+    for (int k = 0; k < kNumSuperpixels; ++k) {
+      EXPECT_EQ(labeled.labels[static_cast<size_t>(k)],
+                k % kNumColumns < first_of_side ? 0 : 1)
+          << k << " of " << first_of_side;
+    }
+  }
+}
+
 TEST_F(LabelViewTest, APlaneObservedAllAroundIsKnownInTheMiddle) {
   options_.unlabeled_cost = 0.01f;
   DrawEdgesEverywhere();
