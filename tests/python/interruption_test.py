@@ -1,6 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Ctrl-C while refine() works, as a user sees it: in a process of its own."""
+import shutil
 import signal
 import subprocess
 import sys
@@ -44,6 +45,14 @@ print("went on")
 class InterruptionTest(SampleTest):
     num_images = 8
 
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        in_one_go = cls.class_folder / "in_one_go"
+        shutil.copytree(cls.sample, in_one_go)
+        colmap_tsar.refine(in_one_go, device="cpu", progress=False)
+        cls.refined = results(in_one_go)
+
     def start(self, script):
         return subprocess.Popen(
             [sys.executable, "-c", script, str(self.workspace)],
@@ -62,10 +71,7 @@ class InterruptionTest(SampleTest):
     def expect_whole_workspace(self):
         """Every map is COLMAP's or the refined one, some of both are there, and the
         same call goes on from there to the same bytes as in one go."""
-        original = results(self.sample)
-        other = self.new_workspace("in_one_go")
-        colmap_tsar.refine(other, device="cpu", progress=False)
-        refined = results(other)
+        original, refined = results(self.sample), self.refined
         interrupted = results(self.workspace)
         for path, digest in interrupted.items():
             self.assertIn(digest, (original.get(path), refined[path]), path)
