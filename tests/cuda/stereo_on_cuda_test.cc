@@ -227,13 +227,16 @@ TEST_F(CudaTest, PairGray) {
 
 TEST_F(CudaTest, PlanarPrior) {
   ExpectAlike(
-      "FindPlanarPrior, RunPatchMatch and FilterHypotheses with it",
+      "FindReliableDepth, RunPatchMatch and FilterHypotheses with it",
       AllScenesAndWide(),
       [](StageInputs& inputs, Device& device, StageResult* result) {
         const ReferenceView reference = inputs.views.Reference();
         const Buffer<SourceView>& sources = inputs.views.Sources();
+        const DeviceImage<float> reliable =
+            FindReliableDepth(reference, sources, 5.f, device);
+        result->Add("reliable depth", reliable);
         const DeviceImage<Plane> prior(
-            device, FindPlanarPrior(reference, sources, 5.f, device));
+            device, TriangulatePlanes(reliable.ToHost(), reference.intrinsics));
         result->Add("prior", prior);
         PatchMatchOptions options = BoundsAroundTheWall();
         options.num_iterations = 1;
