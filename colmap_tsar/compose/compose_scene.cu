@@ -229,8 +229,9 @@ struct SceneConfidenceKernel {
   }
 };
 
-// Fills pixels without a confidence by the prior, where it is probably on the
-// right surface.
+// Fills pixels without a depth by the prior, where it is probably on the right
+// surface. Planes that are too doubtful to fill stay holes: where the prior
+// contradicts one, it is as often wrong itself.
 struct PriorFillKernel {
   ComposeSceneInputs inputs;
   float min_fill_confidence;
@@ -241,7 +242,7 @@ struct PriorFillKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     const PriorDepth at_pixel = inputs.prior.At(x, y);
-    if (confidence(x, y) > 0.f || !(at_pixel.depth > 0.f) ||
+    if (depth(x, y) > 0.f || !(at_pixel.depth > 0.f) ||
         ProbabilityOfSurface(at_pixel) < min_fill_confidence) {
       return;
     }

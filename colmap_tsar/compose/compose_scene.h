@@ -88,9 +88,8 @@ DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
                                        float min_fill_confidence,
                                        Device& device);
 
-// Fills pixels without a depth, or whose confidence is 0, by the prior where
-// that lies on the right surface with a probability of at least
-// min_fill_confidence.
+// Fills pixels without a depth by the prior where that lies on the right surface
+// with a probability of at least min_fill_confidence.
 void FillByPrior(const ComposeSceneInputs& inputs,
                  float min_fill_confidence,
                  ComposedMap* composed,
