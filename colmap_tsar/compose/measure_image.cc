@@ -140,14 +140,15 @@ void MakeEvidence(const RefineOptions& options,
   }
   EvidenceOptions evidence_options;
   if (measured.prior != nullptr) {
-    measured.inputs.prior =
-        AlignPrior(*measured.prior,
-                   SamplesToAlignBy(measured.inputs.samples,
-                                    measured.inputs.texture,
-                                    measured.inputs.fattening_weight));
+    const Image<RayDepth> samples =
+        SamplesToAlignBy(measured.inputs.samples,
+                         measured.inputs.texture,
+                         measured.inputs.fattening_weight);
+    measured.inputs.prior = AlignPrior(*measured.prior, samples);
     AlignNormals(measured.prior->normals,
                  measured.inputs.superpixels,
                  measured.inputs.superpixel_planes,
+                 samples,
                  &measured.inputs.prior);
     evidence_options.tolerance = static_cast<float>(
         ScenePlaneTolerance(options, MeasureNoise(measured.inputs)));

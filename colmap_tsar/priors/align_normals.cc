@@ -56,6 +56,22 @@ std::vector<Vec3f> MeanNormals(const Image<Vec3f>& normals,
   return means;
 }
 
+// The superpixels of which at least half of the pixels have a sample.
+std::vector<bool> AreMeasured(const Image<int>& superpixels,
+                              const Image<RayDepth>& samples,
+                              size_t num_superpixels) {
+  std::vector<int> balance(num_superpixels);
+  for (size_t i = 0; i < samples.NumPixels(); ++i) {
+    balance[static_cast<size_t>(superpixels.Data()[i])] +=
+        samples.Data()[i].z > 0.f ? 1 : -1;
+  }
+  std::vector<bool> are_measured;
+  for (const int difference : balance) {
+    are_measured.push_back(difference >= 0);
+  }
+  return are_measured;
+}
+
 float SigmaOf(std::vector<float> angles) {
   return UpperMedian(&angles) / kMedianInSigmas;
 }
@@ -65,16 +81,19 @@ float SigmaOf(std::vector<float> angles) {
 void AlignNormals(const Image<Vec3f>& normals,
                   const Image<int>& superpixels,
                   const std::vector<Plane>& planes,
+                  const Image<RayDepth>& samples,
                   AlignedPrior* aligned) {
   PriorAssessment& assessment = aligned->assessment;
   if (normals.Empty()) {
     return;
   }
   std::vector<Vec3f> means = MeanNormals(normals, superpixels, planes.size());
+  const std::vector<bool> are_measured =
+      AreMeasured(superpixels, samples, planes.size());
   std::vector<size_t> measured;
   Vec3f sum;
   for (size_t k = 0; k < planes.size(); ++k) {
-    if (planes[k].Valid() && Norm(means[k]) > 0.f) {
+    if (are_measured[k] && planes[k].Valid() && Norm(means[k]) > 0.f) {
       measured.push_back(k);
       sum = sum + planes[k].normal;
     }

@@ -20,10 +20,12 @@ namespace tsar {
 //
 // normals: see DepthPrior; may be empty. superpixels: labels, on a raster of
 // any size that covers the same photo. planes: of superpixels; invalid where
-// there is none.
+// there is none. samples: as for AlignPrior, on the raster of superpixels; the
+// planes of superpixels with few of them are too uncertain to be compared with.
 void AlignNormals(const Image<Vec3f>& normals,
                   const Image<int>& superpixels,
                   const std::vector<Plane>& planes,
+                  const Image<RayDepth>& samples,
                   AlignedPrior* aligned);
 
 }  // namespace tsar

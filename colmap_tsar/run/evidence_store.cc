@@ -56,12 +56,9 @@ void EvidenceStore::JudgePriors() {
   for (const StereoProblem& problem : workspace_.Problems()) {
     const int image = problem.reference;
     if (workspace_.Priors().HasPrior(image) && IsCurrent(image)) {
-      const PriorAssessment assessment = ReadPriorAssessment(Path(image));
-      for (const PriorVerdict verdict :
-           {assessment.verdict, assessment.of_normals}) {
-        num_used += verdict == PriorVerdict::kUsed ? 1 : 0;
-        num_unlike += verdict == PriorVerdict::kUnlike ? 1 : 0;
-      }
+      const PriorVerdict verdict = ReadPriorAssessment(Path(image)).verdict;
+      num_used += verdict == PriorVerdict::kUsed ? 1 : 0;
+      num_unlike += verdict == PriorVerdict::kUnlike ? 1 : 0;
     }
   }
   removes_priors_ = num_unlike > num_used;

@@ -24,6 +24,7 @@ class AlignNormalsTest : public testing::Test {
  protected:
   AlignNormalsTest()
       : superpixels_(kNumColumns * kSize, kNumColumns * kSize),
+        samples_(superpixels_.Width(), superpixels_.Height(), {0.f, 0.f, 2.f}),
         normals_(superpixels_.Width(), superpixels_.Height()) {
     for (int y = 0; y < superpixels_.Height(); ++y) {
       for (int x = 0; x < superpixels_.Width(); ++x) {
@@ -72,7 +73,7 @@ class AlignNormalsTest : public testing::Test {
   }
   AlignedPrior Align() const {
     AlignedPrior aligned;
-    AlignNormals(normals_, superpixels_, planes_, &aligned);
+    AlignNormals(normals_, superpixels_, planes_, samples_, &aligned);
     return aligned;
   }
   void ExpectDropped(PriorVerdict verdict) const {
@@ -82,6 +83,7 @@ class AlignNormalsTest : public testing::Test {
   }
 
   Image<int> superpixels_;
+  Image<RayDepth> samples_;
   Image<Vec3f> normals_;
   std::vector<Plane> planes_ = std::vector<Plane>(kNumSuperpixels);
 };
@@ -148,6 +150,20 @@ TEST_F(AlignNormalsTest, NothingIsKnownWhereFewPlanesWereMeasured) {
   ExpectDropped(PriorVerdict::kFewMeasured);
   normals_ = {};
   ExpectDropped(PriorVerdict::kNone);
+}
+
+TEST_F(AlignNormalsTest, PlanesOfFewSamplesAreNotComparedWith) {
+  Draw(0.1f, 0.f);
+  const float sigma = Align().assessment.normal_sigma;
+  for (int k = 0; k < kNumSuperpixels; k += 4) {
+    planes_[static_cast<size_t>(k)].normal = {0.6f, 0.8f, 0.f};
+    const int column = k % kNumColumns;
+    const int row = k / kNumColumns;
+    for (int i = 0; i < kSize * kSize / 2 + 1; ++i) {
+      samples_(column * kSize + i % kSize, row * kSize + i / kSize) = {};
+    }
+  }
+  EXPECT_NEAR(Align().assessment.normal_sigma, sigma, 0.02f);
 }
 
 // The walls of a facade have one direction, which a constant explains.
