@@ -49,7 +49,9 @@ void RemovePrior(ViewEvidence* evidence) {
       *verdict = PriorVerdict::kOthersUnlike;
     }
   }
-  evidence->prior = {.assessment = assessment};
+  AlignedPrior without_values;
+  without_values.assessment = assessment;
+  evidence->prior = without_values;
 }
 
 std::vector<float> CountPixels(const ViewEvidence& evidence) {
