@@ -41,7 +41,7 @@ struct ComposedSuperpixel {
   InverseDepthError error{};  // Error of its plane.
   // The surface is curved, and its error is unknown.
   bool is_curved = false;
-  Vec3f prior_normal{};  // By a prior; (0, 0, 0): none.
+  Vec3f prior_normal{};  // See AlignedPrior; (0, 0, 0): none.
 };
 
 struct ComposeSceneInputs {

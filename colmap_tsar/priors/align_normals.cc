@@ -14,8 +14,8 @@ namespace tsar {
 namespace {
 
 constexpr size_t kMinPlanes = 20;
-// The length of the mean of unit vectors from which a superpixel counts as one
-// surface: deviations of 18 degrees.
+// The length of a mean normal from which a superpixel counts as one surface:
+// deviations of 18 degrees.
 constexpr float kMinAgreement = 0.95f;
 // The median of a Rayleigh distribution, which the angles between directions
 // have, in standard deviations.
@@ -48,10 +48,8 @@ std::vector<Vec3f> MeanNormals(const Image<Vec3f>& normals,
     }
   }
   for (size_t k = 0; k < num_superpixels; ++k) {
-    const float length = Norm(means[k]);
-    means[k] = length > kMinAgreement * static_cast<float>(num_pixels[k])
-                   ? means[k] * (1.f / length)
-                   : Vec3f{};
+    means[k] =
+        means[k] * (1.f / static_cast<float>(std::max(num_pixels[k], 1)));
   }
   return means;
 }
@@ -93,7 +91,8 @@ void AlignNormals(const Image<Vec3f>& normals,
   std::vector<size_t> measured;
   Vec3f sum;
   for (size_t k = 0; k < planes.size(); ++k) {
-    if (are_measured[k] && planes[k].Valid() && Norm(means[k]) > 0.f) {
+    if (are_measured[k] && planes[k].Valid() &&
+        Norm(means[k]) > kMinAgreement) {
       measured.push_back(k);
       sum = sum + planes[k].normal;
     }
@@ -106,7 +105,7 @@ void AlignNormals(const Image<Vec3f>& normals,
   std::vector<float> errors;
   std::vector<float> errors_of_constant;
   for (const size_t k : measured) {
-    errors.push_back(Angle(means[k], planes[k].normal));
+    errors.push_back(Angle(Normalized(means[k]), planes[k].normal));
     errors_of_constant.push_back(Angle(constant, planes[k].normal));
   }
   const float sigma = SigmaOf(errors);

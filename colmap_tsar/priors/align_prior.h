@@ -58,8 +58,9 @@ struct AlignedPrior {
   // outliers (outlier_share) with arbitrary errors.
   Image<float> sigma;
   float outlier_share = 0.f;
-  // The mean normal of each superpixel (AlignNormals), unit vectors or (0, 0,
-  // 0). Empty where they were dropped.
+  // The mean of the unit normals of each superpixel (AlignNormals); the
+  // shorter, the less they agree: see NormalSigma. Empty where they were
+  // dropped.
   std::vector<Vec3f> normals;
   float normal_outlier_share = 0.f;
   PriorAssessment assessment;

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/base/logarithm.h"
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/base/vector.h"
 
 #include <cmath>
 
@@ -48,6 +49,14 @@ TSAR_HD inline float ProbabilityWithin(const PriorDepth& prior, float error) {
 // The probability that a prior lies on the right surface.
 TSAR_HD inline float ProbabilityOfSurface(const PriorDepth& prior) {
   return ProbabilityWithin(prior, 0.03f);
+}
+
+// The standard deviation, in radians, of the direction of a superpixel's mean
+// normal, in each of two directions. sigma: that of normals that agree. mean:
+// not unit; normals that do not agree, as across an edge, shorten it, and their
+// variance, 2 (1 - |mean|), adds to it.
+TSAR_HD inline float NormalSigma(float sigma, const Vec3f& mean) {
+  return sqrtf(sigma * sigma + fmaxf(2.f * (1.f - Norm(mean)), 0.f));
 }
 
 // Updates the probability of a depth by the log likelihood ratio of a prior.

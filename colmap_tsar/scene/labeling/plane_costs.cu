@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/priors/prior_likelihood.h"
 #include "colmap_tsar/scene/evidence/observed_source.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/scene/labeling/color_costs.h"
@@ -46,7 +47,7 @@ struct SuperpixelData {
   float confidence = 0.f;
   // Ray of the center of the pixels.
   Vec3f ray;
-  Vec3f prior_normal;  // (0, 0, 0): none.
+  Vec3f prior_normal;  // See AlignedPrior; (0, 0, 0): none.
 };
 
 struct PlaneData {
@@ -178,11 +179,12 @@ struct CostKernel {
   // The cost of a pixel by the prior's normal.
   TSAR_HD float CostOfNormal(const SuperpixelData& superpixel,
                              const Plane& plane) const {
-    if (!(Norm(superpixel.prior_normal) > 0.f)) {
+    const Vec3f& mean = superpixel.prior_normal;
+    if (!(Norm(mean) > 0.f)) {
       return 0.f;
     }
     const float deviation =
-        Norm(superpixel.prior_normal - plane.normal) / normal_sigma;
+        Norm(Normalized(mean) - plane.normal) / NormalSigma(normal_sigma, mean);
     const float share = fminf(fmaxf(0.5f * deviation - 1.f, 0.f), 1.f);
     return normal_cost * share * share;
   }
