@@ -248,8 +248,8 @@ struct PriorFillKernel {
     }
     depth(x, y) = at_pixel.depth;
     const Vec3f& of_superpixel = SuperpixelAt(inputs, x, y).prior_normal;
-    normal(x, y) =
-        Norm(of_superpixel) > 0.f ? of_superpixel : inputs.prior.NormalAt(x, y);
+    normal(x, y) = Norm(of_superpixel) > 0.f ? Normalized(of_superpixel)
+                                             : inputs.prior.NormalAt(x, y);
     provenance(x, y) = static_cast<uint8_t>(Provenance::kPrior);
     confidence(x, y) = Bounded(ProbabilityWithin(at_pixel, kRight));
   }

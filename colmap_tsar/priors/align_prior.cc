@@ -268,11 +268,13 @@ std::string DescribeNormals(const PriorAssessment& assessment) {
 
 std::string Describe(const PriorAssessment& assessment) {
   const std::string of_normals = DescribeNormals(assessment);
-  if (!of_normals.empty() && assessment.verdict == PriorVerdict::kNoDepth) {
+  const bool has_depths = assessment.verdict != PriorVerdict::kNone &&
+                          assessment.verdict != PriorVerdict::kNoDepth;
+  if (!of_normals.empty() && !has_depths) {
     return of_normals;
   }
-  const std::string of_depths = DescribeDepths(assessment);
-  return of_depths + (of_normals.empty() ? "" : "; ") + of_normals;
+  return DescribeDepths(assessment) + (of_normals.empty() ? "" : "; ") +
+         of_normals;
 }
 
 AlignedPrior AlignPrior(const DepthPrior& prior,

@@ -4,6 +4,7 @@
 #include "colmap_tsar/priors/align_normals.h"
 
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/priors/prior_likelihood.h"
 
 #include <cmath>
 #include <cstddef>
@@ -114,18 +115,18 @@ TEST_F(AlignNormalsTest, SizesMayDiffer) {
   EXPECT_EQ(Align().assessment.normal_sigma, sigma);
 }
 
-TEST_F(AlignNormalsTest, ASuperpixelAcrossAnEdgeHasNone) {
+TEST_F(AlignNormalsTest, NormalsThatDoNotAgreeAreUncertain) {
   Draw(0.05f, 0.f);
   for (int x = 0; x < kSize / 2; ++x) {
     for (int y = 0; y < kSize; ++y) {
       normals_(x, y) = {0.8f, 0.f, -0.6f};
     }
   }
-  normals_(kSize, 0) = {};  // One pixel of its neighbor has none.
   const AlignedPrior aligned = Align();
-  EXPECT_EQ(Norm(aligned.normals[0]), 0.f);
-  EXPECT_EQ(Norm(aligned.normals[1]), 0.f);
-  EXPECT_GT(Norm(aligned.normals[2]), 0.f);
+  const float sigma = aligned.assessment.normal_sigma;
+  // Two directions at 53 degrees: each deviates by 0.46 from their mean.
+  EXPECT_NEAR(NormalSigma(sigma, aligned.normals[0]), 0.46f, 0.03f);
+  EXPECT_NEAR(NormalSigma(sigma, aligned.normals[1]), sigma, 1e-3f);
 }
 
 TEST_F(AlignNormalsTest, WrongNormalsAreDropped) {

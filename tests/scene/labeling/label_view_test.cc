@@ -114,7 +114,7 @@ TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
-TEST_F(LabelViewTest, NormalsOfAPriorDecideWhereNothingWasMeasured) {
+TEST_F(LabelViewTest, NoPlaneThatAPriorsNormalContradictsFills) {
   const Plane wall = WallAt(3.f);
   const Plane side = DrawnPlane({-0.6f, 0.f, -0.8f}, 3.f);
   Measure(wall, 0, 2);
@@ -131,8 +131,8 @@ TEST_F(LabelViewTest, NormalsOfAPriorDecideWhereNothingWasMeasured) {
     }
     const LabeledView labeled = Label({wall, side});
     for (int k = 0; k < kNumSuperpixels; ++k) {
-      EXPECT_EQ(labeled.labels[static_cast<size_t>(k)],
-                k % kNumColumns < first_of_side ? 0 : 1)
+      const int label = labeled.labels[static_cast<size_t>(k)];
+      EXPECT_EQ(label == 0, k % kNumColumns < first_of_side)
           << k << " of " << first_of_side;
     }
   }
