@@ -119,6 +119,7 @@ TEST_F(LabelViewTest, NoPlaneThatAPriorsNormalContradictsFills) {
   const Plane side = DrawnPlane({-0.6f, 0.f, -0.8f}, 3.f);
   Measure(wall, 0, 2);
   Measure(side, 7, 7);
+  options_.extrapolation_uncertainty = 0.f;
   DrawEdgesEverywhere();
   inputs_.prior.assessment.of_normals = PriorVerdict::kUsed;
   inputs_.prior.assessment.normal_sigma = 0.1f;
