@@ -331,13 +331,11 @@ class SceneModeler {
       const std::string& name,
       const std::function<void(size_t view, const ObservedView&)>& function) {
     VisitViews(name, [&](size_t view) {
-      const ViewEvidence evidence = evidence_.read_all(view);
-      function(view, Observed(view, evidence));
+      function(view, Observed(view, evidence_.read_all(view)));
     });
   }
 
-  // Calls function for all views, unless the run is to stop. name: of this part
-  // of the pass.
+  // Calls function for all views, unless the run is to stop.
   void VisitViews(const std::string& name,
                   const std::function<void(size_t view)>& function) {
     Visit(name,
