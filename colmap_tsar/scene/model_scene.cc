@@ -215,8 +215,7 @@ class SceneModeler {
               });
           std::vector<PlaneMeasurement> measurements;
           for (const std::vector<PlaneMeasurement>& of_view : of_views) {
-            measurements.insert(
-                measurements.end(), of_view.begin(), of_view.end());
+            std::ranges::copy(of_view, std::back_inserter(measurements));
           }
           return measurements;
         },
