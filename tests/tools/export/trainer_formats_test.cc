@@ -96,7 +96,7 @@ TEST_F(TrainerFormatsTest, NerfstudioGetsUnknownDepthOfImagesWithoutMaps) {
 }
 
 // 127.5 + 127.5 n in the camera's frame with y down and z forward, of the size
-// of the photo and of each image; grey is none.
+// of the photo and of each image; gray is none.
 TEST_F(TrainerFormatsTest, NerfstudioGetsNormalsInTheFrameOfTheCamera) {
   UseMask(8, 6, [](int x, int) { return x == 7; });
   Export(ExportFormat::kNerfstudio);
