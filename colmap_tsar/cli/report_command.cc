@@ -162,6 +162,7 @@ Workspace ReportCommand::Open() const {
   const PriorType type = ParsePriorType(prior_type);
   RequirePathOfPriorType(prior_path, type);
   workspace.UsePriors(prior_path, type);
+  workspace.Priors().WarnOfStrayFiles();
   return workspace;
 }
 

@@ -19,6 +19,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <optional>
@@ -170,7 +171,8 @@ void Check(const PlanesCommand& command) {
   };
   require_writable(command.output_path, "output_path", "file of planes");
   require_writable(command.plan_path, "plan_path", "floor plan");
-  if (command.plan_path == command.output_path) {
+  if (std::filesystem::weakly_canonical(command.plan_path) ==
+      std::filesystem::weakly_canonical(command.output_path)) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("plan_path") + ": is the " +
                     OptionName("output_path") + ", too; give another file");
@@ -215,14 +217,15 @@ int RunTsarPlanes(int argc, char** argv) {
       ExportPlanes(workspace, command.options, progress, [&] {
         return interruption.Requested();
       });
-  TurnUp(EnumValue(kUpAxisNames, command.up), &planes);
   if (command.scale > 0.0) {
     ScaleToMeters(command.scale, &planes);
   }
   std::optional<FloorPlan> plan;
   if (plan_format) {
+    // Before planes are turned, so that its axes are those of --up z always.
     plan = MakeFloorPlan(planes);
   }
+  TurnUp(EnumValue(kUpAxisNames, command.up), &planes);
   if (format) {
     WritePlanes(UserPath(command.output_path), *format, planes);
     PrintPlanes(planes, *format, command.output_path);

@@ -21,7 +21,6 @@
 #include "colmap_tsar/view/view_votes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <utility>
 

@@ -247,15 +247,20 @@ struct PriorFillKernel {
       return;
     }
     depth(x, y) = at_pixel.depth;
-    const Vec3f& of_superpixel = SuperpixelAt(inputs, x, y).prior_normal;
-    normal(x, y) = Norm(of_superpixel) > 0.f ? Normalized(of_superpixel)
-                                             : inputs.prior.NormalAt(x, y);
+    const Vec3f& mean = SuperpixelAt(inputs, x, y).prior_normal;
+    const bool is_of_surface =
+        Norm(mean) > kMinAgreement &&
+        Dot(mean, inputs.prior.intrinsics.Ray(x, y)) < 0.f;
+    normal(x, y) =
+        is_of_surface ? Normalized(mean) : inputs.prior.NormalAt(x, y);
     provenance(x, y) = static_cast<uint8_t>(Provenance::kPrior);
     confidence(x, y) = Bounded(ProbabilityWithin(at_pixel, kRight));
   }
 
   // The relative error of a correct depth.
   static constexpr float kRight = 0.01f;
+  // The length of a mean normal from which a superpixel is one surface.
+  static constexpr float kMinAgreement = 0.95f;
 };
 
 struct PlaneMapKernel {

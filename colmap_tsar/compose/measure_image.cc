@@ -17,7 +17,6 @@
 #include "colmap_tsar/view/stage_options.h"
 #include "colmap_tsar/view/stage_timer.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <utility>

@@ -28,6 +28,8 @@ constexpr float kMaxOutlierShare = 0.5f;
 // direction, and the one (11 degrees) that is always small enough.
 constexpr float kMaxShareOfConstant = 0.5f;
 constexpr float kSmallSigma = 0.2f;
+// Drawn normals may be exact, but planes are not.
+constexpr float kMinSigma = 0.01f;
 
 float Angle(const Vec3f& a, const Vec3f& b) {
   return std::acos(std::clamp(Dot(a, b), -1.f, 1.f));
@@ -108,7 +110,7 @@ void AlignNormals(const Image<Vec3f>& normals,
     errors.push_back(Angle(Normalized(means[k]), planes[k].normal));
     errors_of_constant.push_back(Angle(constant, planes[k].normal));
   }
-  const float sigma = SigmaOf(errors);
+  const float sigma = std::max(SigmaOf(errors), kMinSigma);
   assessment.normal_sigma = sigma;
   if (sigma > std::max(kSmallSigma,
                        kMaxShareOfConstant * SigmaOf(errors_of_constant))) {

@@ -92,7 +92,8 @@ Image<float> LogDepth(const PriorFunction& function, Image<float> values) {
                                 static_cast<float>(function.shift);
   const Eigen::ArrayXf logarithm =
       (function.type == PriorType::kInverse ? -1.f : 1.f) * result.log();
-  value = (value > 0.f && result > 0.f).select(logarithm, kNone);
+  value = (value > 0.f && result > 0.f && result.isFinite())
+              .select(logarithm, kNone);
   return values;
 }
 

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/remove_files.h"
+#include "colmap_tsar/run/store/evidence_file.h"
 
-#include <system_error>
 #include <utility>
 
 namespace tsar {
@@ -50,7 +50,7 @@ void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
   WriteEvidence(Path(image), Fingerprint(image), evidence);
 }
 
-void EvidenceStore::JudgePriors() {
+void EvidenceStore::RemoveUnlikePriors() {
   int num_used = 0;
   int num_unlike = 0;
   for (const StereoProblem& problem : workspace_.Problems()) {
@@ -61,19 +61,22 @@ void EvidenceStore::JudgePriors() {
       num_unlike += verdict == PriorVerdict::kUnlike ? 1 : 0;
     }
   }
-  removes_priors_ = num_unlike > num_used;
-}
-
-ViewEvidence EvidenceStore::Read(int image, EvidenceParts parts) const {
-  ViewEvidence evidence = ReadEvidence(Path(image), parts);
-  if (removes_priors_) {
-    RemovePrior(&evidence);
+  if (num_unlike <= num_used) {
+    return;
   }
-  return evidence;
+  for (const StereoProblem& problem : workspace_.Problems()) {
+    const int image = problem.reference;
+    if (workspace_.Priors().HasPrior(image) && IsCurrent(image) &&
+        ReadPriorAssessment(Path(image)).IsUsed()) {
+      ViewEvidence evidence = ReadAll(image);
+      RemovePrior(&evidence);
+      Write(image, evidence);
+    }
+  }
 }
 
 ViewEvidence EvidenceStore::ReadAll(int image) const {
-  return Read(image, EvidenceParts::kAll);
+  return ReadEvidence(Path(image));
 }
 
 EvidenceStore::Evidence EvidenceStore::Get(int image) {
@@ -88,7 +91,7 @@ EvidenceStore::Evidence EvidenceStore::Get(int image) {
   }
   // Two threads may read the same file, rather than all wait for one file.
   auto evidence = std::make_shared<const ViewEvidence>(
-      Read(image, EvidenceParts::kForNeighbors));
+      ReadEvidence(Path(image), EvidenceParts::kForNeighbors));
   const std::lock_guard<std::mutex> lock(mutex_);
   if (views_.Find(image) == nullptr) {
     views_.Add(image, evidence);

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/lru_map.h"
-#include "colmap_tsar/run/store/evidence_file.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/view/refine_options.h"
@@ -53,11 +52,11 @@ class EvidenceStore {
   // image must be a reference.
   void Write(int image, const ViewEvidence& evidence);
 
-  // To be called before evidence is read: if the priors of more images were
-  // dropped for explaining too little than are in use, they are those of
-  // another scene, of which a few fit by chance, and evidence is read without
-  // them.
-  void JudgePriors();
+  // Removes the priors from all evidence if more of them were dropped for
+  // explaining too little than are in use: then they are those of another
+  // scene, of which a few fit by chance. To be called when all views were
+  // observed, before evidence is read.
+  void RemoveUnlikePriors();
 
   // The complete evidence, for the view itself.
   ViewEvidence ReadAll(int image) const;
@@ -70,8 +69,6 @@ class EvidenceStore {
  private:
   ContainedPath Path(int image) const;
 
-  ViewEvidence Read(int image, EvidenceParts parts) const;
-
   // A fingerprint of the inputs and options of a reference's evidence.
   std::string Fingerprint(int image);
 
@@ -80,7 +77,6 @@ class EvidenceStore {
   const std::string options_hash_;
   const size_t max_num_views_;
   std::optional<std::set<int>> expected_;
-  bool removes_priors_ = false;
   std::mutex mutex_;
   LruMap<int, Evidence> views_;  // By image.
 };

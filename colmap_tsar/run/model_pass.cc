@@ -47,6 +47,7 @@ bool ModelWorkspace(const ModelPassInputs& inputs,
                     const std::string& pass,
                     Progress& progress,
                     const std::function<bool()>& should_stop) {
+  inputs.evidence.RemoveUnlikePriors();
   const std::vector<SceneView> views = FindViews(inputs);
   const SceneEvidence evidence = {
       [&](size_t view) { return inputs.evidence.Get(views[view].image); },

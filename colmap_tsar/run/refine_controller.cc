@@ -214,15 +214,9 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
     none_refined.first_failure = outcome.first_failure;
     none_refined.num_observed = outcome.NumDone();
     // The planes of a scene with unobserved views would be others.
-    if (!outcome.IsComplete()) {
+    if (!outcome.IsComplete() || !Model(run, &none_refined)) {
       return none_refined;
     }
-    run.evidence.JudgePriors();
-    if (!Model(run, &none_refined)) {
-      return none_refined;
-    }
-  } else {
-    run.evidence.JudgePriors();
   }
   if (!cache) {
     make_cache(false);

@@ -102,6 +102,12 @@ TEST_F(AlignNormalsTest, MeasuresTheirErrors) {
             "planes");
 }
 
+TEST_F(AlignNormalsTest, ExactNormalsAreNotCertain) {
+  Draw(0.f, 0.f);
+  EXPECT_EQ(Align().assessment.of_normals, PriorVerdict::kUsed);
+  EXPECT_FLOAT_EQ(Align().assessment.normal_sigma, 0.01f);
+}
+
 TEST_F(AlignNormalsTest, SizesMayDiffer) {
   Draw(0.05f, 0.f);
   const float sigma = Align().assessment.normal_sigma;

@@ -140,7 +140,7 @@ constexpr StateFileKind kEvidenceFile = {
 
 PriorAssessment AssessmentOf(const Header& header,
                              const std::filesystem::path& path) {
-  constexpr auto kLast = static_cast<uint16_t>(PriorVerdict::kUnlike);
+  constexpr auto kLast = static_cast<uint16_t>(PriorVerdict::kOthersUnlike);
   if (header.prior_verdict > kLast || header.normal_verdict > kLast ||
       header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
     throw CorruptEvidence(path, "it has an invalid prior");

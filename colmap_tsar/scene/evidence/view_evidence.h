@@ -117,8 +117,10 @@ struct ViewEvidence {
   int NumSuperpixels() const { return static_cast<int>(weights.size()); }
 };
 
-// Removes what a prior says, except for candidate planes, which measurements
-// have to support. A prior in use gets the verdict kOthersUnlike.
+// Removes the values and observations of a prior. Candidate planes, which
+// measurements have to support, stay, and pixels in whose place the prior was
+// observed, since it contradicted the plane of their region, have no
+// observation. A prior in use gets the verdict kOthersUnlike.
 void RemovePrior(ViewEvidence* evidence);
 
 // The number of pixels of each superpixel of the evidence,

@@ -44,7 +44,7 @@ ViewCache::View StereoTask::Load(int image) const {
       ReadStereoMaps(files, passes_.IsUnderPrior(pass_), view.get());
     }
   }
-  if (passes_.Fills(pass_)) {
+  if (passes_.Fills(pass_) && workspace_.Priors().HasPrior(image)) {
     view->prior = LoadPrior(
         workspace_, image, workspace_.ReadMask(image, {width, height}));
   }
