@@ -173,12 +173,15 @@ def check_priors(suite, scene):
     options = (scene, "--seeds", 1, "--priors")
     suite(*options, results="priors")
     scores = {one["variant"]: one["scores"] for one in suite.runs("priors")}
-    check(list(scores) == ["default", "network prior", "lidar prior"],
+    check(list(scores) == ["default", "network prior", "lidar prior",
+                           "normals prior"],
           "a run without and with each kind of prior")
     for kind in ("network prior", "lidar prior"):
         check(scores[kind]["depth_all_0.05"][1]
               > scores["default"]["depth_all_0.05"][1],
               f"more is right to 5 cm with the {kind}")
+    check(scores["normals prior"]["outliers"] < scores["default"]["outliers"],
+          "fewer depths are plainly wrong with the normals prior")
     check("min left" not in suite(*options, results="priors"),
           "runs with priors are recognized")
     check("ground_truth" in suite.fail(

@@ -1,7 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Depth priors with the errors of networks and of sensors, made from the true
-depths of a scene."""
+"""Priors with the errors of networks and of sensors, made from the true depths of
+a scene: depth, or normals."""
 
 import zlib
 
@@ -9,17 +9,22 @@ import numpy as np
 from programs import CommandFailed
 from suite_parts.maps import read_map
 from suite_parts.photographs import load_opencv
+from suite_parts.sparse_model import read_model
 
 # Raised where the same scene would get other priors.
-VERSION = 1
-KINDS = ("network", "lidar")
-WIDTHS = {"network": 518, "lidar": 256}
+VERSION = 2
+KINDS = ("network", "lidar", "normals")
+WIDTHS = {"network": 518, "lidar": 256, "normals": 518}
 # Of a network: the scale of each surface and of the image from place to place,
 # the blur of edges as a share of the width, noise; all relative.
 SURFACE_SCALE = 0.06
 WARP = 0.05
 BLUR = 0.005
 NOISE = 0.01
+# Of normals: the blur of edges, the tilt from place to place in radians, noise.
+NORMAL_BLUR = 0.01
+TILT = np.radians(8)
+NORMAL_NOISE = 0.06
 # Of a sensor: how far it reaches and what it misses beside its noise, in meters
 # and in gray levels.
 REACH = 5.0
@@ -72,10 +77,37 @@ def as_sensor(cv2, depth, known, photo, random):
     return np.where(missed, 0, measured)
 
 
+def unit(vectors):
+    lengths = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / np.maximum(lengths, 1e-9)
+
+
+def as_normals(cv2, depth, intrinsics, random):
+    """Normals in the camera's frame, towards the camera: the image is tilted a
+    little from place to place, and edges are soft."""
+    height, width = depth.shape
+    fx, fy, cx, cy = intrinsics
+    y, x = np.mgrid[:height, :width] + 0.5
+    points = np.stack([(x - cx) / fx * depth, (y - cy) / fy * depth, depth], -1)
+    normals = unit(np.cross(np.gradient(points, axis=1),
+                            np.gradient(points, axis=0)))
+    normals *= -np.sign((normals * points).sum(-1, keepdims=True))
+    normals = unit(cv2.GaussianBlur(normals, (0, 0), NORMAL_BLUR * width))
+    tilt = TILT * cv2.resize(random.standard_normal((4, 5, 2)), (width, height),
+                             interpolation=cv2.INTER_LINEAR)
+    across = unit(np.cross(normals, [0.0, 1.0, 0.0]))
+    along = np.cross(normals, across)
+    normals = normals + tilt[..., :1] * across + tilt[..., 1:] * along
+    return unit(normals + NORMAL_NOISE * random.standard_normal(normals.shape))
+
+
 def make_priors(scene, kind, folder):
-    """Writes NAME.npy for each image with a true depth; the same names get the
-    same errors. Returns how many there are."""
+    """Writes NAME.npy, or NAME.normal.npy, for each image with a true depth; the
+    same names get the same errors. Returns how many there are."""
     cv2 = load_opencv()
+    model = read_model(scene / "sparse")
+    cameras = {image.name: model.cameras[image.camera_id]
+               for image in model.images}
     truths = sorted((scene / "ground_truth" / "depth").rglob("*.bin"))
     if not truths:
         raise CommandFailed(f"{scene}: priors are simulated from ground truth, "
@@ -90,6 +122,9 @@ def make_priors(scene, kind, folder):
                            interpolation=cv2.INTER_NEAREST)
         if kind == "network":
             prior = as_network(cv2, depth, random)
+        elif kind == "normals":
+            prior = as_normals(cv2, depth, cameras[name].intrinsics(depth.shape),
+                               random)
         else:
             known = cv2.resize((true > 0).astype(np.float32), size,
                                interpolation=cv2.INTER_AREA) >= 1
@@ -99,7 +134,8 @@ def make_priors(scene, kind, folder):
                 raise CommandFailed(f"{scene / 'images' / name}: cannot be read")
             photo = cv2.resize(photo, size, interpolation=cv2.INTER_AREA)
             prior = as_sensor(cv2, depth, known, photo, random)
-        target = folder / f"{name}.npy"
+        suffix = ".normal.npy" if kind == "normals" else ".npy"
+        target = folder / (name + suffix)
         target.parent.mkdir(parents=True, exist_ok=True)
         np.save(target, prior.astype(np.float32))
     return len(truths)

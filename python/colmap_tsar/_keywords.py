@@ -85,6 +85,8 @@ class ReportKeywords(typing.TypedDict, total=False):
     report_path: typing.Union[str, os.PathLike[str], None]
     overwrite: bool
     debug_path: typing.Union[str, os.PathLike[str], None]
+    prior_path: typing.Union[str, os.PathLike[str], None]
+    prior_type: typing.Literal['auto', 'metric', 'relative', 'inverse']
     before_path: typing.Union[str, os.PathLike[str], None]
     after_path: typing.Union[str, os.PathLike[str], None]
     ground_truth_path: typing.Union[str, os.PathLike[str], None]
