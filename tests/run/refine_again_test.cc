@@ -1,6 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/io/map_io.h"
 
 #include <chrono>
@@ -147,14 +148,16 @@ TEST_F(RefineWorkspaceTest, TellsHowManyImagesWereObservedBeforeItWasStopped) {
 }
 
 TEST_F(RefineWorkspaceTest, AFailedWriteLeavesTheOthersDone) {
-  // A folder in the place of the third image's confidence map.
+  // A folder has the temporary name of the third image's confidence map.
   const std::filesystem::path confidence = Paths(2).confidence;
-  WriteText(confidence / "file", "in the way");
+  const std::filesystem::path temporary =
+      confidence.string() + AtomicFile::kTemporarySuffix;
+  WriteText(temporary / "file", "in the way");
   ExpectError(ErrorCode::kIo, {confidence.string()}, [&] { Refine(); });
   EXPECT_EQ(Manifest()["images"][0]["status"], "done");
   EXPECT_EQ(Manifest()["images"][1]["status"], "done");
   EXPECT_EQ(Manifest()["images"][2]["status"], "failed");
-  std::filesystem::remove_all(confidence);
+  std::filesystem::remove_all(temporary);
   Refine();
   EXPECT_EQ(Manifest()["num_images"]["done"], 4);
 }

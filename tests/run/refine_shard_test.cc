@@ -276,9 +276,10 @@ TEST_F(RefineShardTest, KeepsImagesThatCannotBeRefined) {
 TEST_F(RefineShardTest, AFailureIsToldByItsShardAndByTheMerge) {
   RunAll("observe", 2);
   Run("model");
-  std::filesystem::create_directories(root_ / "stereo/confidence_maps");
-  // Where the map would be written there is a folder.
-  std::filesystem::create_directories(Paths(3).confidence / "in_the_way");
+  // A folder has the map's temporary name.
+  const std::filesystem::path temporary =
+      Paths(3).confidence.string() + AtomicFile::kTemporarySuffix;
+  std::filesystem::create_directories(temporary / "in_the_way");
   int num_failures = 0;
   for (const char* shard : {"0/2", "1/2"}) {
     try {
@@ -289,7 +290,7 @@ TEST_F(RefineShardTest, AFailureIsToldByItsShardAndByTheMerge) {
   }
   EXPECT_EQ(num_failures, 1);
   ExpectRefusal(ErrorCode::kNotFound, {"v3.png: ", "confidence_maps"}, "merge");
-  std::filesystem::remove_all(Paths(3).confidence);
+  std::filesystem::remove_all(temporary);
   RunAll("compose", 2);
   Run("merge");
   EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
@@ -299,8 +300,9 @@ TEST_F(RefineShardTest, AFailureIsToldByItsShardAndByTheMerge) {
 TEST_F(RefineShardTest, AFailureThatCannotBeNotedIsToldStill) {
   Run("observe");
   Run("model");
-  const std::filesystem::path in_the_way = Paths(3).confidence / "in_the_way";
-  std::filesystem::create_directories(in_the_way);
+  std::filesystem::create_directories(Paths(3).confidence.string() +
+                                      AtomicFile::kTemporarySuffix +
+                                      "/in_the_way");
   const std::filesystem::path record = GetShardPath(root_, "compose", 0, 1);
   ExpectError(ErrorCode::kIo, {Paths(3).confidence.string()}, [&] {
     Refine(Options(root_, "compose"), {}, [&] {

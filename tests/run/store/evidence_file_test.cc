@@ -128,14 +128,14 @@ TEST_F(EvidenceFileTest, RefusesEmptyAndOtherFiles) {
 
 TEST_F(EvidenceFileTest, NamesTheVersionOfAnotherFormat) {
   HeaderFields fields(evidence_);
-  for (const uint32_t version : {0u, 9u, 12u}) {
+  for (const uint32_t version : {0u, 11u, 13u}) {
     fields.version = version;
     const std::string bytes = FileBytes(fields, evidence_);
     // Other versions may have a shorter header.
     for (const size_t length : {bytes.size(), size_t{40}}) {
       WriteText(path_, bytes.substr(0, length));
       ExpectCorruptAndNoHash("version " + std::to_string(version) +
-                             ", this program reads version 11");
+                             ", this program reads version 12");
     }
   }
 }
