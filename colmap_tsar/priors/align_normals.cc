@@ -4,6 +4,7 @@
 #include "colmap_tsar/priors/align_normals.h"
 
 #include "colmap_tsar/base/median.h"
+#include "colmap_tsar/priors/outlier_share.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,10 +21,6 @@ constexpr float kMinAgreement = 0.95f;
 // The median of a Rayleigh distribution, which the angles between directions
 // have, in standard deviations.
 constexpr float kMedianInSigmas = 1.1774f;
-// Normals with errors beyond this many standard deviations are outliers.
-constexpr float kOutlier = 3.f;
-constexpr float kMinOutlierShare = 0.02f;
-constexpr float kMaxOutlierShare = 0.5f;
 // The largest error of a prior in use, as a share of that of the best constant
 // direction, and the one (11 degrees) that is always small enough.
 constexpr float kMaxShareOfConstant = 0.5f;
@@ -118,14 +115,8 @@ void AlignNormals(const Image<Vec3f>& normals,
     return;
   }
   assessment.of_normals = PriorVerdict::kUsed;
-  const auto num_outliers =
-      std::count_if(errors.begin(), errors.end(), [&](float error) {
-        return error > kOutlier * sigma;
-      });
-  aligned->normal_outlier_share = std::clamp(
-      static_cast<float>(num_outliers) / static_cast<float>(errors.size()),
-      kMinOutlierShare,
-      kMaxOutlierShare);
+  aligned->normal_outlier_share =
+      BoundedOutlierShare(ShareOfOutliers(errors, sigma));
   aligned->normals = std::move(means);
 }
 

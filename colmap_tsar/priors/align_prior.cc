@@ -4,6 +4,7 @@
 #include "colmap_tsar/priors/align_prior.h"
 
 #include "colmap_tsar/priors/correct_prior.h"
+#include "colmap_tsar/priors/outlier_share.h"
 #include "colmap_tsar/priors/place_between.h"
 #include "colmap_tsar/priors/prior_type.h"
 
@@ -32,10 +33,6 @@ constexpr double kSmallSpread = 0.04;
 // The number of blocks along the image's long side, every second of which is
 // held out to measure how well it is predicted.
 constexpr int kNumBlocks = 5;
-// Predictions with errors beyond this many sigmas are outliers.
-constexpr float kOutlier = 3.f;
-constexpr float kMinOutlierShare = 0.02f;
-constexpr float kMaxOutlierShare = 0.5f;
 // Steps of the prior make depths within this share of the image's long side
 // uncertain, unless they are below kFlat. The larger share is for priors that
 // are not aligned with their images: it is used if pixels without steps within
@@ -192,16 +189,9 @@ Calibration Calibrate(const std::vector<Prediction>& predictions,
     }
   }
   calibration.stretch = std::max(1.f, static_cast<float>(RobustSpread(ratios)));
-  const auto share_of_outliers = [&](const std::vector<float>& errors) {
-    const auto count =
-        std::count_if(errors.begin(), errors.end(), [&](float error) {
-          return std::abs(error) > kOutlier * calibration.stretch;
-        });
-    return static_cast<float>(count) /
-           static_cast<float>(std::max<size_t>(errors.size(), 1));
-  };
-  calibration.outlier_share = share_of_outliers(ratios);
-  calibration.outlier_share_if_flat = share_of_outliers(ratios_if_flat);
+  calibration.outlier_share = ShareOfOutliers(ratios, calibration.stretch);
+  calibration.outlier_share_if_flat =
+      ShareOfOutliers(ratios_if_flat, calibration.stretch);
   return calibration;
 }
 
@@ -331,8 +321,7 @@ AlignedPrior AlignPrior(const DepthPrior& prior,
     steps = std::move(more_steps);
     calibration = with_more;
   }
-  aligned.outlier_share =
-      std::clamp(calibration.outlier_share, kMinOutlierShare, kMaxOutlierShare);
+  aligned.outlier_share = BoundedOutlierShare(calibration.outlier_share);
   PriorCorrection correction = CorrectPrior(log_depth, residual);
   auto depth = AsArray(&correction.offset);
   auto sigma = AsArray(&correction.sigma);

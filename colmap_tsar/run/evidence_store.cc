@@ -9,6 +9,7 @@
 #include "colmap_tsar/run/store/evidence_file.h"
 
 #include <utility>
+#include <vector>
 
 namespace tsar {
 
@@ -51,27 +52,27 @@ void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
 }
 
 void EvidenceStore::RemoveUnlikePriors() {
+  std::vector<int> in_use;  // Images with a prior in use, if only of normals.
   int num_used = 0;
   int num_unlike = 0;
   for (const StereoProblem& problem : workspace_.Problems()) {
     const int image = problem.reference;
     if (workspace_.Priors().HasPrior(image) && IsCurrent(image)) {
-      const PriorVerdict verdict = ReadPriorAssessment(Path(image)).verdict;
-      num_used += verdict == PriorVerdict::kUsed ? 1 : 0;
-      num_unlike += verdict == PriorVerdict::kUnlike ? 1 : 0;
+      const PriorAssessment prior = ReadPriorAssessment(Path(image));
+      num_used += prior.verdict == PriorVerdict::kUsed ? 1 : 0;
+      num_unlike += prior.verdict == PriorVerdict::kUnlike ? 1 : 0;
+      if (prior.IsUsed()) {
+        in_use.push_back(image);
+      }
     }
   }
   if (num_unlike <= num_used) {
     return;
   }
-  for (const StereoProblem& problem : workspace_.Problems()) {
-    const int image = problem.reference;
-    if (workspace_.Priors().HasPrior(image) && IsCurrent(image) &&
-        ReadPriorAssessment(Path(image)).IsUsed()) {
-      ViewEvidence evidence = ReadAll(image);
-      RemovePrior(&evidence);
-      Write(image, evidence);
-    }
+  for (const int image : in_use) {
+    ViewEvidence evidence = ReadAll(image);
+    RemovePrior(&evidence);
+    Write(image, evidence);
   }
 }
 

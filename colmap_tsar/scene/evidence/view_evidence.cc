@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace tsar {
 
@@ -19,22 +21,23 @@ int ViewEvidence::FirstOfPrior(int superpixel) const {
 }
 
 void RemovePrior(ViewEvidence* evidence) {
-  const ViewEvidence with_prior = *evidence;
-  evidence->observations.clear();
-  evidence->sources.clear();
+  const std::vector<Observation> observations =
+      std::exchange(evidence->observations, {});
+  const std::vector<ObservationSource> sources =
+      std::exchange(evidence->sources, {});
   evidence->errors.clear();
-  for (size_t k = 0; k < with_prior.weights.size(); ++k) {
-    const auto begin = static_cast<size_t>(with_prior.first_observation[k]);
-    const auto end = static_cast<size_t>(with_prior.first_observation[k + 1]);
+  size_t end = 0;
+  for (size_t k = 0; k < evidence->weights.size(); ++k) {
+    const size_t begin = end;
+    end = static_cast<size_t>(evidence->first_observation[k + 1]);
     float own = 0.f;
     float all = 0.f;
     for (size_t i = begin; i < end; ++i) {
-      const Observation& observation = with_prior.observations[i];
-      all += observation.confidence;
-      if (!with_prior.IsOfPrior(i)) {
-        own += observation.confidence;
-        evidence->observations.push_back(observation);
-        evidence->sources.push_back(with_prior.sources[i]);
+      all += observations[i].confidence;
+      if (sources[i] != ObservationSource::kPrior) {
+        own += observations[i].confidence;
+        evidence->observations.push_back(observations[i]);
+        evidence->sources.push_back(sources[i]);
       }
     }
     if (own < all) {
