@@ -19,10 +19,10 @@ std::vector<uint8_t> SignedEvidence(std::span<const uint8_t> input) {
     const size_t num_pixels =
         static_cast<size_t>(ValueAt<uint16_t>(bytes, 16)) *
         ValueAt<uint16_t>(bytes, 20);
-    return 9 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 72) + 4 +
-           17 * ValueAt<uint16_t>(bytes, 80) +
-           4 * ValueAt<uint16_t>(bytes, 88) +
-           16 * ValueAt<uint16_t>(bytes, 104);
+    return 9 * num_pixels + 8 * ValueAt<uint16_t>(bytes, 80) + 4 +
+           17 * ValueAt<uint16_t>(bytes, 88) +
+           4 * ValueAt<uint16_t>(bytes, 96) +
+           16 * ValueAt<uint16_t>(bytes, 112);
   });
 }
 
