@@ -111,8 +111,8 @@ void FuseCommand::AddTo(OptionSet* set) {
   set->Add(group + "check_num_images",
            &check_num_images,
            "Other images that are asked about the points of an image: those "
-           "that it was matched with, then those that share most sparse "
-           "points with it.",
+           "that share most sparse points with it, then those that it was "
+           "matched with.",
            {-1, kMaxFusionSources});
   set->Add(group + "point_spacing",
            &point_spacing,
