@@ -11,6 +11,7 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/cli/shared_options.h"
+#include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/priors/prior_type.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 #include "colmap_tsar/tools/report/comparison_picture.h"
@@ -18,6 +19,7 @@
 #include "colmap_tsar/tools/report/workspace_comparison.h"
 
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <vector>
 
@@ -36,6 +38,23 @@ constexpr const char* kSummary =
     "index.html. With --output_path it draws one picture (PNG) of some images "
     "instead, or as well where --report_path is given.";
 
+// num_threads: see DeviceOptions.
+FuseMaps FuseBy(FusionPreset preset, int num_threads) {
+  FuseWorkspaceOptions options;
+  options.fusion = PresetFusionOptions(preset);
+  options.devices.num_threads = num_threads;
+  return [options](const Workspace& workspace,
+                   bool originals,
+                   const std::filesystem::path& cloud,
+                   Progress& progress,
+                   const std::function<bool()>& should_stop) {
+    FuseWorkspaceOptions of_maps = options;
+    of_maps.originals = originals;
+    of_maps.output_path = cloud;
+    FuseWorkspace(workspace, of_maps, progress, should_stop);
+  };
+}
+
 void WriteReport(const Workspace& workspace, const ReportCommand& command) {
   const PageOptions page = command.Page(workspace);
   // The text is made before the page exists: from then on, memory may run out
@@ -46,12 +65,12 @@ void WriteReport(const Workspace& workspace, const ReportCommand& command) {
   const Interruption interruption;
   const int num_images = WritePage(
       workspace, page, progress, [&] { return interruption.Requested(); });
-  if (!page.after_path.empty() && page.before_path.empty()) {
+  if (!page.after_path.empty() && page.before_path.empty() && !page.fuse) {
     Warn(
         "no --before_path: the page compares the cloud after with points of "
-        "the maps before that are not fused; to compare like with like, fuse "
-        "before tsar_refine, too (or put the maps back by its --restore 1, "
-        "fuse and refine again)");
+        "the maps before that are not fused; to compare like with like, let "
+        "--fuse default make both clouds, or --fuse colmap the one before "
+        "where stereo_fusion made the one after");
   }
   std::cout << "Wrote a page about " << num_images
             << (num_images == 1 ? " image" : " images") << "\nOpen " << index
@@ -98,6 +117,14 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
                "The cloud that it made of the refined maps. If not given, "
                "neither may --before_path be, and the view shows points of "
                "these maps.");
+  options->AddChoice(
+      "fuse",
+      &command->fuse,
+      FusionPresetNames(),
+      "Fuse the clouds that --before_path and --after_path do not give, as "
+      "tsar_fuse with this --TsarFuse.preset: the one before of the maps that "
+      "tsar_refine kept. They are made for the page alone and not kept. "
+      "Compare a cloud of stereo_fusion with one by colmap.");
 }
 
 void AddScoreOptions(ReportCommand* command, OptionSet* options) {
@@ -193,6 +220,10 @@ PageOptions ReportCommand::Page(const Workspace& workspace) const {
   result.scans_path = scans_path;
   result.tolerances = ParseTolerances(tolerances);
   result.max_num_points = max_points;
+  if (!fuse.empty()) {
+    result.fuse = FuseBy(ParseFusionPreset(fuse), page.num_threads);
+    result.fusion = "tsar_fuse --TsarFuse.preset " + fuse;
+  }
   return result;
 }
 

@@ -21,6 +21,7 @@ struct ReportCommand {
   std::string prior_type = "auto";
   std::string before_path;
   std::string after_path;
+  std::string fuse;  // A preset of fusion; empty: nothing is fused.
   std::string ground_truth_path;
   std::string scans_path;
   std::string tolerances = "0.02,0.1";

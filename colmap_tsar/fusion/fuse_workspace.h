@@ -28,6 +28,8 @@ struct FuseWorkspaceOptions {
   // A file of image names, see io/image_list.h: only their pixels become
   // points, and all images serve as sources. Empty: all images.
   std::filesystem::path image_list_path;
+  // Fuses the maps as they were before refinement.
+  bool originals = false;
   // See io/image_mask.h; empty: none.
   std::filesystem::path mask_path;
   // A box in the world frame; points outside of it are left out.
@@ -56,8 +58,8 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path);
 //
 // Throws Error: kNotFound (no image has maps), kInterrupted once should_stop
 // returned true, and what Workspace::UseMasks, ReadImageList, WorkspaceLock
-// (shared), OpenGpus, FusionOptions::Check, the readers of maps and photos and
-// FusedCloudWriter throw.
+// (shared), OpenGpus, FusionOptions::Check, LoadFusionView and FusedCloudWriter
+// throw.
 FuseSummary FuseWorkspace(Workspace workspace,
                           const FuseWorkspaceOptions& options,
                           Progress& progress,

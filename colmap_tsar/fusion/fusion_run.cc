@@ -39,7 +39,8 @@ FusionRun::FusionRun(const Workspace& workspace,
           CacheBytes(),
           [this](int image) { return NumPixels(image); },
           [this](int image) {
-            return LoadFusionView(workspace_, image, SourcesOf(image));
+            return LoadFusionView(
+                workspace_, image, SourcesOf(image), plan_.originals);
           }) {
   MeasureImages();
   OpenDevices();

@@ -18,13 +18,15 @@ struct FusionView {
   Image<FusionPixel> pixels;
 };
 
-// The maps of an image as they are in the workspace now, without masked pixels.
-// sources: images of the same scene, by index in the sparse model; their
-// baselines give the precision of depths without a sigma. Depths without a
-// confidence map have full confidence. Errors as ReadImageMaps() and
+// The maps of an image as they are in the workspace now or, with originals, as
+// they were before refinement; without masked pixels. sources: images of the
+// same scene, by index in the sparse model; their baselines give the precision
+// of depths without a sigma. Depths without a confidence map have full
+// confidence. Errors as ReadImageMaps(), ReadOriginalImageMaps() and
 // Workspace::ReadImage().
 FusionView LoadFusionView(const Workspace& workspace,
                           int image,
-                          const std::vector<int>& sources);
+                          const std::vector<int>& sources,
+                          bool originals = false);
 
 }  // namespace tsar

@@ -89,6 +89,7 @@ class ReportKeywords(typing.TypedDict, total=False):
     prior_type: typing.Literal['auto', 'metric', 'relative', 'inverse']
     before_path: typing.Union[str, os.PathLike[str], None]
     after_path: typing.Union[str, os.PathLike[str], None]
+    fuse: typing.Optional[typing.Literal['default', 'paper', 'colmap']]
     ground_truth_path: typing.Union[str, os.PathLike[str], None]
     scans_path: typing.Union[str, os.PathLike[str], None]
     tolerances: typing.Union[str, float, typing.Sequence[float]]

@@ -5,6 +5,9 @@
 #include "colmap_tsar/run/store/write_back.h"
 
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/cli/command_test.h"
 #include "tests/support/write_refined.h"
@@ -88,11 +91,87 @@ TEST_F(TsarReportTest, SaysThatTheCloudBeforeIsMissing) {
             "property float y\nproperty float z\nend_header\n1 2 3\n");
   const Outcome without = Run({"--after_path", cloud});
   EXPECT_EQ(without.exit_code, 0);
-  EXPECT_THAT(without.err, testing::HasSubstr("no --before_path: the page"));
+  EXPECT_THAT(without.err,
+              testing::AllOf(testing::HasSubstr("no --before_path: the page"),
+                             testing::HasSubstr("--fuse default")));
   const Outcome both =
       Run({"--after_path", cloud, "--before_path", cloud, "--overwrite", "1"});
   EXPECT_EQ(both.exit_code, 0);
   EXPECT_THAT(both.err, testing::Not(testing::HasSubstr("before_path")));
+}
+
+TEST(TsarReportFuse, MakesTheCloudsThatAreNotGiven) {
+  const TemporaryFolder folder;
+  const fs::path root = folder.Path() / "dense";
+  using Wall = SyntheticWorkspace;
+  MakeSyntheticWorkspace(root);
+  const auto fuse = [&](const std::string& name) {
+    const std::string cloud = (folder.Path() / name).string();
+    EXPECT_EQ(RunWith({"tsar_fuse",
+                       "--workspace_path",
+                       root.string(),
+                       "--TsarFuse.preset",
+                       "colmap",
+                       "--output_path",
+                       cloud})
+                  .exit_code,
+              0);
+    return cloud;
+  };
+  const std::string before = fuse("before.ply");
+  const Workspace workspace(root, MapType::kGeometric);
+  for (int image = 0; image < 4; ++image) {
+    WriteRefined(workspace,
+                 image,
+                 MakeRefinedMaps(Wall::kDepth, Wall::kWidth, Wall::kHeight),
+                 {});
+  }
+  const std::string after = fuse("after.ply");
+  const auto files = ReadTree(root);
+  const fs::path page = folder.Path() / "page";
+  const auto report = [&](const std::vector<std::string>& clouds) {
+    std::vector<std::string> arguments = {"tsar_report",
+                                          "--workspace_path",
+                                          root.string(),
+                                          "--report_path",
+                                          page.string(),
+                                          "--overwrite",
+                                          "1"};
+    arguments.insert(arguments.end(), clouds.begin(), clouds.end());
+    return RunWith(arguments);
+  };
+  // The samples of the points before and after.
+  const auto points = [&] {
+    return std::pair(ReadText(page / "data/points_before.js"),
+                     ReadText(page / "data/points_after.js"));
+  };
+  EXPECT_EQ(report({"--before_path", before, "--after_path", after}).exit_code,
+            0);
+  const auto given = points();
+  EXPECT_NE(given.first.size(), given.second.size());
+  for (const std::vector<std::string>& clouds : {std::vector<std::string>{},
+                                                 {"--after_path", after},
+                                                 {"--before_path", before}}) {
+    std::vector<std::string> arguments = clouds;
+    arguments.insert(arguments.end(), {"--fuse", "colmap"});
+    const Outcome outcome = report(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, testing::Not(testing::HasSubstr("before_path")));
+    EXPECT_TRUE(points() == given);
+    EXPECT_THAT(
+        ReadText(page / "data/report.js"),
+        testing::AllOf(
+            testing::HasSubstr("\"tsar_fuse --TsarFuse.preset colmap\""),
+            testing::HasSubstr("\"from_clouds\": true"),
+            testing::HasSubstr("\"before_from_maps\": false")));
+    EXPECT_FALSE(fs::exists(page / "fused"));
+  }
+  EXPECT_TRUE(ReadTree(root) == files);
+  const Outcome both = report(
+      {"--before_path", before, "--after_path", after, "--fuse", "colmap"});
+  EXPECT_EQ(both.exit_code, 1);
+  EXPECT_THAT(both.err, testing::HasSubstr("--fuse makes the clouds"));
+  EXPECT_TRUE(points() == given);
 }
 
 TEST_F(TsarReportTest, WrongInputIsOneLine) {

@@ -14,6 +14,7 @@
 #include "tests/support/mask_files.h"
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
+#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {
@@ -82,6 +83,20 @@ TEST_F(FuseWorkspaceTest, ThreadsAndMemoryDoNotChangeAByte) {
   options_.devices.cache_size = 1.0;
   Fuse();
   EXPECT_EQ(Bytes(), bytes);
+}
+
+TEST_F(FuseWorkspaceTest, OriginalsAreTheMapsBeforeRefinement) {
+  Fuse();
+  const std::string before = Bytes();
+  WriteRefined(Workspace(root_, MapType::kGeometric),
+               0,
+               MakeRefinedMaps(Wall::kDepth, Wall::kWidth, Wall::kHeight),
+               {});
+  Fuse();
+  EXPECT_NE(Bytes(), before);
+  options_.originals = true;
+  Fuse();
+  EXPECT_EQ(Bytes(), before);
 }
 
 TEST_F(FuseWorkspaceTest, PointsComeFromListedImagesAlone) {

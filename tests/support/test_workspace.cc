@@ -94,11 +94,11 @@ void WriteTestMaps(const std::filesystem::path& root,
   }
 }
 
-RefinedMaps MakeRefinedMaps(float depth) {
-  return {Image<float>(4, 3, depth),
-          Image<Vec3f>(4, 3, Vec3f{0.f, 0.f, -1.f}),
-          Image<float>(4, 3, 0.5f),
-          Image<uint8_t>(4, 3, 4)};
+RefinedMaps MakeRefinedMaps(float depth, int width, int height) {
+  return {Image<float>(width, height, depth),
+          Image<Vec3f>(width, height, Vec3f{0.f, 0.f, -1.f}),
+          Image<float>(width, height, 0.5f),
+          Image<uint8_t>(width, height, 4)};
 }
 
 void ExpectError(ErrorCode code,

@@ -49,7 +49,7 @@ void WriteTestMaps(const std::filesystem::path& root,
                    float depth);
 
 // Maps of 4 x 3 pixels.
-RefinedMaps MakeRefinedMaps(float depth);
+RefinedMaps MakeRefinedMaps(float depth, int width = 4, int height = 3);
 
 // Expects that a function throws an Error of this code whose message is one
 // line and contains all the texts.

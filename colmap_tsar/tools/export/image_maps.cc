@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -162,6 +163,17 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
   ClearMasked(mask, &maps.sigma);
   ClearMasked(mask, &maps.provenance);
   ClearMasked(mask, &maps.planes);
+  return maps;
+}
+
+ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image) {
+  DepthNormal original = workspace.ReadOriginalMaps(image, workspace.Type());
+  ImageMaps maps;
+  maps.depth = std::move(original.depth);
+  maps.normal = std::move(original.normal);
+  const Image<uint8_t> mask = MaskOf(workspace, image, maps.depth);
+  ClearMasked(mask, &maps.depth);
+  ClearMasked(mask, &maps.normal);
   return maps;
 }
 

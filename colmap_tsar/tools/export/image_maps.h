@@ -56,6 +56,10 @@ std::vector<int> FindImagesWithMaps(const Workspace& workspace);
 // not the depth map's), and those of the readers and Workspace::ReadMask.
 ImageMaps ReadImageMaps(const Workspace& workspace, int image);
 
+// The depth and the normal map before refinement, 0 where the image is masked;
+// no other maps. Throws what Workspace::ReadOriginalMaps and ReadMask throw.
+ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image);
+
 // Reads the depth map alone; errors as ReadImageMaps().
 Image<float> ReadImageDepth(const Workspace& workspace, int image);
 

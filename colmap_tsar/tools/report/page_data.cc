@@ -107,6 +107,8 @@ Json VectorJson(const Eigen::Vector3d& vector) {
 Json PointsJson(const PointView& points) {
   return {{"from_clouds", points.from_clouds},
           {"before_from_maps", points.before_from_maps},
+          {"fused", {points.fused[0], points.fused[1]}},
+          {"fusion", points.fusion},
           {"shown", {points.num_shown[0], points.num_shown[1]}},
           {"all", {points.num_all[0], points.num_all[1]}},
           {"eye", VectorJson(points.eye)},

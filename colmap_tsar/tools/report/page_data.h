@@ -57,6 +57,9 @@ struct KeptImage {
 struct PointView {
   bool from_clouds = false;       // Otherwise, sampled from the maps.
   bool before_from_maps = false;  // Maps before, a cloud after.
+  // Whether the cloud before, after, was fused for the page, and how.
+  bool fused[2] = {false, false};
+  std::string fusion;
   int64_t num_shown[2] = {0, 0};  // Before, after.
   int64_t num_all[2] = {0, 0};
   // The initial viewpoint, relative to the points' origin, and the up

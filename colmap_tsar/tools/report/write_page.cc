@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/run/store/changed_results.h"
 #include "colmap_tsar/run/store/for_each_image.h"
 #include "colmap_tsar/run/store/input_folders.h"
@@ -20,6 +21,7 @@
 #include "colmap_tsar/tools/report/workspace_comparison.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -45,6 +47,16 @@ constexpr std::string_view kPointNames[] = {"before", "after"};
 constexpr std::string_view kPlaneMeshName = "planes";
 
 void Check(const PageOptions& options) {
+  if (options.fuse) {
+    if (!options.before_path.empty() && !options.after_path.empty()) {
+      throw Error(ErrorCode::kBadOption,
+                  OptionName("fuse") + " makes the clouds that " +
+                      OptionName("before_path") + " and " +
+                      OptionName("after_path") +
+                      " do not give; both are given, so leave it out");
+    }
+    return;
+  }
   if (!options.before_path.empty() && options.after_path.empty()) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("before_path") + " is compared with " +
@@ -57,6 +69,30 @@ void Check(const PageOptions& options) {
                     OptionName("before_path") + " and " +
                     OptionName("after_path") + ", too");
   }
+}
+
+// The clouds before (0) and after (1) of a page.
+using Clouds = std::array<fs::path, 2>;
+
+// The clouds of the options. Those that are not given are fused into a folder,
+// if the options say how.
+Clouds MakeClouds(const Workspace& workspace,
+                  const PageOptions& options,
+                  const fs::path& folder,
+                  Progress& progress,
+                  const std::function<bool()>& should_stop) {
+  Clouds clouds = {options.before_path, options.after_path};
+  if (!options.fuse) {
+    return clouds;
+  }
+  CreateFolders(UserPath(folder));
+  for (size_t i = 0; i < clouds.size(); ++i) {
+    if (clouds[i].empty()) {
+      clouds[i] = folder / (std::string(kPointNames[i]) + ".ply");
+      options.fuse(workspace, i == 0, clouds[i], progress, should_stop);
+    }
+  }
+  return clouds;
 }
 
 void WriteText(const ContainedPath& path, std::string_view text) {
@@ -162,6 +198,7 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
                                    const PageOptions& options,
                                    const Eigen::Vector3d& origin,
                                    bool has_planes,
+                                   bool needs_points,
                                    Progress& progress,
                                    const std::function<bool()>& should_stop) {
   ImagePageOptions image_options;
@@ -169,7 +206,7 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
   image_options.debug_path = options.debug_path;
   image_options.origin = origin;
   image_options.show_planes = has_planes;
-  if (options.before_path.empty()) {
+  if (needs_points) {
     image_options.max_num_points = std::max<int64_t>(
         1, options.max_num_points / static_cast<int64_t>(refined.size()));
   }
@@ -197,17 +234,17 @@ std::vector<PointSample> TakePoints(std::vector<ImagePage>* pages) {
   return samples;
 }
 
-Gains Evaluate(const Workspace& workspace, const PageOptions& options) {
+Gains Evaluate(const Workspace& workspace,
+               const PageOptions& options,
+               const Clouds& clouds) {
   Gains gains;
   if (!options.ground_truth_path.empty()) {
     gains.depth = EvaluateDepthGain(
         workspace, options.ground_truth_path, options.tolerances);
   }
   if (!options.scans_path.empty()) {
-    gains.clouds = EvaluateCloudGain(options.before_path,
-                                     options.after_path,
-                                     options.scans_path,
-                                     options.tolerances);
+    gains.clouds = EvaluateCloudGain(
+        clouds[0], clouds[1], options.scans_path, options.tolerances);
   }
   return gains;
 }
@@ -243,19 +280,27 @@ int WritePage(const Workspace& workspace,
   // The files of these options are read first, so that errors appear before the
   // long work on the images.
   PageData data;
-  data.points.from_clouds = !options.after_path.empty();
+  const fs::path fused = root / "fused";
+  const Clouds clouds =
+      MakeClouds(workspace, options, fused, progress, should_stop);
+  data.points.fusion = options.fusion;
+  for (size_t i = 0; i < clouds.size(); ++i) {
+    data.points.fused[i] = clouds[i].parent_path() == fused;
+  }
+  data.points.from_clouds = !clouds[1].empty();
   std::vector<PointSample> samples;
   if (data.points.from_clouds) {
-    data.points.before_from_maps = options.before_path.empty();
+    data.points.before_from_maps = clouds[0].empty();
     samples.resize(2);
     if (!data.points.before_from_maps) {
-      samples[0] =
-          SampleCloud(options.before_path, origin, options.max_num_points);
+      samples[0] = SampleCloud(clouds[0], origin, options.max_num_points);
     }
-    samples[1] =
-        SampleCloud(options.after_path, origin, options.max_num_points);
+    samples[1] = SampleCloud(clouds[1], origin, options.max_num_points);
   }
-  data.gains = Evaluate(workspace, options);
+  data.gains = Evaluate(workspace, options, clouds);
+  if (options.fuse) {
+    RemoveTree(UserPath(fused));
+  }
   if (HasPlanes(workspace)) {
     data.planes = MakePlanePage(
         ExportPlanes(workspace, {}, progress, should_stop), origin);
@@ -271,6 +316,7 @@ int WritePage(const Workspace& workspace,
                             options,
                             origin,
                             data.planes.has_value(),
+                            clouds[0].empty(),
                             progress,
                             should_stop);
   data.kept = ListKept(workspace, refined);

@@ -9,19 +9,30 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <vector>
 
 namespace tsar {
+
+// Fuses the maps of a workspace, or those before refinement (originals), into a
+// cloud: a PLY file, perhaps with files whose names begin with its own.
+using FuseMaps = std::function<void(const Workspace& workspace,
+                                    bool originals,
+                                    const std::filesystem::path& cloud,
+                                    Progress& progress,
+                                    const std::function<bool()>& should_stop)>;
 
 struct PageOptions {
   std::filesystem::path report_path;
   bool overwrite = false;  // An earlier page alone may be replaced.
   // The --TsarRefine.debug_path of the run that made the maps; may be empty.
   std::filesystem::path debug_path;
-  // Fused clouds (PLY) for the 3D view, both or none; if none, its points are
-  // sampled from the maps.
+  // Fused clouds (PLY) for the 3D view. Where one is not given, fuse makes it
+  // for the page; without fuse, its points are sampled from the maps.
   std::filesystem::path before_path;
   std::filesystem::path after_path;
+  FuseMaps fuse;
+  std::string fusion;  // How fuse works, for the reader.
   // Ground truth of depth maps, see DepthEvaluationOptions, and laser scans for
   // the clouds, see EvaluateCloudFile. Empty: no scores.
   std::filesystem::path ground_truth_path;
@@ -37,11 +48,12 @@ struct PageOptions {
 // the number of images on the page.
 //
 // Throws Error: kNotFound (nothing was refined; no image has pictures in
-// debug_path), kBadOption (one cloud without the other; scans without clouds),
+// debug_path), kBadOption (a cloud before without one after; scans without
+// clouds; nothing for fuse to do),
 // kInterrupted once should_stop returned true, and those of
 // RequireOutsideInputs, WorkspaceLock (shared: a program is changing the
-// workspace), OutputFolder, WriteImagePage, SampleCloud, ExportPlanes and the
-// evaluations.
+// workspace), OutputFolder, WriteImagePage, SampleCloud, ExportPlanes, fuse
+// and the evaluations.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,
               Progress& progress,

@@ -9,6 +9,21 @@ window.TsarPointSection = (() => {
   const report = window.tsarReport;
   const { choice, h, number, plural, whenNear } = window.TsarElements;
 
+  // What the points of both clouds are.
+  function origin(points) {
+    if (points.before_from_maps) {
+      return "After: the fused cloud that was given. Before: no cloud was given (before_path), so these are points of the depth maps themselves, not fused: many more, since each view has its own, and depths stand that other views contradict. To compare like with like, let tsar_report fuse the maps before refinement (--fuse), or give such a cloud.";
+    }
+    if (!points.from_clouds) {
+      return "Points of the depth maps themselves, at the same pixels before and after: not fused, so that depths stand that other views contradict.";
+    }
+    const of = (at) =>
+      points.fused[at] ? `the maps, fused by ${points.fusion}` : "the fused cloud that was given";
+    return of(0) === of(1)
+      ? `Before and after: ${of(1)}.`
+      : `Before: ${of(0)}. After: ${of(1)}.`;
+  }
+
   function pointsSection() {
     const { points } = report;
     const status = h("p", { role: "status" }, "Loading the points …");
@@ -101,15 +116,7 @@ window.TsarPointSection = (() => {
         )
       ),
       frame,
-      h(
-        "p",
-        { class: "muted" },
-        points.before_from_maps
-          ? "After: the cloud that stereo_fusion made. Before: no cloud was given (before_path), so these are points of the depth maps themselves, not fused: many more, since each view has its own, and depths stand that other views contradict. Fuse before refinement, too, to compare like with like."
-          : points.from_clouds
-          ? "The clouds that stereo_fusion made of the maps before and after."
-          : "Points of the depth maps themselves, at the same pixels before and after: not fused, so that depths stand that other views contradict."
-      )
+      h("p", { class: "muted" }, origin(points))
     );
   }
 
