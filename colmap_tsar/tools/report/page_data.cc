@@ -112,6 +112,7 @@ Json PointsJson(const PointView& points) {
           {"shown", {points.num_shown[0], points.num_shown[1]}},
           {"all", {points.num_all[0], points.num_all[1]}},
           {"eye", VectorJson(points.eye)},
+          {"target", points.target ? VectorJson(*points.target) : Json()},
           {"up", VectorJson(points.up)}};
 }
 

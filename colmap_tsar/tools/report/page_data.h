@@ -62,9 +62,10 @@ struct PointView {
   std::string fusion;
   int64_t num_shown[2] = {0, 0};  // Before, after.
   int64_t num_all[2] = {0, 0};
-  // The initial viewpoint, relative to the points' origin, and the up
-  // direction.
+  // The initial viewpoint, relative to the points' origin. Without a target,
+  // the view looks at the middle of the points.
   Eigen::Vector3d eye = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> target;
   Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
 };
 

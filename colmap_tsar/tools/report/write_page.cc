@@ -18,6 +18,7 @@
 #include "colmap_tsar/tools/report/page_files.h"
 #include "colmap_tsar/tools/report/page_text.h"
 #include "colmap_tsar/tools/report/plane_page.h"
+#include "colmap_tsar/tools/report/viewpoint.h"
 #include "colmap_tsar/tools/report/workspace_comparison.h"
 
 #include <algorithm>
@@ -157,16 +158,23 @@ Eigen::Vector3d MeanCenter(const Workspace& workspace,
   return sum / static_cast<double>(images.size());
 }
 
-// Sets the viewpoint to the middle image of the list, with the mean up of the
-// images.
+// Sets the viewpoint, for these points, to the image that sees most of them or,
+// if none does, to the middle one of the list; up is the mean of the images'.
 void SetViewpoint(const Workspace& workspace,
                   const std::vector<int>& images,
+                  const PointSample& points,
                   const Eigen::Vector3d& origin,
                   PointView* view) {
-  view->eye = CameraOf(workspace, images[images.size() / 2]).Center() - origin;
   Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  std::vector<Camera> cameras;
   for (const int image : images) {
-    up -= CameraOf(workspace, image).rotation.row(1).transpose();
+    cameras.push_back(CameraOf(workspace, image));
+    up -= cameras.back().rotation.row(1).transpose();
+  }
+  view->eye = cameras[cameras.size() / 2].Center() - origin;
+  if (const auto best = ChooseViewpoint(cameras, points, origin)) {
+    view->eye = best->eye;
+    view->target = best->target;
   }
   // The up vectors of cameras may cancel out.
   if (up.norm() > 1e-3 * static_cast<double>(images.size())) {
@@ -320,12 +328,12 @@ int WritePage(const Workspace& workspace,
                             progress,
                             should_stop);
   data.kept = ListKept(workspace, refined);
-  SetViewpoint(workspace, refined, origin, &data.points);
   if (!data.points.from_clouds) {
     samples = TakePoints(&data.images);
   } else if (data.points.before_from_maps) {
     samples[0] = std::move(TakePoints(&data.images)[0]);
   }
+  SetViewpoint(workspace, refined, samples[1], origin, &data.points);
   for (size_t i = 0; i < samples.size(); ++i) {
     data.points.num_shown[i] = static_cast<int64_t>(samples[i].NumPoints());
     data.points.num_all[i] = samples[i].num_all;

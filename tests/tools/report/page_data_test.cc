@@ -64,6 +64,9 @@ TEST(PageData, HoldsWhatThePageShows) {
   EXPECT_EQ(json["points"]["shown"][1], 7);
   EXPECT_EQ(json["points"]["all"][1], 70);
   EXPECT_EQ(json["points"]["eye"], (nlohmann::json{1.0, 2.0, 3.0}));
+  EXPECT_TRUE(json["points"]["target"].is_null());
+  data.points.target = {4, 5, 6};
+  EXPECT_EQ(Parse(data)["points"]["target"], (nlohmann::json{4.0, 5.0, 6.0}));
   EXPECT_TRUE(json["gains"].empty());
   EXPECT_EQ(json["provenance"][1]["name"], "measured");
   EXPECT_EQ(json["provenance"][6]["name"], "guessed");

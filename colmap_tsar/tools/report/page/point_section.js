@@ -50,7 +50,12 @@ window.TsarPointSection = (() => {
     };
     whenNear(frame, async () => {
       try {
-        const made = new window.TsarPoints.View(canvas, points.eye, points.up);
+        const made = new window.TsarPoints.View(
+          canvas,
+          points.eye,
+          points.up,
+          points.target
+        );
         for (const name of ["before", "after"]) {
           const cloud = await window.TsarPoints.load(name);
           made.add(name, cloud.positions, cloud.colors);

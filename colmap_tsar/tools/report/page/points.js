@@ -82,7 +82,9 @@ window.TsarPoints = (() => {
 
   class View {
     // Throws where the browser has no WebGL.
-    constructor(canvas, eye, up) {
+    // target: what eye looks at first; without it, the middle of what is framed,
+    // from as far away as is needed to see it whole.
+    constructor(canvas, eye, up, target = null) {
       this.canvas = canvas;
       this.gl = canvas.getContext("webgl", { antialias: true });
       this.program = this.gl && compile(this.gl);
@@ -95,6 +97,7 @@ window.TsarPoints = (() => {
       this.parts = null;
       this.showsBacks = false;
       this.firstEye = eye;
+      this.firstTarget = target;
       this.up = unit(up);
       this.pending = false;
       this.listen();
@@ -139,13 +142,15 @@ window.TsarPoints = (() => {
       this.request();
     }
 
-    // Frames this cloud as the first camera saw it, from a little further back.
+    // Shows this cloud from the first viewpoint.
     frame(name) {
       const { middle, radius } = this.clouds[name].extent;
-      this.target = middle;
+      this.target = this.firstTarget || middle;
       this.radius = radius;
-      const away = add(this.firstEye, middle, -1);
-      this.distance = Math.max(norm(away) * 1.2, radius * 1.1);
+      const away = add(this.firstEye, this.target, -1);
+      this.distance = this.firstTarget
+        ? norm(away)
+        : Math.max(norm(away) * 1.2, radius * 1.1);
       const height = dot(unit(away), this.up);
       const flat = add(away, this.up, -dot(away, this.up));
       this.east = norm(flat) > 1e-6 ? unit(flat) : across(this.up);
