@@ -4,6 +4,7 @@
 #include "colmap_tsar/cli/report_command.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/warning.h"
@@ -21,6 +22,7 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <utility>
 #include <vector>
 
 #include <unistd.h>
@@ -178,6 +180,27 @@ void ReportCommand::AddTo(OptionSet* options) {
   AddSizeOptions(this, options);
 }
 
+void ReportCommand::Check() const {
+  if (WantsPage()) {
+    return;
+  }
+  for (const auto& [key, value] :
+       {std::pair("debug_path", &debug_path),
+        std::pair("before_path", &before_path),
+        std::pair("after_path", &after_path),
+        std::pair("fuse", &fuse),
+        std::pair("ground_truth_path", &ground_truth_path),
+        std::pair("scans_path", &scans_path)}) {
+    if (!value->empty()) {
+      throw Error(ErrorCode::kBadOption,
+                  OptionName(key) + " is for a page, and with " +
+                      OptionName("output_path") +
+                      " alone there is none; give " +
+                      OptionName("report_path") + ", too, or leave it out");
+    }
+  }
+}
+
 Workspace ReportCommand::Open() const {
   Workspace geometric(workspace_path, MapType::kGeometric);
   Workspace photometric(workspace_path, MapType::kPhotometric);
@@ -237,6 +260,7 @@ int RunTsarReport(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
+  command.Check();
   const Workspace workspace = command.Open();
   if (command.WantsPicture()) {
     command.WritePicture(workspace);

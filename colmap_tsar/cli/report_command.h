@@ -33,6 +33,9 @@ struct ReportCommand {
 
   void AddTo(OptionSet* options);
 
+  // Throws kBadOption where an option of the page is given for a picture alone.
+  void Check() const;
+
   // Opens the workspace with the requested maps, and with the depth priors.
   // Throws what Workspace throws.
   Workspace Open() const;

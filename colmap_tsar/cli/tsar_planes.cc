@@ -159,6 +159,32 @@ void PrintPlan(const FloorPlan& plan, const std::string& path) {
   std::cout << std::endl;
 }
 
+// Refuses options that nothing would read.
+void CheckUse(const PlanesCommand& command) {
+  if (!command.output_path.empty()) {
+    return;
+  }
+  if (command.plan_path.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("output_path") +
+                    " is missing; give the file to write, or a floor plan as " +
+                    OptionName("plan_path"));
+  }
+  const auto refuse = [](const std::string& option) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName(option) + " is for " + OptionName("output_path") +
+                    "; give that, too, or leave it out: a floor plan has the "
+                    "format that its name ends in and the axes of " +
+                    OptionName("up") + " z");
+  };
+  if (!command.format.empty()) {
+    refuse("format");
+  }
+  if (EnumValue(kUpAxisNames, command.up) == UpAxis::kY) {
+    refuse("up");
+  }
+}
+
 // Checks the paths of what is to be written.
 void Check(const PlanesCommand& command) {
   const auto require_writable = [&](const std::string& path,
@@ -191,12 +217,7 @@ int RunTsarPlanes(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  if (command.output_path.empty() && command.plan_path.empty()) {
-    throw Error(ErrorCode::kBadOption,
-                OptionName("output_path") +
-                    " is missing; give the file to write, or a floor plan as " +
-                    OptionName("plan_path"));
-  }
+  CheckUse(command);
   std::optional<PlaneFormat> format;
   std::optional<PlanFormat> plan_format;
   if (!command.output_path.empty()) {

@@ -119,6 +119,12 @@ TEST_F(TsarPlanesTest, DrawsAFloorPlanOfTheWalls) {
                 "let it end in .svg or .dxf");
   ExpectFailure({"--plan_path", (folder_.Path() / "none/a.svg").string()},
                 "choose another --plan_path");
+  // What a plan alone does not read.
+  for (const Words& unread : {Words{"--format", "obj"}, Words{"--up", "y"}}) {
+    const Words arguments = {"--plan_path", other, unread[0], unread[1]};
+    ExpectFailure(arguments, Words{unread[0] + " is for --output_path"});
+    EXPECT_FALSE(fs::exists(other));
+  }
   // The walls are the smaller planes.
   outcome = Write(folder_.Path() / "other.json",
                   {"--plan_path", other, "--min_area", "15"});

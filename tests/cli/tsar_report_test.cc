@@ -68,6 +68,21 @@ TEST_F(TsarReportTest, DrawsThePictureAloneOrWithAPage) {
   EXPECT_TRUE(fs::is_regular_file(page / "index.html"));
 }
 
+TEST_F(TsarReportTest, RefusesOptionsOfThePageForAPictureAlone) {
+  const std::string picture = (folder_.Path() / "comparison.png").string();
+  for (const char* option : {"--debug_path",
+                             "--before_path",
+                             "--after_path",
+                             "--ground_truth_path",
+                             "--scans_path"}) {
+    ExpectFailure({"--output_path", picture, option, "somewhere"},
+                  Words{std::string(option) + " is for a page"});
+  }
+  ExpectFailure({"--output_path", picture, "--fuse", "default"},
+                "--fuse is for a page");
+  EXPECT_FALSE(fs::exists(picture));
+}
+
 TEST_F(TsarReportTest, ReplacesAPictureOnlyWhenAsked) {
   const fs::path picture = folder_.Path() / "comparison.png";
   WriteText(picture, "years of work");
