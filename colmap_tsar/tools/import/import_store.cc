@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/remove_files.h"
@@ -139,6 +140,17 @@ void RequireNoForeignMaps(const std::filesystem::path& root,
               " 1 puts them back), or another " + OptionName("output_type"));
     }
   }
+}
+
+void RequireNoFolders(const std::filesystem::path& root,
+                      const std::string& image_name,
+                      MapType type) {
+  const std::string key = GetImportKey(image_name, type);
+  for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
+    RequireNoFolder(GetMapPath(root, kind, key).Path());
+    RequireNoFolder(GetFormerPath(root, kind, key).Path());
+  }
+  RequireNoFolder(GetImportRecordPath(root, key).Path());
 }
 
 void WriteImported(const std::filesystem::path& root,

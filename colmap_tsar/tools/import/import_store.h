@@ -22,6 +22,12 @@ void RequireNoForeignMaps(const std::filesystem::path& root,
                           const std::string& image_name,
                           MapType type);
 
+// Throws Error kIo if a folder stands under the name of any file that the
+// import of an image writes, keeps or removes: it would fail halfway.
+void RequireNoFolders(const std::filesystem::path& root,
+                      const std::string& image_name,
+                      MapType type);
+
 // Writes the maps of an image. Former maps of the same name and their cost map
 // are kept in stereo/tsar_import unless an import wrote them. Each file is
 // complete at any time, and UndoImport always works. Throws Error kIo.

@@ -63,6 +63,7 @@ class Importer {
     for (const ExternalFiles& files : matched_.files) {
       RequireNoStrayResults(
           GetMapPaths(root_, NameOf(files), options_.match.type));
+      RequireNoFolders(root_, NameOf(files), options_.match.type);
       if (!options_.overwrite) {
         RequireNoForeignMaps(root_, NameOf(files), options_.match.type);
       }

@@ -174,6 +174,21 @@ TEST_F(TsarImportTest, BrokenFilesAreOneLineAndNothingIsWritten) {
   ExpectImportFailure("acm", {"00000001_cam.txt", "extrinsic"});
 }
 
+TEST_F(TsarImportTest, RefusesFoldersUnderTheNamesOfItsFiles) {
+  ExportPfm();
+  const MapPaths paths = Paths(scene_.back());
+  const std::filesystem::path former = root_ / "stereo/tsar_import/former";
+  for (const std::filesystem::path& path :
+       {std::filesystem::path(paths.cost),
+        former / "normal_maps" / paths.normal.Path().filename()}) {
+    std::filesystem::create_directories(path);
+    ExpectImportFailure("depth",
+                        {path.string(), "move the folder of this name away"},
+                        {"--overwrite", "1"});
+    std::filesystem::remove_all(path);
+  }
+}
+
 TEST_F(TsarImportTest, WrongOptionsAreOneLine) {
   ExportPfm();
   const std::string other = other_.string();
