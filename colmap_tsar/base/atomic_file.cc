@@ -146,6 +146,7 @@ struct AtomicFile::State {
     // The temporary of a killed program may be a link to a file that must not
     // change.
     RemoveTemporary();
+    RequireNoFolder((path.Parent() / temporary).Path());
     const int opened =
         openat(folder.Descriptor(),
                temporary.c_str(),

@@ -26,8 +26,8 @@ class AtomicFile {
   // behind; the next write of the same file replaces it.
   static constexpr const char* kTemporarySuffix = ".tsar_tmp";
 
-  // The folder must exist, and no folder stand under the file's name; see
-  // folder.h for other errors.
+  // The folder must exist, and no folder stand under the file's name or its
+  // temporary one; see folder.h for other errors.
   explicit AtomicFile(const ContainedPath& path);
   ~AtomicFile();
   AtomicFile(AtomicFile&&) noexcept;

@@ -152,6 +152,25 @@ TEST(AtomicFileTest, RefusesTheNameOfAFolder) {
   }
 }
 
+TEST(AtomicFileTest, NamesTheFolderUnderItsTemporaryName) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  const auto taken = folder.Path() / "file.tsar_tmp";
+  WriteText(taken / "inside", "");
+  WriteText(folder.Path() / "source", "one");
+  const std::vector<std::function<void()>> attempts = {
+      [&] { AtomicFile file(UserPath(path)); },
+      [&] { LinkOrCopyFile(folder.Path() / "source", UserPath(path)); },
+      [&] { CopyFile(folder.Path() / "source", UserPath(path)); }};
+  for (const std::function<void()>& attempt : attempts) {
+    ExpectError(ErrorCode::kIo,
+                {taken.string(), "directory", "move the folder of this name"},
+                attempt);
+    EXPECT_TRUE(std::filesystem::exists(taken / "inside"));
+    EXPECT_EQ(NumEntries(folder.Path()), 2u);
+  }
+}
+
 // A limit on the size of files fails in the same place as a full disk.
 TEST(AtomicFileTest, KeepsTheOldFileWhereWritingFails) {
   const TemporaryFolder folder;

@@ -49,6 +49,7 @@ void ReplaceByLink(const std::filesystem::path& target,
   const std::string temporary =
       link.Filename().string() + AtomicFile::kTemporarySuffix;
   unlinkat(folder.Descriptor(), temporary.c_str(), 0);
+  RequireNoFolder((link.Parent() / temporary).Path());
   if (symlinkat(canonical.c_str(), folder.Descriptor(), temporary.c_str()) !=
       0) {
     throw NotLinked(link, target, std::strerror(errno));

@@ -268,11 +268,13 @@ OutputFolder::OutputFolder(const OutputFolderKind& kind,
       overwrite_(overwrite) {
   CheckPlace(kind_, path_, overwrite_);
   if (IsThere(temporary_) && !IsUnfinished(kind_, temporary_)) {
-    throw Refused(kind_,
-                  temporary_,
-                  std::string("is no unfinished ") + kind_.name +
-                      ", and its name is needed for one",
-                  "move it away");
+    // It may be anything, a workspace too: to move it is the second choice.
+    throw Error::File(ErrorCode::kUnsupported,
+                      temporary_.string(),
+                      std::string("is no unfinished ") + kind_.name +
+                          ", and its name is needed for one",
+                      "give another folder than " + path_.string() + " as " +
+                          OptionName(kind_.path_option) + ", or move it away");
   }
   lock_ = std::make_unique<Folder>(Folder::Create(UserPath(temporary_)));
   Lock(kind_, *lock_);

@@ -204,7 +204,10 @@ TEST_F(OutputFolderTest, NeverTouchesOthersFoldersBesideIt) {
   WritePageWith("new", true);
   EXPECT_EQ(ReadText(former / "thesis.tex"), "years of work");
   WriteText(temporary / "thesis.tex", "years of work");
-  ExpectUntouched({"report.tsar_tmp", "no unfinished report", "move it"},
+  ExpectUntouched({"report.tsar_tmp",
+                   "no unfinished report",
+                   "give another folder than " + path_.string() + " as ",
+                   "or move it away"},
                   [&] { OutputFolder(kReport, path_, true); });
   fs::remove_all(temporary);
   WriteText(temporary, "years of work");
