@@ -29,13 +29,17 @@ void TurnUp(UpAxis axis, ExportedPlanes* planes) {
                     ": the cameras look all ways, so that nothing tells what "
                     "is up; leave the option out");
   }
-  const Eigen::Vector3d up =
-      axis == UpAxis::kY ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
-  const Eigen::Matrix3d rotation =
-      Eigen::Quaterniond::FromTwoVectors(planes->vertical.up, up)
-          .toRotationMatrix();
+  Eigen::Matrix3d rotation = Eigen::Quaterniond::FromTwoVectors(
+                                 planes->vertical.up, Eigen::Vector3d::UnitZ())
+                                 .toRotationMatrix();
+  planes->vertical.up = Eigen::Vector3d::UnitZ();
+  if (axis == UpAxis::kY) {
+    Eigen::Matrix3d y_from_z;
+    y_from_z << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+    rotation = y_from_z * rotation;
+    planes->vertical.up = Eigen::Vector3d::UnitY();
+  }
   planes->from_model = rotation * planes->from_model;
-  planes->vertical.up = up;
   for (Eigen::Matrix3d& frame : planes->frames) {
     frame = rotation * frame;
   }

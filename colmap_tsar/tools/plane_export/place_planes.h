@@ -18,8 +18,9 @@ enum class UpAxis {
 inline constexpr EnumNames<UpAxis, 3> kUpAxisNames = {
     {{UpAxis::kModel, "model"}, {UpAxis::kY, "y"}, {UpAxis::kZ, "z"}}};
 
-// Turns planes about the origin, the shortest way, until the vertical is this
-// axis. Throws Error kUnsupported where there is no vertical.
+// Turns planes about the origin until the vertical is this axis: for z the
+// shortest way; for y then (x, y, z) becomes (x, z, -y), as programs convert
+// files with y up, so that all files of a scene have the same heading. Throws Error kUnsupported where there is no vertical.
 void TurnUp(UpAxis axis, ExportedPlanes* planes);
 
 // Makes all lengths meters. meters_per_unit: > 0, of a unit of the sparse

@@ -439,6 +439,40 @@ TEST(PlanesGlb, HasAMeshForEachPlaneWithYUp) {
   EXPECT_EQ(gltf["nodes"][0]["translation"][0], 1000000.0);
 }
 
+// Whatever is up in the model and what was turned before, a file has the
+// heading of the one with z up, of which a program makes y up by (x, z, -y).
+TEST(PlanesGlb, HasTheHeadingOfTheOtherFormats) {
+  for (const Eigen::Vector3d& up :
+       {Eigen::Vector3d(0, 0, 1), {0, 1, 0}, {0, -1, 0}, {0.6, -0.48, 0.64}}) {
+    ExportedPlanes planes = MakePlanes();
+    planes.vertical.up = up;
+    planes.planes[0].coordinates.origin = {7, 0.25, 3};
+    ExportedPlanes with_z = planes;
+    TurnUp(UpAxis::kZ, &with_z);
+    ExportedPlanes with_y = planes;
+    TurnUp(UpAxis::kY, &with_y);
+    for (const size_t i : {size_t{0}, size_t{2}}) {
+      const PlaneCoordinates& z = with_z.planes[i].coordinates;
+      const PlaneCoordinates& y = with_y.planes[i].coordinates;
+      for (const auto& [a, b] : {std::pair(z.origin, y.origin),
+                                 std::pair(z.normal, y.normal),
+                                 std::pair(z.axis_s, y.axis_s)}) {
+        EXPECT_NEAR(
+            (b - Eigen::Vector3d(a.x(), a.z(), -a.y())).norm(), 0, 1e-12);
+      }
+    }
+    const std::vector<ExportedPlanes> all = {planes, with_z, with_y};
+    for (const ExportedPlanes& turned : all) {
+      const Json gltf = ReadGlb(Written(&PutPlanesGlb, turned)).first;
+      for (size_t axis = 0; axis < 3; ++axis) {
+        EXPECT_NEAR(gltf["nodes"][1]["translation"][axis].get<double>(),
+                    with_y.planes[2].coordinates.origin[static_cast<int>(axis)],
+                    1e-6);
+      }
+    }
+  }
+}
+
 TEST(PlanesGlb, LeavesTheAxesWithoutAVertical) {
   ExportedPlanes planes = MakePlanes();
   planes.vertical = {};
