@@ -269,7 +269,7 @@ RefineResult ComposeImage(
     RestoreDetail(view, sources, evidence.resolution, {}, &composed, device);
     timer.Finish("photometric");
   }
-  Download(composed, confidence, &result.maps);
+  Download(composed, confidence, view.MapIntrinsics(), &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
   result.reason_to_keep = ReasonToKeep(result.maps, options);

@@ -72,7 +72,7 @@ RefineResult RefineImage(
         ComputeSigma(composed, views.Scale(), {}, device).ToHost();
   }
   timer.Finish("composition");
-  Download(composed, confidence, &result.maps);
+  Download(composed, confidence, views.MapIntrinsics(), &result.maps);
   timer.Finish("download");
   ShowMaps(observer, result.maps);
   result.reason_to_keep = ReasonToKeep(result.maps, options);

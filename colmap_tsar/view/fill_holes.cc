@@ -26,6 +26,26 @@ WeightedMedianOptions FilterOptions(const RefineOptions& options,
   return filter;
 }
 
+// The cosine with the ray of normals that are tilted to the camera: that of a
+// plane that the ray still meets.
+constexpr float kGrazing = -1e-3f;
+
+// To negate such a normal would turn its surface over.
+void FaceCamera(const Intrinsics& intrinsics, Image<Vec3f>* normals) {
+  for (int y = 0; y < normals->Height(); ++y) {
+    for (int x = 0; x < normals->Width(); ++x) {
+      Vec3f& normal = (*normals)(x, y);
+      const Vec3f ray =
+          intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+      if (Dot(normal, ray) > 0.f) {
+        const Vec3f direction = Normalized(ray);
+        normal = Normalized(normal +
+                            direction * (kGrazing - Dot(normal, direction)));
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void FillHoles(ImageView<const Rgb> color,
@@ -46,9 +66,11 @@ void FillHoles(ImageView<const Rgb> color,
 
 void Download(const ComposedMap& composed,
               const DeviceImage<float>& confidence,
+              const Intrinsics& intrinsics,
               RefinedMaps* maps) {
   maps->depth = composed.map.depth.ToHost();
   maps->normal = composed.map.normal.ToHost();
+  FaceCamera(intrinsics, &maps->normal);
   maps->provenance = composed.provenance.ToHost();
   maps->confidence = confidence.ToHost();
 }

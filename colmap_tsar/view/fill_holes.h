@@ -22,9 +22,12 @@ void FillHoles(ImageView<const Rgb> color,
                ComposedMap* composed,
                Device& device);
 
-// Downloads the maps that are always made.
+// Downloads the maps that are always made. Normals that face away from the
+// camera, a few of those that were measured at grazing angles, are tilted as
+// little as is needed; all others keep their bytes. intrinsics: of the map.
 void Download(const ComposedMap& composed,
               const DeviceImage<float>& confidence,
+              const Intrinsics& intrinsics,
               RefinedMaps* maps);
 
 // Shows the result to the observer unless it is null.
