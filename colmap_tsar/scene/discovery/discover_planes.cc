@@ -21,15 +21,13 @@
 namespace tsar {
 namespace {
 
-// Alignment to the Manhattan frame uses fewer observations of each plane, since
-// all planes are fitted jointly.
-constexpr size_t kMaxAlignedObservations = 500;
 // The share of its support that a plane may lose when it is aligned. It is not
 // small, since views have errors in common.
 constexpr double kMaxAlignmentLoss = 0.1;
-// The number of fits of a candidate that was chosen.
-constexpr int kNumFirstFits = 2;
-constexpr int kMaxImprovingRounds = 3;
+// Fits are repeated while they improve planes, so that different ways lead to
+// the same planes; these limits are hardly ever reached.
+constexpr int kMaxFirstFits = 10;
+constexpr int kMaxImprovingRounds = 20;
 
 class Discovery {
  public:
@@ -92,7 +90,7 @@ class Discovery {
                             const std::vector<float>& best) const {
     const auto best_of = [&](int k) { return best[k]; };
     double gain = PlaneGain(plane, best_of);
-    for (int i = 0; i < kNumFirstFits; ++i) {
+    for (int i = 0; i < kMaxFirstFits; ++i) {
       std::vector<int> won;
       for (const int k : plane.superpixels) {
         if (plane.scores[k] > best[k]) {
@@ -155,9 +153,8 @@ class Discovery {
       for (const int k : members[p]) {
         support += rankings[k].scores[0];
       }
-      measured.push_back({planes_[p].plane,
-                          support,
-                          fitter_.Sample(members[p], kMaxAlignedObservations)});
+      measured.push_back(
+          {planes_[p].plane, support, fitter_.Sample(members[p])});
     }
     const auto is_acceptable = [&](int p, const WorldPlane& plane) {
       const auto best_of_others = [&](int k) {

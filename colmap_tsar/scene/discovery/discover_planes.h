@@ -79,8 +79,7 @@ struct DiscoveredPlanes {
 //
 // The first view is the reference: arithmetic is done in its camera's frame, so
 // that the world's origin may be far away. Otherwise the order of the views
-// matters only by rounding, by which observations are in the sample that a fit
-// to very many of them uses, and by which one of a superpixel is matched. Equal
+// matters only by rounding and by which one of a superpixel is matched. Equal
 // candidates: the first wins. Equal scores: the superpixel goes to the plane
 // that was found first. Bits do not depend on the device or on the number of
 // threads.

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene/discovery/superpixel_observations.h"
 
+#include <algorithm>
+
 namespace tsar {
 
 SuperpixelObservations::SuperpixelObservations(
@@ -17,7 +19,8 @@ SuperpixelObservations::SuperpixelObservations(
     const int number = static_cast<int>(frames_.size());
     frames_.push_back({reference.rotation * (view.camera.Center() - origin),
                        reference.rotation * view.camera.rotation.transpose(),
-                       evidence.resolution});
+                       evidence.resolution,
+                       Count()});
     for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
       int begin = evidence.first_observation[k];
       int end = evidence.first_observation[k + 1];

@@ -7,8 +7,8 @@
 #include "colmap_tsar/scene/discovery/discover_planes.h"
 #include "colmap_tsar/view/planes/depth_observation.h"
 
-#include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -43,39 +43,49 @@ class SuperpixelObservations {
   // The weights of a superpixel's observations add up to its weight.
   DepthObservation At(int superpixel, int number) const;
 
-  // Calls add(observation) for an evenly spaced sample of the observations of
-  // some superpixels, and returns the size of the sample.
+  // Calls add(observation) for a sample of about this many of the observations
+  // of some superpixels, or for all if there are less, and returns the size of
+  // the sample. Where an observation comes or goes, the others in the sample
+  // hardly change, so that what is computed from it does not hinge on a single
+  // one.
   template <typename Function>
   size_t Sample(const std::vector<int>& members,
                 size_t max_samples,
                 const Function& add) const {
     size_t count = 0;
     for (const int k : members) {
-      count += NumObservations(k);
+      count += static_cast<size_t>(NumObservations(k));
     }
-    const size_t num_samples = std::min(count, max_samples);
+    const uint64_t share = count > max_samples
+                               ? (uint64_t{max_samples} << 32) / count
+                               : uint64_t{1} << 32;
     size_t num_added = 0;
-    size_t num_before = 0;
     for (const int k : members) {
-      const size_t own_count = NumObservations(k);
-      while (num_added < num_samples) {
-        const size_t next = num_added * count / num_samples;
-        if (next >= num_before + own_count) {
-          break;
+      for (int i = 0; i < NumObservations(k); ++i) {
+        if (SamplingKey(k, i) < share) {
+          add(At(k, i));
+          ++num_added;
         }
-        add(At(k, static_cast<int>(next - num_before)));
-        ++num_added;
       }
-      num_before += own_count;
     }
-    return num_samples;
+    return num_added;
   }
 
  private:
+  // A sequence of low discrepancy in the two indices, those of the superpixel
+  // and the observation, in units of 2^-32. Its steps are the fractions of
+  // powers of the plastic number.
+  uint32_t SamplingKey(int superpixel, int observation) const {
+    const int own = superpixel - frames_[views_[superpixel]].first_superpixel;
+    return static_cast<uint32_t>(own) * 3242174889u +
+           static_cast<uint32_t>(observation) * 2447445414u;
+  }
+
   struct Frame {
     Eigen::Vector3d center;
     Eigen::Matrix3d rotation;  // From the camera's frame.
     DepthResolution resolution;
+    int first_superpixel;
   };
   struct Entry {
     const Observation* observations;

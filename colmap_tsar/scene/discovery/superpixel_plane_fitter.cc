@@ -5,14 +5,14 @@
 
 #include "colmap_tsar/view/planes/depth_observation.h"
 
+#include <cstddef>
 #include <utility>
 
 namespace tsar {
 namespace {
 
-// The largest number of observations in a fit, evenly spaced where there are
-// more.
-constexpr size_t kMaxFittedObservations = 2000;
+// The number of observations of a fit, where there are more.
+constexpr size_t kMaxFittedObservations = 8000;
 
 }  // namespace
 
@@ -22,14 +22,9 @@ double SuperpixelPlaneFitter::LossScale() const {
 
 FitSamples SuperpixelPlaneFitter::Sample(
     const std::vector<int>& members) const {
-  return Sample(members, kMaxFittedObservations);
-}
-
-FitSamples SuperpixelPlaneFitter::Sample(const std::vector<int>& members,
-                                         size_t max_samples) const {
   FitSamples samples;
   observations_->Sample(
-      members, max_samples, [&](const DepthObservation& sample) {
+      members, kMaxFittedObservations, [&](const DepthObservation& sample) {
         samples.Add(sample);
       });
   return samples;

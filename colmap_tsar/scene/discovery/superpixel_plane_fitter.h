@@ -9,7 +9,6 @@
 #include "colmap_tsar/view/planes/fit_plane.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
-#include <cstddef>
 #include <vector>
 
 namespace tsar {
@@ -35,10 +34,8 @@ class SuperpixelPlaneFitter {
   // See FitPlane.
   double LossScale() const;
 
-  // Evenly spaced observations of some superpixels; by default as many as a
-  // fit needs.
+  // As many of the observations of some superpixels as a fit needs.
   FitSamples Sample(const std::vector<int>& members) const;
-  FitSamples Sample(const std::vector<int>& members, size_t max_samples) const;
 
   WorldPlane Fit(const WorldPlane& initial, const FitSamples& samples) const;
 

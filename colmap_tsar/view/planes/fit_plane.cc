@@ -14,7 +14,10 @@
 namespace tsar {
 namespace {
 
-constexpr int kNumSteps = 6;
+// Fits end when a step is shorter than this share of the standard error of what
+// is fitted, so that the result does not depend on the path to it.
+constexpr double kNegligibleStep = 1e-6;
+constexpr int kMaxSteps = 100;
 // A support whose width is below this share of its length is a line, about
 // which a plane could turn.
 constexpr double kMinRelativeWidth = 0.01;
@@ -83,11 +86,22 @@ struct Terms {
   }
 };
 
+// Whether the squared length of a step, in standard errors, is negligible; also
+// of a step that is no number.
+bool IsNegligible(double square) {
+  return !(square > kNegligibleStep * kNegligibleStep);
+}
+
+struct FitStep {
+  WorldPlane plane;     // After the step.
+  double square = 0.0;  // The squared length of the step, in standard errors.
+};
+
 // One Gauss-Newton step that reduces the loss of the normalized residuals.
 // Returns nullopt if the observations do not determine a plane.
-std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
-                                    const FitSamples& samples,
-                                    double loss_scale) {
+std::optional<FitStep> StepToFit(const WorldPlane& plane,
+                                 const FitSamples& samples,
+                                 double loss_scale) {
   const Terms terms(samples, plane, loss_scale);
   const Eigen::Vector3d tangent = plane.normal.unitOrthogonal();
   const Eigen::Vector3d other_tangent = plane.normal.cross(tangent);
@@ -111,14 +125,17 @@ std::optional<WorldPlane> StepToFit(const WorldPlane& plane,
   if (!(determinant > kMinSquareRatio * (xx + yy) * (xx + yy))) {
     return std::nullopt;
   }
-  const Eigen::Vector3d turn =
-      (xy * yh - yy * xh) / determinant * tangent +
-      (xy * xh - xx * yh) / determinant * other_tangent;
+  const double turn_x = (xy * yh - yy * xh) / determinant;
+  const double turn_y = (xy * xh - xx * yh) / determinant;
+  const Eigen::Vector3d turn = turn_x * tangent + turn_y * other_tangent;
   const Eigen::Vector3d normal = plane.normal + turn;
   const double offset =
       plane.offset - turn.dot(terms.mean_foot) - terms.mean_height;
   const double length = normal.norm();
-  return WorldPlane{normal / length, offset / length};
+  return FitStep{{normal / length, offset / length},
+                 terms.weights * terms.mean_height * terms.mean_height +
+                     turn_x * (turn_x * xx + 2.0 * turn_y * xy) +
+                     turn_y * turn_y * yy};
 }
 
 // The terms of one plane in a step of a joint fit. A small rotation w changes a
@@ -129,6 +146,7 @@ struct TurnTerms {
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
   Eigen::Vector3d heights = Eigen::Vector3d::Zero();
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();  // After the move.
+  double square_of_move = 0.0;                       // In standard errors.
 };
 
 TurnTerms FindTurnTerms(const JointPlane& joint, double loss_scale) {
@@ -140,6 +158,7 @@ TurnTerms FindTurnTerms(const JointPlane& joint, double loss_scale) {
     return result;
   }
   result.middle = terms.mean_foot + terms.mean_height * plane.normal;
+  result.square_of_move = terms.weights * terms.mean_height * terms.mean_height;
   for (const TermBlock& term : terms.blocks) {
     for (int i = 0; i < TermBlock::kSize; ++i) {
       const Eigen::Vector3d lever =
@@ -170,19 +189,27 @@ Eigen::Vector3d SolveTurn(const std::optional<Eigen::Vector3d>& axis,
   return turn.allFinite() ? turn : Eigen::Vector3d::Zero();
 }
 
-Eigen::Matrix3d StepTogether(const std::optional<Eigen::Vector3d>& axis,
-                             double loss_scale,
-                             std::vector<JointPlane>* planes) {
+struct JointStep {
+  Eigen::Matrix3d rotation;
+  double square = 0.0;  // The squared length of the step, in standard errors.
+};
+
+JointStep StepTogether(const std::optional<Eigen::Vector3d>& axis,
+                       double loss_scale,
+                       std::vector<JointPlane>* planes) {
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
   Eigen::Vector3d heights = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> middles;
+  double square = 0.0;
   for (const JointPlane& joint : *planes) {
     const TurnTerms terms = FindTurnTerms(joint, loss_scale);
     products += terms.products;
     heights += terms.heights;
     middles.push_back(terms.middle);
+    square += terms.square_of_move;
   }
   const Eigen::Vector3d turn = SolveTurn(axis, products, heights);
+  square += turn.dot(products * turn);
   const double angle = turn.norm();
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   if (angle > 0.0) {
@@ -193,7 +220,7 @@ Eigen::Matrix3d StepTogether(const std::optional<Eigen::Vector3d>& axis,
     plane.normal = (rotation * plane.normal).normalized();
     plane.offset = -plane.normal.dot(middles[p]);
   }
-  return rotation;
+  return {rotation, square};
 }
 
 }  // namespace
@@ -238,13 +265,15 @@ WorldPlane FitPlane(const WorldPlane& initial,
                     const FitSamples& samples,
                     double loss_scale) {
   WorldPlane plane = initial;
-  for (int i = 0; i < kNumSteps; ++i) {
-    const std::optional<WorldPlane> next =
-        StepToFit(plane, samples, loss_scale);
-    if (!next) {
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const std::optional<FitStep> step = StepToFit(plane, samples, loss_scale);
+    if (!step) {
       return initial;
     }
-    plane = *next;
+    plane = step->plane;
+    if (IsNegligible(step->square)) {
+      break;
+    }
   }
   return plane;
 }
@@ -253,8 +282,12 @@ Eigen::Matrix3d FitTogether(const std::optional<Eigen::Vector3d>& axis,
                             double loss_scale,
                             std::vector<JointPlane>* planes) {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  for (int i = 0; i < kNumSteps; ++i) {
-    rotation = StepTogether(axis, loss_scale, planes) * rotation;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const JointStep step = StepTogether(axis, loss_scale, planes);
+    rotation = step.rotation * rotation;
+    if (IsNegligible(step.square)) {
+      break;
+    }
   }
   return rotation;
 }

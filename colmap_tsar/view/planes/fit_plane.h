@@ -41,8 +41,9 @@ class FitSamples {
   std::vector<Block> blocks_;
 };
 
-// Fits a plane to the depths: a few Gauss-Newton steps from the initial plane
-// that reduce the weighted sum of the Cauchy loss of the NormalizedResidual.
+// Fits a plane to the depths: Gauss-Newton steps from the initial plane to the
+// nearest minimum of the weighted sum of the Cauchy loss of the
+// NormalizedResidual.
 // loss_scale: the scale of that loss, in expected errors. Only the loss
 // suppresses outliers, so the initial plane must be nearer to the wanted plane
 // than to others. Returns the initial plane if the observations do not
