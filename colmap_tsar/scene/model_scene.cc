@@ -64,7 +64,7 @@ class SceneModeler {
     for (size_t i = 0; i < views_.size(); ++i) {
       model_.views[views_[i].image] = std::move((*labels)[i]);
     }
-    if (refine_options_.cylinders) {
+    if (refine_options_.cylinders && !model_.frames.empty()) {
       FindCylinders();
       if (should_stop_()) {
         return std::nullopt;
@@ -290,45 +290,45 @@ class SceneModeler {
     return true;
   }
 
+  // The result is invalid where the run is to stop.
   void FindCylinders() {
-    std::vector<const ViewLabels*> labels;
-    for (const SceneView& view : views_) {
-      labels.push_back(&model_.views.at(view.image));
+    CylinderSearch search(model_.frames, neighbors_);
+    ForEachEvidence("outlines", [&](size_t view, const ObservedView& observed) {
+      search.FindOutlines(view, observed);
+    });
+    if (should_stop_()) {
+      return;
     }
-    CylinderSearch search;
-    search.visit_all = [this](const auto& name, const auto& function) {
-      ForEachEvidence(name, function);
-    };
-    search.visit = [this](const auto& name, const auto& function) {
-      ForEachObservedView(name, function);
-    };
-    search.visit_axes =
-        [this](const auto& name, size_t num_axes, const auto& function) {
-          Visit(name,
-                num_axes,
-                resources_.num_threads,
-                /*are_views=*/false,
-                function);
-        };
-    search.should_stop = should_stop_;
-    model_.cylinders = FindSceneCylinders(
-        model_.frames, neighbors_, model_.planes, labels, search);
+    Visit("circles",
+          search.NumAxes(),
+          resources_.num_threads,
+          /*are_views=*/false,
+          [&](size_t axis, Device& cpu) {
+            search.FindCircles(axis, cpu.Threads());
+          });
+    if (!search.HasFoundAny() || should_stop_()) {
+      return;
+    }
+    ForEachObservedView(
+        "columns", [&](size_t view, const ObservedView& observed) {
+          search.Test(
+              observed, model_.planes, model_.views.at(views_[view].image));
+        });
+    model_.cylinders = search.Result();
   }
+
+  using OfView = std::function<void(size_t view, const ObservedView&)>;
 
   // Calls function for all views, with the parts of their evidence that
   // neighbors need.
-  void ForEachObservedView(
-      const std::string& name,
-      const std::function<void(size_t view, const ObservedView&)>& function) {
+  void ForEachObservedView(const std::string& name, const OfView& function) {
     VisitViews(name, [&](size_t view) {
       function(view, Observed(view, *evidence_.get(view)));
     });
   }
 
   // The same with all parts.
-  void ForEachEvidence(
-      const std::string& name,
-      const std::function<void(size_t view, const ObservedView&)>& function) {
+  void ForEachEvidence(const std::string& name, const OfView& function) {
     VisitViews(name, [&](size_t view) {
       function(view, Observed(view, evidence_.read_all(view)));
     });

@@ -63,7 +63,7 @@ struct ModelResources {
 // Time grows with the number of views; memory holds the evidence of the blocks
 // and views in progress, samples of the planes, some twenty bytes per
 // superpixel of all views, and up to max_kept_bytes of the costs of labels;
-// once these are freed, the outlines of all views (FindSceneCylinders).
+// once these are freed, the outlines of all views (CylinderSearch).
 //
 // views: in an order in which views of the same surfaces are close to each
 // other (OrderByNeighbors), since it decides which views share a block.

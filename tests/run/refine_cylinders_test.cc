@@ -8,7 +8,11 @@
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/view/compose.h"
 
+#include <atomic>
 #include <cmath>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "tests/run/refine_shard_fixture.h"
 #include "tests/support/column_workspace.h"
@@ -57,6 +61,27 @@ TEST_F(RefineCylindersTest, FillsAColumnAndAnyShardsGiveTheSameBytes) {
   RunAll("compose", 3);
   EXPECT_EQ(Run("merge").num_refined, ColumnWorkspace::kNumViews);
   EXPECT_TRUE(ResultOf(root_) == ResultOf(whole));
+}
+
+// The circles are not those of the outlines of some of the views.
+TEST_F(RefineCylindersTest, SearchesNoFurtherOnceItIsToStop) {
+  for (const std::string last : {"outlines", "circles"}) {
+    std::vector<std::string> parts;
+    std::atomic<bool> stops = false;
+    std::ostringstream text;
+    Progress progress(text, false);
+    progress.SetListener([&](const std::string& pass, int num_done, int) {
+      if (num_done == 0) {
+        parts.push_back(pass);
+      }
+      stops = pass.ends_with(" " + last + ":") && num_done > 0;
+    });
+    ExpectError(ErrorCode::kInterrupted, {"same command"}, [&] {
+      RefineWorkspace(
+          Options(root_), {}, progress, [&] { return stops.load(); });
+    });
+    EXPECT_TRUE(parts.back().ends_with(" " + last + ":")) << parts.back();
+  }
 }
 
 TEST_F(RefineCylindersTest, LeavesItWithoutCylinders) {

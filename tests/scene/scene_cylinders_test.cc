@@ -28,35 +28,25 @@ std::vector<ModelPlane> WallBehind() {
 const ViewLabels kUnlabeled = {
     {-1}, {LabelEvidence::kNone}, std::vector<LabelQuality>(1)};
 
-// One after the other, without an end.
-CylinderSearch SearchIn(const DrawnViews& drawn) {
-  CylinderSearch search;
-  search.visit_all = [&](const auto&, const auto& function) {
-    for (size_t view = 0; view < drawn.Views().size(); ++view) {
-      function(view, drawn.Views()[view]);
-    }
-  };
-  search.visit = search.visit_all;
-  search.visit_axes = [](const auto&, size_t num_axes, const auto& function) {
-    const std::unique_ptr<Device> cpu = Device::CreateCpu(2);
-    for (size_t axis = 0; axis < num_axes; ++axis) {
-      function(axis, *cpu);
-    }
-  };
-  search.should_stop = [] { return false; };
-  return search;
-}
-
 std::vector<ModelCylinder> Find(
     const DrawnViews& drawn,
     const std::vector<Eigen::Matrix3d>& frames = {kUpright},
     const ViewLabels& labels = kUnlabeled) {
-  return FindSceneCylinders(
-      frames,
-      drawn.Neighbors(),
-      WallBehind(),
-      std::vector<const ViewLabels*>(drawn.Views().size(), &labels),
-      SearchIn(drawn));
+  ThreadPool threads(2);
+  const std::vector<std::vector<size_t>> neighbors = drawn.Neighbors();
+  CylinderSearch search(frames, neighbors);
+  EXPECT_EQ(search.NumAxes(), 3 * frames.size());
+  for (size_t view = 0; view < drawn.Views().size(); ++view) {
+    search.FindOutlines(view, drawn.Views()[view]);
+  }
+  for (size_t axis = 0; axis < search.NumAxes(); ++axis) {
+    search.FindCircles(axis, threads);
+  }
+  for (const ObservedView& view : drawn.Views()) {
+    search.Test(view, WallBehind(), labels);
+  }
+  EXPECT_TRUE(search.HasFoundAny() || search.Result().empty());
+  return search.Result();
 }
 
 // rotation: of the scene, whose plane z = 0 the axis meets at the column's
@@ -238,40 +228,6 @@ TEST(SceneCylindersTest, FindsStoreysThatDifferentViewsShow) {
   ASSERT_EQ(found.size(), 2u);
   EXPECT_NEAR(found[0].radius, 0.25, 0.003);
   EXPECT_NEAR(found[1].radius, 0.25, 0.003);
-}
-
-// Not with the outlines of some of the views.
-TEST(SceneCylindersTest, SearchesNoFurtherOnceItIsToStop) {
-  const DrawnViews drawn(DrawnColumn(), 7);
-  const auto parts_until = [&](const std::string& last) {
-    std::vector<std::string> parts;
-    const auto note = [&](const auto& visitor) {
-      return [&parts, visitor](const std::string& name, const auto&... rest) {
-        parts.push_back(name);
-        visitor(name, rest...);
-      };
-    };
-    CylinderSearch search = SearchIn(drawn);
-    search.visit_all = note(search.visit_all);
-    search.visit = note(search.visit);
-    search.visit_axes = note(search.visit_axes);
-    search.should_stop = [&] { return parts.back() == last; };
-    const bool is_found =
-        !FindSceneCylinders(
-             {kUpright},
-             drawn.Neighbors(),
-             WallBehind(),
-             std::vector<const ViewLabels*>(drawn.Views().size(), &kUnlabeled),
-             search)
-             .empty();
-    EXPECT_EQ(is_found, last.empty());
-    return parts;
-  };
-  EXPECT_THAT(parts_until("outlines"), testing::ElementsAre("outlines"));
-  EXPECT_THAT(parts_until("circles"),
-              testing::ElementsAre("outlines", "circles"));
-  EXPECT_THAT(parts_until(""),
-              testing::ElementsAre("outlines", "circles", "columns"));
 }
 
 // Views that saw what is behind it, all over it.
