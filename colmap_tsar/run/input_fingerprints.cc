@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/priors/prior_type.h"
 #include "colmap_tsar/run/store/originals.h"
+#include "colmap_tsar/run/store/record.h"
 
 #include <cstddef>
 #include <utility>
@@ -110,10 +111,12 @@ const std::string& InputFingerprints::StateOfScene() {
   return scene_;
 }
 
-InputState InputFingerprints::OfResult(int reference) {
+InputState InputFingerprints::OfResult(int reference,
+                                       const std::string& planes) {
   InputState state = OfView(reference);
   state[kSources] = source_lists_[static_cast<size_t>(reference)];
   state[kScene] = StateOfScene();
+  state[ImageRecord::kPlanes] = planes;
   return state;
 }
 

@@ -46,9 +46,9 @@ class InputFingerprints {
   const std::string& StateOfScene();
 
   // The state of the inputs of a reference's result: OfView(), "sources" (their
-  // list) and "scene" (StateOfScene()). It holds no names, since these need not
-  // be UTF-8.
-  InputState OfResult(int reference);
+  // list), "scene" (StateOfScene()) and the fingerprint of the planes that it
+  // is made with, if any. It holds no names, since these need not be UTF-8.
+  InputState OfResult(int reference, const std::string& planes = "");
 
   // The differences between the recorded state of a result and the current one,
   // such as "its photo and its maps have changed" or "other images of the scene

@@ -40,29 +40,4 @@ std::vector<bool> FindListedImages(const Workspace& workspace,
   return is_listed;
 }
 
-void RefineListedImages(const Workspace& workspace,
-                        const std::filesystem::path& list,
-                        bool shares_planes,
-                        ImageCatalog* catalog) {
-  if (list.empty()) {
-    return;
-  }
-  catalog->RefineOnly(FindListedImages(workspace, list));
-  if (!shares_planes || !catalog->IsAnyNeeded()) {
-    return;
-  }
-  for (size_t index = 0; index < catalog->NumImages(); ++index) {
-    if (!catalog->IsListed(index) && catalog->WasRefinedOtherwise(index)) {
-      throw Error::File(
-          ErrorCode::kUnsupported,
-          list.string(),
-          "leaves out " + catalog->Name(catalog->Reference(index)) +
-              ", which was refined with other options, or from what has "
-              "changed since, and would no longer fit the others",
-          "leave " + OptionName("image_list_path") + " out, or give another " +
-              OptionName("output_path"));
-    }
-  }
-}
-
 }  // namespace tsar

@@ -20,17 +20,17 @@ std::vector<SceneView> FindViews(const ModelPassInputs& inputs) {
   std::vector<size_t> indices;
   std::vector<std::optional<size_t>> places(images.size());
   for (const size_t index : OrderByNeighbors(inputs.workspace)) {
-    const int image = inputs.images.Reference(index);
-    if (inputs.images.CanRefine(index) && inputs.evidence.IsCurrent(image)) {
+    const int image = inputs.plan.Reference(index);
+    if (inputs.plan.CanRefine(index) && inputs.evidence.IsCurrent(image)) {
       places[static_cast<size_t>(image)] = indices.size();
       indices.push_back(index);
     }
   }
   std::vector<SceneView> views;
   for (const size_t index : indices) {
-    const int image = inputs.images.Reference(index);
+    const int image = inputs.plan.Reference(index);
     SceneView view{image, images[static_cast<size_t>(image)].camera, {}};
-    for (const int source : inputs.images.Sources(index)) {
+    for (const int source : inputs.plan.Sources(index)) {
       if (source != image && places[static_cast<size_t>(source)]) {
         view.sources.push_back(*places[static_cast<size_t>(source)]);
       }

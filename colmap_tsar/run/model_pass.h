@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/run/evidence_store.h"
-#include "colmap_tsar/run/image_catalog.h"
+#include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/scene_model_store.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/scene/model_scene.h"
@@ -19,7 +19,7 @@ namespace tsar {
 // The inputs of the pass over all views at once. All outlive the call.
 struct ModelPassInputs {
   const Workspace& workspace;
-  const ImageCatalog& images;
+  const RefinePlan& plan;
   EvidenceStore& evidence;
   const SceneModelStore& store;
   const RefineOptions& options;

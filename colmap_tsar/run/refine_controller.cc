@@ -7,13 +7,12 @@
 #include "colmap_tsar/base/raster_memory.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/fusion_obstacles.h"
-#include "colmap_tsar/run/compose_task.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/listed_images.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/model_pass.h"
 #include "colmap_tsar/run/open_workspace.h"
-#include "colmap_tsar/run/refine_task.h"
+#include "colmap_tsar/run/refine_passes.h"
 #include "colmap_tsar/run/run_account.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/view/refine_option_list.h"
@@ -108,28 +107,30 @@ RunSummary RefineController::Run() {
                          NumEvidenceViews(overview_, num_scenes));
   const SceneModelStore model(workspace_, inputs, options_hash);
   // An observer is to see every image.
-  ImageCatalog catalog(workspace_,
-                       overview_.has_maps,
-                       options_hash,
-                       inputs,
-                       NeedsEvidence(refine_options_)
-                           ? model.PlanesFingerprint()
-                           : std::string(),
-                       /*reuses_results=*/observer_ == nullptr,
-                       refine_options_.distrust_unmatched);
-  RefineListedImages(workspace_,
-                     options_.image_list_path,
-                     NeedsEvidence(refine_options_),
-                     &catalog);
+  RefinePlan plan(workspace_,
+                  inputs,
+                  overview_.has_maps,
+                  FindListedImages(workspace_, options_.image_list_path),
+                  options_hash,
+                  NeedsEvidence(refine_options_) ? model.PlanesFingerprint()
+                                                 : std::string(),
+                  /*reuses_results=*/observer_ == nullptr);
+  if (NeedsEvidence(refine_options_)) {
+    plan.RequireOthersFit(options_.image_list_path);
+  }
+  ViewLoader loader(workspace_, plan, refine_options_.distrust_unmatched);
   const RefineRun run = {options_,
                          refine_options_,
                          workspace_,
+                         overview_,
                          shards_,
                          devices_,
                          inputs,
                          evidence,
                          model,
-                         catalog};
+                         plan,
+                         loader,
+                         observer_};
   std::unique_ptr<RunAccount> account;
   if (IsShard()) {
     account = std::make_unique<ShardAccount>(run);
@@ -170,125 +171,91 @@ void RefineController::OpenOutput() {
 
 PipelineOutcome RefineController::RunPasses(const RefineRun& run,
                                             RunAccount& account) {
-  const auto pass_name = [&](const std::string& of_all_images) {
-    return IsShard() ? "Shard " + ToString(options_.shard) + ", " +
-                           ToString(options_.pass) + ":"
-                     : of_all_images;
+  const std::vector<size_t>& images = Images();
+  const auto run_pass = [&](ImageTasks<RefineResult>& pass,
+                            const std::string& name,
+                            bool has_reduced_views) {
+    if (images.empty()) {
+      return PipelineOutcome();
+    }
+    progress_.BeginPass();
+    ViewCache cache(
+        devices_.cache_num_bytes,
+        static_cast<size_t>(has_reduced_views ? ReducedViewBytes(overview_)
+                                              : ViewBytes(overview_)),
+        [&](int image) {
+          return has_reduced_views ? run.loader.LoadReduced(image)
+                                   : run.loader.Load(image);
+        });
+    const RasterMemoryReuse reuse(devices_.raster_num_bytes);
+    return ImagePipeline<RefineResult>(
+               pass,
+               images,
+               IsShard() ? "Shard " + ToString(options_.shard) + ", " +
+                               ToString(options_.pass) + ":"
+                         : name,
+               cache,
+               devices_.sizes,
+               progress_,
+               should_stop_)
+        .Run(devices_.workers.size());
   };
-  const RefineTaskInputs inputs = {
-      run.catalog, refine_options_, devices_.workers, observer_};
-  // Images are observed at the size at which they are judged, and composed at
-  // that of their maps.
-  const bool has_reduced_views = run.HasScenePlanes() &&
-                                 options_.pass != RefinePass::kCompose &&
-                                 HasReducedViews(overview_);
-  std::optional<ViewCache> cache;
-  const auto make_cache = [&](bool is_reduced) {
-    cache.emplace(devices_.cache_num_bytes,
-                  static_cast<size_t>(is_reduced ? ReducedViewBytes(overview_)
-                                                 : ViewBytes(overview_)),
-                  [&run, is_reduced](int image) {
-                    return is_reduced ? run.catalog.LoadReduced(image)
-                                      : run.catalog.Load(image);
-                  });
-  };
-  make_cache(has_reduced_views);
   if (run.HasScenePlanes() && !IsShard()) {
     std::vector<double> costs = kPassCosts;
     // Images that are not listed are only observed.
-    costs.back() *= static_cast<double>(run.catalog.NumListed()) /
-                    static_cast<double>(run.catalog.NumImages());
+    costs.back() *= static_cast<double>(run.plan.NumListed()) /
+                    static_cast<double>(run.plan.NumImages());
     progress_.PlanPasses(std::move(costs));
   }
+  std::vector<StageSeconds> seconds(run.plan.NumImages());
+
   if (options_.pass != RefinePass::kCompose) {
     account.BeforeObserving();
-    const PipelineOutcome outcome =
-        Observe(run, inputs, pass_name("Pass 1 of 3:"), *cache);
+    PipelineOutcome outcome(images.size());
+    if (run.HasScenePlanes()) {
+      ObservePass observe(run, seconds);
+      // Images are observed at the size at which they are judged, and composed
+      // at that of their maps.
+      outcome = run_pass(observe, "Pass 1 of 3:", HasReducedViews(overview_));
+    } else {
+      // Images that are refined by themselves have nothing to observe.
+      for (ImageReport& report : outcome.reports) {
+        report.outcome = ImageReport::Outcome::kSkipped;
+      }
+    }
     if (options_.pass == RefinePass::kObserve) {
       return outcome;
     }
-    // The planes are found in the evidence alone, which needs the memory.
-    cache.reset();
-    PipelineOutcome none_refined(Images().size());
-    none_refined.failures = outcome.failures;
-    none_refined.first_failure = outcome.first_failure;
-    none_refined.num_observed = outcome.NumDone();
     // The planes of a scene with unobserved views would be others.
-    if (!outcome.IsComplete() || !Model(run, &none_refined)) {
-      return none_refined;
+    bool is_complete = outcome.IsComplete();
+    outcome.num_observed = outcome.NumDone();
+    outcome.reports.assign(images.size(), ImageReport());
+    if (is_complete && run.HasScenePlanes()) {
+      progress_.BeginPass(/*has_parts=*/true);
+      if (run.IsAnyNeeded() && !run.model.IsCurrent()) {
+        try {
+          is_complete = ModelWorkspace(
+              {workspace_, run.plan, run.evidence, run.model, refine_options_},
+              devices_.model,
+              "Pass 2 of 3, scene model,",
+              progress_,
+              should_stop_);
+        } catch (...) {
+          outcome.first_failure = std::current_exception();
+          is_complete = false;
+        }
+      }
+    }
+    if (!is_complete) {
+      return outcome;
     }
   }
-  if (!cache) {
-    make_cache(false);
-  }
+
   account.BeforeComposing();
-  if (run.HasScenePlanes()) {
-    progress_.BeginPass();
-    run.catalog.UsePlanes(run.model.PlanesFingerprint());
-    ComposeTask compose(inputs,
-                        workspace_,
-                        run.evidence,
-                        run.IsAnyNeeded() ? run.model.Read() : SceneModel(),
-                        overview_.map_sides,
-                        devices_.finds_scenes_ahead);
-    return RunPass(compose, pass_name("Pass 3 of 3:"), *cache);
-  }
-  SingleViewTask refine(inputs);
-  return RunPass(refine, pass_name(""), *cache);
-}
-
-PipelineOutcome RefineController::Observe(const RefineRun& run,
-                                          const RefineTaskInputs& inputs,
-                                          std::string name,
-                                          ViewCache& cache) {
-  if (!run.HasScenePlanes()) {
-    // Images that are refined by themselves have nothing to observe.
-    ImageReport nothing_to_do;
-    nothing_to_do.outcome = ImageReport::Outcome::kSkipped;
-    PipelineOutcome outcome(Images().size());
-    outcome.reports.assign(Images().size(), nothing_to_do);
-    return outcome;
-  }
-  ObserveTask observe(inputs,
-                      run.evidence,
-                      run.catalog.ReusesResults() && run.model.IsCurrent());
-  progress_.BeginPass();
-  return RunPass(observe, std::move(name), cache);
-}
-
-bool RefineController::Model(const RefineRun& run, PipelineOutcome* outcome) {
-  progress_.BeginPass(/*has_parts=*/true);
-  if (!run.HasScenePlanes() || !run.IsAnyNeeded() || run.model.IsCurrent()) {
-    return true;
-  }
-  try {
-    return ModelWorkspace(
-        {workspace_, run.catalog, run.evidence, run.model, refine_options_},
-        devices_.model,
-        "Pass 2 of 3, scene model,",
-        progress_,
-        should_stop_);
-  } catch (...) {
-    outcome->first_failure = std::current_exception();
-    return false;
-  }
-}
-
-PipelineOutcome RefineController::RunPass(RefineTask& task,
-                                          std::string name,
-                                          ViewCache& cache) {
-  if (Images().empty()) {
-    return PipelineOutcome();
-  }
-  const RasterMemoryReuse reuse(devices_.raster_num_bytes);
-  return ImagePipeline<RefineResult>(task,
-                                     Images(),
-                                     std::move(name),
-                                     cache,
-                                     devices_.sizes,
-                                     progress_,
-                                     should_stop_)
-      .Run(devices_.workers.size());
+  ComposePass compose(run, std::move(seconds));
+  return run_pass(compose,
+                  run.HasScenePlanes() ? "Pass 3 of 3:" : "",
+                  /*has_reduced_views=*/false);
 }
 
 RunSummary RefineController::Summarize(const RefineRun& run,
@@ -307,8 +274,7 @@ RunSummary RefineController::Summarize(const RefineRun& run,
   summary.num_masks = run.NumMasks();
   summary.num_priors = run.NumPriors();
   for (size_t i = 0; i < outcome.reports.size(); ++i) {
-    const int image = run.catalog.Reference(Images()[i]);
-    summary.Add(run.catalog.Name(image), outcome.reports[i]);
+    summary.Add(run.plan.Name(Images()[i]), outcome.reports[i]);
   }
   if (options_.pass == RefinePass::kObserve) {
     summary.num_observed = std::exchange(summary.num_refined, 0);

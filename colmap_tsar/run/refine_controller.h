@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/run/refine_devices.h"
-#include "colmap_tsar/run/refine_task.h"
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/run_account.h"
 #include "colmap_tsar/run/store/workspace.h"
@@ -49,14 +48,6 @@ class RefineController {
   void OpenOutput();
   // Returns the outcome of the last pass of this run.
   PipelineOutcome RunPasses(const RefineRun& run, RunAccount& account);
-  PipelineOutcome Observe(const RefineRun& run,
-                          const RefineTaskInputs& inputs,
-                          std::string name,
-                          ViewCache& cache);
-  // Whether everything of the whole scene that composing needs is there; false
-  // where the user stopped or an image failed, which the outcome then tells.
-  bool Model(const RefineRun& run, PipelineOutcome* outcome);
-  PipelineOutcome RunPass(RefineTask& task, std::string name, ViewCache& cache);
   RunSummary Summarize(const RefineRun& run,
                        const PipelineOutcome& outcome) const;
 

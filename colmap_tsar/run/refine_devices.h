@@ -38,7 +38,7 @@ struct RefineDevices {
   // that own their memory.
   std::vector<std::unique_ptr<DeviceViewCache>> view_caches;
   PipelineSizes sizes;
-  // Whether the workers are GPUs, see ComposeTask.
+  // Whether the workers are GPUs, see ComposePass.
   bool finds_scenes_ahead = false;
   // The resources of the pass that finds the planes of the scene.
   ModelResources model;

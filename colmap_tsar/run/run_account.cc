@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/run/run_account.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/run/store/output_workspace.h"
@@ -12,9 +13,9 @@
 namespace tsar {
 namespace {
 
-bool WasRefinedBefore(ImageCatalog& catalog, size_t index) {
+bool WasRefinedBefore(RefinePlan& plan, size_t index) {
   try {
-    return catalog.HasBeenRefined(index);
+    return plan.HasBeenRefined(index);
   } catch (const Error&) {
     // The failure may be that this cannot be found out.
     return false;
@@ -68,7 +69,7 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
     outcome.RethrowFailure();
     throw;
   }
-  RequireComplete(outcome, run_.catalog.NumListed());
+  RequireComplete(outcome, run_.plan.NumListed());
   // The evidence may also be that of a run with other options.
   EvidenceStore::Clear(run_.workspace);
   if (run_.HasScenePlanes()) {
@@ -90,8 +91,7 @@ Manifest ManifestAccount::Build() const {
                                     HashRefineOptions(run_.refine_options));
   manifest.runtime = RuntimeText(run_.options.devices, run_.devices);
   if (!run_.options.image_list_path.empty()) {
-    manifest.runtime["listed_images"] =
-        std::to_string(run_.catalog.NumListed());
+    manifest.runtime["listed_images"] = std::to_string(run_.plan.NumListed());
   }
   NoteMasks(run_.NumMasks(), &manifest);
   NotePriors(run_.NumPriors(), &manifest);
@@ -106,7 +106,7 @@ void ManifestAccount::MarkFailures(const PipelineOutcome& outcome,
     }
     Manifest::Entry& entry = manifest->images[i];
     entry.note = FailureText(outcome.failures[i]);
-    if (WasRefinedBefore(run_.catalog, i)) {
+    if (WasRefinedBefore(run_.plan, i)) {
       // The image was only to be observed, and its maps are as valid as before.
       entry.note = "cannot be observed for other images: " + entry.note;
     } else {
@@ -126,10 +126,7 @@ void ShardAccount::Begin() {
   record_.num_masks = run_.NumMasks();
   record_.num_priors = run_.NumPriors();
   for (const size_t index : run_.Images()) {
-    record_.images.push_back({run_.catalog.Name(run_.catalog.Reference(index)),
-                              State::kNeeded,
-                              {},
-                              ""});
+    record_.images.push_back({run_.plan.Name(index), State::kNeeded, {}, ""});
   }
   if (!IsObserving()) {
     observed_ = ReadObservedShards(run_.workspace, record_, run_.shards);
@@ -139,9 +136,9 @@ void ShardAccount::Begin() {
 
 void ShardAccount::BeforeObserving() {
   for (size_t i = 0; i < run_.Images().size(); ++i) {
-    const int reference = run_.catalog.Reference(run_.Images()[i]);
+    const int reference = run_.plan.Reference(run_.Images()[i]);
     if (!run_.HasScenePlanes() && !run_.workspace.IsOutput() &&
-        run_.catalog.HasMaps(reference)) {
+        run_.plan.HasMaps(reference)) {
       // The other shards read the original, whatever becomes of the maps.
       StoreOriginals(run_.workspace, reference);
     }
@@ -152,7 +149,7 @@ void ShardAccount::BeforeObserving() {
 void ShardAccount::BeforeComposing() {
   std::vector<int> own;
   for (const size_t index : run_.Images()) {
-    own.push_back(run_.catalog.Reference(index));
+    own.push_back(run_.plan.Reference(index));
   }
   run_.inputs.Expect(observed_.inputs, own);
   for (const int image : own) {
@@ -166,8 +163,8 @@ void ShardAccount::BeforeComposing() {
   }
   run_.evidence.Expect(observed_.with_evidence);
   for (const size_t index : run_.Images()) {
-    if (run_.catalog.CanRefine(index) && !run_.catalog.HasBeenRefined(index)) {
-      for (const int view : run_.catalog.SourcesAndReference(index)) {
+    if (run_.plan.CanRefine(index) && !run_.plan.HasBeenRefined(index)) {
+      for (const int view : run_.plan.SourcesAndReference(index)) {
         RequireObserved(run_.workspace, view, observed_);
         run_.evidence.IsCurrent(view);
       }
@@ -193,15 +190,14 @@ void ShardAccount::End(const PipelineOutcome& outcome) {
 }
 
 State ShardAccount::ObservedState(size_t index) const {
-  if (!run_.HasScenePlanes() || !run_.catalog.CanRefine(index)) {
+  if (!run_.HasScenePlanes() || !run_.plan.CanRefine(index)) {
     return State::kNothing;
   }
-  if (!run_.catalog.IsNeeded(index)) {
+  if (!run_.plan.IsNeeded(index)) {
     return State::kNotNeeded;
   }
-  return run_.evidence.IsCurrent(run_.catalog.Reference(index))
-             ? State::kObserved
-             : State::kNothing;
+  return run_.evidence.IsCurrent(run_.plan.Reference(index)) ? State::kObserved
+                                                             : State::kNothing;
 }
 
 }  // namespace tsar

@@ -3,63 +3,17 @@
 
 #pragma once
 
-#include "colmap_tsar/base/error.h"
-#include "colmap_tsar/run/evidence_store.h"
-#include "colmap_tsar/run/image_catalog.h"
-#include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/pipeline_outcome.h"
-#include "colmap_tsar/run/refine_devices.h"
-#include "colmap_tsar/run/refine_workspace.h"
-#include "colmap_tsar/run/scene_model_store.h"
+#include "colmap_tsar/run/refine_run.h"
 #include "colmap_tsar/run/shard_entries.h"
-#include "colmap_tsar/run/store/count_masks.h"
 #include "colmap_tsar/run/store/manifest.h"
 #include "colmap_tsar/run/store/shard_record.h"
-#include "colmap_tsar/run/store/workspace.h"
-#include "colmap_tsar/view/refine_options.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
-#include <vector>
 
 namespace tsar {
-
-// The parts of a run over images. All outlive the objects they are passed to.
-struct RefineRun {
-  const WorkspaceRefineOptions& options;
-  const RefineOptions& refine_options;
-  Workspace& workspace;  // The one that is written.
-  // Indices in Problems(), by shard; the run works on those of its own shard.
-  const std::vector<std::vector<size_t>>& shards;
-  const RefineDevices& devices;
-  InputFingerprints& inputs;
-  EvidenceStore& evidence;
-  const SceneModelStore& model;
-  ImageCatalog& catalog;
-
-  const std::vector<size_t>& Images() const {
-    return shards[static_cast<size_t>(options.shard.index)];
-  }
-  // Whether some image of the run has yet to be refined and can be.
-  bool IsAnyNeeded() const {
-    return std::any_of(Images().begin(), Images().end(), [&](size_t index) {
-      return catalog.IsToBeRefined(index);
-    });
-  }
-  // The number of the run's images with a mask; nothing without masks.
-  std::optional<int64_t> NumMasks() const {
-    return CountMasks(workspace, ReferencesOf(workspace, Images()));
-  }
-  // The number of the run's images with a depth prior; nothing without priors.
-  std::optional<int64_t> NumPriors() const {
-    return workspace.Priors().Count(ReferencesOf(workspace, Images()));
-  }
-  bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
-};
 
 // The files that a run writes beside the results of its images, so that the
 // user, later runs and other shards know its state.

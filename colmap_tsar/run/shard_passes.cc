@@ -9,12 +9,13 @@
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/run/gpu_workers.h"
-#include "colmap_tsar/run/image_catalog.h"
 #include "colmap_tsar/run/input_fingerprints.h"
+#include "colmap_tsar/run/listed_images.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/model_pass.h"
 #include "colmap_tsar/run/open_workspace.h"
 #include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/scene_model_store.h"
 #include "colmap_tsar/run/shard.h"
 #include "colmap_tsar/run/shard_entries.h"
@@ -52,20 +53,20 @@ void Model(const WorkspaceRefineOptions& options,
     return;
   }
   const WorkspaceOverview overview = CheckWorkspace(workspace);
-  const MemoryPlan plan = PlanRefinement(refine_options, overview);
-  ModelResources resources = PlanModelPass(options.devices, plan);
+  const MemoryPlan memory = PlanRefinement(refine_options, overview);
+  ModelResources resources = PlanModelPass(options.devices, memory);
   const std::string options_hash = HashRefineOptions(refine_options);
   InputFingerprints inputs(workspace);
   inputs.Expect(observed.inputs, {});
   const SceneModelStore store(workspace, inputs, options_hash);
-  ImageCatalog catalog(workspace,
-                       overview.has_maps,
-                       options_hash,
-                       inputs,
-                       store.PlanesFingerprint(),
-                       /*reuses_results=*/true,
-                       refine_options.distrust_unmatched);
-  if (store.IsCurrent() || !catalog.IsAnyNeeded()) {
+  RefinePlan plan(workspace,
+                  inputs,
+                  overview.has_maps,
+                  FindListedImages(workspace, {}),
+                  options_hash,
+                  store.PlanesFingerprint(),
+                  /*reuses_results=*/true);
+  if (store.IsCurrent() || !plan.IsAnyNeeded()) {
     return;
   }
   EvidenceStore evidence(
@@ -74,17 +75,17 @@ void Model(const WorkspaceRefineOptions& options,
       options_hash,
       NumEvidenceViews(overview, static_cast<size_t>(resources.num_views)));
   evidence.Expect(observed.with_evidence);
-  for (size_t index = 0; index < catalog.NumImages(); ++index) {
-    RequireObserved(workspace, catalog.Reference(index), observed);
+  for (size_t index = 0; index < plan.NumImages(); ++index) {
+    RequireObserved(workspace, plan.Reference(index), observed);
   }
   // A GPU too small for observing or composing may suffice here.
   const std::vector<GpuWorkers> gpus =
       OpenGpus(options.devices,
-               ForLabelsAlone(plan),
-               static_cast<int>(catalog.NumImages()),
+               ForLabelsAlone(memory),
+               static_cast<int>(plan.NumImages()),
                GpuSystem::Cuda());
-  AddGpus(gpus, plan, &resources);
-  if (!ModelWorkspace({workspace, catalog, evidence, store, refine_options},
+  AddGpus(gpus, memory, &resources);
+  if (!ModelWorkspace({workspace, plan, evidence, store, refine_options},
                       resources,
                       "Scene model,",
                       progress,

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/run/image_tasks.h"
+#include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/refine_devices.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"

@@ -1,11 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/refine_task.h"
+#include "colmap_tsar/run/refine_passes.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/run/compose_task.h"
-#include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/model_pass.h"
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/refine_option_list.h"
@@ -50,7 +48,7 @@ class BrokenDevice : public CountingDevice {
   bool is_broken_ = false;
 };
 
-class RefineTaskTest : public testing::Test {
+class RefinePassesTest : public testing::Test {
  protected:
   // Runs all images with one worker; what a stage throws is kept. With
   // scene_planes, what they observe comes first, and where that fails, nothing
@@ -59,29 +57,44 @@ class RefineTaskTest : public testing::Test {
            bool scene_planes,
            bool finds_scenes_ahead = false) {
     const CountingDevice& counter = *device;
-    const Workspace workspace(root_, MapType::kGeometric);
-    std::vector<RefineWorker> workers;
-    DeviceViewCache views(1 << 20);
-    workers.push_back({"GPU 3 (Card)", std::move(device), &views});
+    Workspace workspace(root_, MapType::kGeometric);
+    RefineDevices devices;
+    devices.view_caches.push_back(std::make_unique<DeviceViewCache>(1 << 20));
+    devices.workers.push_back(
+        {"GPU 3 (Card)", std::move(device), devices.view_caches.front().get()});
+    devices.finds_scenes_ahead = finds_scenes_ahead;
+    WorkspaceOverview overview;
+    overview.map_sides = map_sides_;
     RefineOptions options;
     options.scene_planes = scene_planes;
     InputFingerprints inputs(workspace);
     EvidenceStore evidence(workspace, inputs, HashRefineOptions(options), 4);
-    ImageCatalog images(workspace,
-                        std::vector<bool>(4, true),
-                        HashRefineOptions(options),
-                        inputs,
-                        /*planes=*/"",
-                        /*reuses_results=*/true,
-                        options.distrust_unmatched);
-    const RefineTaskInputs task_inputs = {images, options, workers};
-    ViewCache cache(
-        1 << 30, 1 << 20, [&](int image) { return images.Load(image); });
+    const SceneModelStore model(workspace, inputs, HashRefineOptions(options));
+    RefinePlan plan(workspace,
+                    inputs,
+                    std::vector<bool>(4, true),
+                    std::vector<bool>(4, true),
+                    HashRefineOptions(options),
+                    scene_planes ? model.PlanesFingerprint() : "",
+                    /*reuses_results=*/true);
+    ViewLoader loader(workspace, plan, options.distrust_unmatched);
+    const WorkspaceRefineOptions workspace_options;
+    const std::vector<std::vector<size_t>> shards = {{0, 1, 2, 3}};
+    const RefineRun run = {workspace_options,
+                           options,
+                           workspace,
+                           overview,
+                           shards,
+                           devices,
+                           inputs,
+                           evidence,
+                           model,
+                           plan,
+                           loader};
+    std::vector<StageSeconds> seconds(4);
     if (scene_planes) {
-      const SceneModelStore model(
-          workspace, inputs, HashRefineOptions(options));
-      ObserveTask observe(task_inputs, evidence, model.IsCurrent());
-      RunPipeline(observe, cache);
+      ObservePass observe(run, seconds);
+      RunPipeline(observe, run);
       observed_ = reports_;
       num_allocations_to_observe_ = counter.NumAllocations();
       if (FirstFailed() < 4) {
@@ -90,34 +103,28 @@ class RefineTaskTest : public testing::Test {
       std::ostringstream text;
       Progress progress(text, false);
       EXPECT_TRUE(model.IsCurrent() ||
-                  ModelWorkspace({workspace, images, evidence, model, options},
+                  ModelWorkspace({workspace, plan, evidence, model, options},
                                  {},
                                  "",
                                  progress,
                                  [] { return false; }));
-      ComposeTask compose(task_inputs,
-                          workspace,
-                          evidence,
-                          model.Read(),
-                          map_sides_,
-                          finds_scenes_ahead);
-      for (size_t index = 0; index < images.NumImages(); ++index) {
-        composed_views_[images.Reference(index)] = compose.Views(index);
-      }
-      RunPipeline(compose, cache);
-    } else {
-      SingleViewTask refine(task_inputs);
-      RunPipeline(refine, cache);
     }
+    ComposePass compose(run, seconds);
+    for (size_t index = 0; index < plan.NumImages(); ++index) {
+      composed_views_[plan.Reference(index)] = compose.Views(index);
+    }
+    RunPipeline(compose, run);
     num_allocations_ = counter.NumAllocations();
   }
-  void RunPipeline(RefineTask& task, ViewCache& cache) {
+  void RunPipeline(ImageTasks<RefineResult>& pass, const RefineRun& run) {
     std::ostringstream text;
     Progress progress(text, false);
     const std::function<bool()> never = [] { return false; };
+    ViewCache cache(
+        1 << 30, 1 << 20, [&](int image) { return run.loader.Load(image); });
     PipelineOutcome outcome =
         ImagePipeline<RefineResult>(
-            task, {0, 1, 2, 3}, "", cache, {}, progress, never)
+            pass, run.Images(), "", cache, {}, progress, never)
             .Run(1);
     reports_ = std::move(outcome.reports);
     failures_ = std::move(outcome.failures);
@@ -182,7 +189,7 @@ class RefineTaskTest : public testing::Test {
   int num_allocations_ = 0;
 };
 
-TEST_F(RefineTaskTest, NamesTheGpuAndTheImageThatItFailedOn) {
+TEST_F(RefinePassesTest, NamesTheGpuAndTheImageThatItFailedOn) {
   MakeSyntheticWorkspace(root_);
   Run(false);
   ExpectAllRefined();
@@ -196,7 +203,7 @@ TEST_F(RefineTaskTest, NamesTheGpuAndTheImageThatItFailedOn) {
   }
 }
 
-TEST_F(RefineTaskTest, AFailureWhileObservingChangesNoMap) {
+TEST_F(RefinePassesTest, AFailureWhileObservingChangesNoMap) {
   MakeSyntheticWorkspace(root_);
   const auto before = ReadMaps();
   Run(true);
@@ -210,7 +217,7 @@ TEST_F(RefineTaskTest, AFailureWhileObservingChangesNoMap) {
   }
 }
 
-TEST_F(RefineTaskTest, AFailureWhileComposingLeavesTheOthersRefined) {
+TEST_F(RefinePassesTest, AFailureWhileComposingLeavesTheOthersRefined) {
   MakeSyntheticWorkspace(root_);
   Run(true);
   const auto refined = ReadMaps();
@@ -231,7 +238,7 @@ TEST_F(RefineTaskTest, AFailureWhileComposingLeavesTheOthersRefined) {
   }
 }
 
-TEST_F(RefineTaskTest, WhoFindsTheScenesChangesNoByte) {
+TEST_F(RefinePassesTest, WhoFindsTheScenesChangesNoByte) {
   MakeSyntheticWorkspace(root_);
   Run(true);
   ExpectAllRefined();
@@ -247,7 +254,7 @@ TEST_F(RefineTaskTest, WhoFindsTheScenesChangesNoByte) {
   }
 }
 
-TEST_F(RefineTaskTest, ComparesMapsThatAreJudgedAsTheyAre) {
+TEST_F(RefinePassesTest, ComparesMapsThatAreJudgedAsTheyAre) {
   MakeSyntheticWorkspace(root_);
   map_sides_[2] = kMaxJudgingSide + 1;
   Run(true);
@@ -263,7 +270,7 @@ TEST_F(RefineTaskTest, ComparesMapsThatAreJudgedAsTheyAre) {
   }
 }
 
-TEST_F(RefineTaskTest, ObservesOnlyWhatSomebodyNeeds) {
+TEST_F(RefinePassesTest, ObservesOnlyWhatSomebodyNeeds) {
   MakeSyntheticWorkspace(root_);
   WriteText(root_ / "stereo/patch-match.cfg",
             "v0.png\nv1.png\nv1.png\nv0.png\n"

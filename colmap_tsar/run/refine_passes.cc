@@ -1,0 +1,315 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/refine_passes.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/image_name_hash.h"
+#include "colmap_tsar/base/stopwatch.h"
+#include "colmap_tsar/compose/compose_image.h"
+#include "colmap_tsar/compose/measure_image.h"
+#include "colmap_tsar/compose/photometric_detail.h"
+#include "colmap_tsar/device/scoped_synchronization.h"
+#include "colmap_tsar/run/load_view.h"
+#include "colmap_tsar/view/reduce_view.h"
+#include "colmap_tsar/view/refine_option_list.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+void AddSeconds(const StageSeconds& seconds, StageSeconds* sums) {
+  for (const auto& [stage, value] : seconds) {
+    (*sums)[stage] += value;
+  }
+}
+
+// Returns what work() returns. An error gets the names of image and device.
+template <typename Work>
+auto NamePlaceOfErrors(const RefineRun& run,
+                       size_t index,
+                       const std::string& device,
+                       const Work& work) {
+  try {
+    return work();
+  } catch (const Error& error) {
+    throw Error(error.Code(),
+                run.plan.Name(index) + " on " + device + ": " + error.what());
+  }
+}
+
+// Null without an observer.
+std::unique_ptr<StageObserver> ObserverOf(const RefineRun& run,
+                                          size_t index,
+                                          const ViewData& view) {
+  return run.observer && run.plan.IsListed(index)
+             ? run.observer->Observe(run.plan.Name(index), view.depth)
+             : nullptr;
+}
+
+// RefineImage, or MeasureImage.
+using SingleViewStages =
+    RefineResult (*)(const ViewData& reference,
+                     std::vector<DeviceViewCache::View> sources,
+                     uint32_t image_id,
+                     const RefineOptions& options,
+                     Device& device,
+                     StageObserver* observer);
+
+// Runs the stages with the sources in the worker's memory.
+RefineResult RunSingleView(const RefineRun& run,
+                           size_t index,
+                           const RefineWorker& worker,
+                           ViewCache::Lease* views,
+                           SingleViewStages stages) {
+  const int image = run.plan.Reference(index);
+  const ViewData& reference = views->Get(image);
+  const std::unique_ptr<StageObserver> observer =
+      ObserverOf(run, index, reference);
+  return NamePlaceOfErrors(run, index, worker.name, [&] {
+    const Stopwatch uploading;
+    // Nothing reads the sources before DeviceViews owns them, which waits for
+    // the device before it releases them, also where a stage fails.
+    std::vector<DeviceViewCache::View> sources;
+    for (const int source : run.plan.Sources(index)) {
+      sources.push_back(
+          worker.views->Get(source, views->Get(source), *worker.device));
+      if (source != image) {
+        views->Release(source);
+      }
+    }
+    const double upload_seconds = uploading.Seconds();
+    RefineResult result = stages(reference,
+                                 std::move(sources),
+                                 HashImageName(run.plan.Name(index)),
+                                 run.refine_options,
+                                 *worker.device,
+                                 observer.get());
+    result.seconds["upload"] += upload_seconds;
+    return result;
+  });
+}
+
+// Whether the image was observed, that is, has depths at the size at which it
+// is judged.
+bool WasObserved(const ViewData& view) {
+  return HasReducedDepth(
+      view, ReductionFactor(view.depth.Width(), view.depth.Height()));
+}
+
+// Empty maps of the size of this map.
+RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
+  const int width = depth.Width();
+  const int height = depth.Height();
+  RefinedMaps maps{Image<float>(width, height),
+                   Image<Vec3f>(width, height),
+                   Image<float>(width, height),
+                   Image<uint8_t>(width, height)};
+  if (NeedsEvidence(options)) {
+    maps.planes = Image<uint16_t>(width, height);
+  }
+  if (options.sigma_maps) {
+    maps.sigma = Image<uint16_t>(width, height);
+  }
+  return maps;
+}
+
+}  // namespace
+
+ObservePass::ObservePass(const RefineRun& run,
+                         std::vector<StageSeconds>& seconds)
+    : run_(run),
+      seconds_(seconds),
+      has_model_(run.observer == nullptr && run.model.IsCurrent()) {}
+
+ImageReport ObservePass::Begin(size_t index) {
+  ImageReport report;
+  if (run_.plan.CanRefine(index)) {
+    run_.plan.WarnOfChanges(index);
+  }
+  // The last pass finds out and reports why an image cannot be refined.
+  if (!(has_model_ ? run_.plan.IsNeeded(index) : run_.plan.IsAnyNeeded()) ||
+      (run_.observer == nullptr &&
+       run_.evidence.IsCurrent(run_.plan.Reference(index))) ||
+      !run_.plan.CanRefine(index)) {
+    report.outcome = ImageReport::Outcome::kSkipped;
+  }
+  return report;
+}
+
+RefineResult ObservePass::Compute(size_t index,
+                                  size_t worker,
+                                  ViewCache::Lease* views,
+                                  ImageReport* /*report*/) {
+  if (!HasDepth(views->Get(run_.plan.Reference(index)).depth)) {
+    return {};
+  }
+  return RunSingleView(
+      run_, index, run_.devices.workers[worker], views, MeasureImage);
+}
+
+void ObservePass::Write(size_t index,
+                        RefineResult result,
+                        ImageReport* report) {
+  if (result.measured) {
+    NamePlaceOfErrors(run_, index, "the CPU", [&] {
+      MakeEvidence(run_.refine_options, *Device::CreateCpu(1), &result);
+    });
+    run_.evidence.Write(run_.plan.Reference(index), *result.evidence);
+  }
+  AddSeconds(report->seconds, &seconds_[index]);
+  AddSeconds(result.seconds, &seconds_[index]);
+  report->outcome = ImageReport::Outcome::kDone;
+}
+
+ComposePass::ComposePass(const RefineRun& run,
+                         std::vector<StageSeconds> seconds)
+    : run_(run),
+      seconds_(std::move(seconds)),
+      writer_(run.workspace,
+              run.inputs,
+              run.loader,
+              HashRefineOptions(run.refine_options),
+              run.HasScenePlanes() ? run.model.PlanesFingerprint() : ""),
+      model_(run.HasScenePlanes() && run.IsAnyNeeded() ? run.model.Read()
+                                                       : SceneModel()),
+      scenes_(run.plan.NumImages()) {}
+
+ImageReport ComposePass::Begin(size_t index) {
+  ImageReport report = run_.plan.Begin(index);
+  if (report.outcome == ImageReport::Outcome::kKept) {
+    writer_.Keep(run_.plan.Reference(index), report.reason, &report);
+  } else if (report.outcome == ImageReport::Outcome::kNotDone) {
+    report.seconds = seconds_[index];
+    if (!run_.HasScenePlanes()) {
+      run_.plan.WarnOfChanges(index);
+    }
+  }
+  return report;
+}
+
+std::vector<int> ComposePass::Views(size_t index) const {
+  if (!run_.HasScenePlanes()) {
+    return run_.plan.SourcesAndReference(index);
+  }
+  std::vector<int> views = ComparedSources(index);
+  views.push_back(run_.plan.Reference(index));
+  return views;
+}
+
+void ComposePass::Prepare(size_t index, const ViewCache::Lease& views) {
+  if (run_.HasScenePlanes() && run_.devices.finds_scenes_ahead &&
+      WasObserved(views.Get(run_.plan.Reference(index)))) {
+    scenes_[index] = NamePlaceOfErrors(run_, index, "the CPU", [&] {
+      return FindImageScene(run_, model_, index, *Device::CreateCpu(1));
+    });
+  }
+}
+
+RefineResult ComposePass::Compute(size_t index,
+                                  size_t worker,
+                                  ViewCache::Lease* views,
+                                  ImageReport* report) {
+  const int image = run_.plan.Reference(index);
+  const ViewData& reference = views->Get(image);
+  report->counts["not_finite"] = reference.num_not_finite;
+  RefineResult result;
+  if (!HasDepth(reference.depth)) {
+    if (IsMaskedAway(run_.workspace, image)) {
+      // Masked depths are not to stay.
+      result.maps = EmptyMaps(reference.depth, run_.refine_options);
+    } else {
+      result.reason_to_keep =
+          "its depth map holds no valid depth, or none where the image has "
+          "texture";
+    }
+    return result;
+  }
+  report->num_sources_without_maps =
+      static_cast<int>(run_.plan.Problem(index).sources.size() -
+                       run_.plan.Sources(index).size());
+  result =
+      run_.HasScenePlanes()
+          ? Compose(index, worker, views)
+          : RunSingleView(
+                run_, index, run_.devices.workers[worker], views, RefineImage);
+  if (result.reason_to_keep.empty()) {
+    report->counts["depth_before"] = reference.num_depths_to_refine;
+  }
+  return result;
+}
+
+void ComposePass::Write(size_t index,
+                        RefineResult result,
+                        ImageReport* report) {
+  const int image = run_.plan.Reference(index);
+  if (!result.reason_to_keep.empty()) {
+    writer_.Keep(image, result.reason_to_keep, report);
+    return;
+  }
+  AddSeconds(result.seconds, &report->seconds);
+  report->prior = result.prior;
+  writer_.Write(image, std::move(result.maps), report);
+}
+
+RefineResult ComposePass::Compose(size_t index,
+                                  size_t worker_index,
+                                  ViewCache::Lease* views) {
+  const ViewData& reference = views->Get(run_.plan.Reference(index));
+  if (!WasObserved(reference)) {
+    RefineResult result;
+    result.reason_to_keep = kNothingReliable;
+    return result;
+  }
+  const RefineWorker& worker = run_.devices.workers[worker_index];
+  const std::unique_ptr<StageObserver> observer =
+      ObserverOf(run_, index, reference);
+  return NamePlaceOfErrors(run_, index, worker.name, [&] {
+    std::unique_ptr<ImageScene> scene = std::move(scenes_[index]);
+    if (!scene) {
+      scene = FindImageScene(run_, model_, index, *worker.device);
+    }
+    std::vector<DeviceViewCache::View> sources;
+    for (const int source : ComparedSources(index)) {
+      sources.push_back(
+          worker.views->Get(source, views->Get(source), *worker.device));
+      views->Release(source);
+    }
+    // The views belong to other devices, too, which may free them.
+    const ScopedSynchronization synchronization(*worker.device);
+    return ComposeImage(reference,
+                        sources,
+                        scene->views,
+                        scene->found,
+                        run_.refine_options,
+                        *worker.device,
+                        observer.get());
+  });
+}
+
+std::vector<int> ComposePass::ComparedSources(size_t index) const {
+  std::vector<int> sources;
+  const int reference = run_.plan.Reference(index);
+  if (!run_.refine_options.photometric || !IsJudgedAsItIs(reference)) {
+    return sources;
+  }
+  for (const int source : run_.plan.Sources(index)) {
+    if (source != reference && IsJudgedAsItIs(source) &&
+        sources.size() < kMaxPhotometricSources) {
+      sources.push_back(source);
+    }
+  }
+  // A fixed order gives the same result for the same sources in any ranking.
+  std::sort(sources.begin(), sources.end());
+  return sources;
+}
+
+bool ComposePass::IsJudgedAsItIs(int image) const {
+  const int side = run_.overview.map_sides[static_cast<size_t>(image)];
+  return ReductionFactor(side, side) == 1;
+}
+
+}  // namespace tsar

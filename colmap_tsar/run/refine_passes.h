@@ -1,0 +1,85 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/compose/refine_image.h"
+#include "colmap_tsar/run/image_pipeline.h"
+#include "colmap_tsar/run/image_scene.h"
+#include "colmap_tsar/run/refine_run.h"
+#include "colmap_tsar/run/result_writer.h"
+#include "colmap_tsar/scene/evidence/scene_model.h"
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+using StageSeconds = std::map<std::string, double>;
+
+// Pass 1 of 3: writes the evidence of each image to the store. Unless
+// everything is to be done anew, it leaves out images with current evidence,
+// and images that nobody needs: where the planes of the scene are known, only
+// those that are to be refined and their sources are needed.
+class ObservePass : public ImageTasks<RefineResult> {
+ public:
+  // Both must outlive this object. seconds: by image of the run, receives the
+  // times.
+  ObservePass(const RefineRun& run, std::vector<StageSeconds>& seconds);
+
+  ImageReport Begin(size_t index) override;
+  std::vector<int> Views(size_t index) const override {
+    return run_.plan.SourcesAndReference(index);
+  }
+  RefineResult Compute(size_t index,
+                       size_t worker,
+                       ViewCache::Lease* views,
+                       ImageReport* report) override;
+  void Write(size_t index, RefineResult result, ImageReport* report) override;
+
+ private:
+  const RefineRun& run_;
+  std::vector<StageSeconds>& seconds_;
+  const bool has_model_;
+};
+
+// Pass 3 of 3: composes the maps of each image from its own evidence, that of
+// its sources, and the planes of the scene. Without these, it is the only pass
+// and refines each image by itself. Images that cannot be refined keep their
+// maps; those whose mask leaves no depth get empty ones.
+class ComposePass : public ImageTasks<RefineResult> {
+ public:
+  // run must outlive this object. seconds: by image of the run, the times of
+  // observing.
+  ComposePass(const RefineRun& run, std::vector<StageSeconds> seconds);
+
+  ImageReport Begin(size_t index) override;
+  std::vector<int> Views(size_t index) const override;
+  // Finds the scene of the image where the workers are GPUs, which would
+  // otherwise wait for the CPU meanwhile.
+  void Prepare(size_t index, const ViewCache::Lease& views) override;
+  RefineResult Compute(size_t index,
+                       size_t worker,
+                       ViewCache::Lease* views,
+                       ImageReport* report) override;
+  void Write(size_t index, RefineResult result, ImageReport* report) override;
+
+ private:
+  // The sources that the composed map is compared with: those whose maps are
+  // judged at full size; none where the reference's is not.
+  std::vector<int> ComparedSources(size_t index) const;
+  bool IsJudgedAsItIs(int image) const;
+  RefineResult Compose(size_t index, size_t worker, ViewCache::Lease* views);
+
+  const RefineRun& run_;
+  const std::vector<StageSeconds> seconds_;
+  ResultWriter writer_;
+  const SceneModel model_;
+  // The scenes that Prepare() found for Compute(), by image of the run.
+  std::vector<std::unique_ptr<ImageScene>> scenes_;
+};
+
+}  // namespace tsar

@@ -1,0 +1,186 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/run/refine_plan.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/run/store/write_back.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+namespace tsar {
+namespace {
+
+// The record of the image's last refinement; nothing where it was kept or not
+// begun.
+std::optional<ImageRecord> ReadRecordOfDone(const Workspace& workspace,
+                                            int image) {
+  std::optional<ImageRecord> record =
+      ReadRecord(workspace.Paths(image, workspace.Type()).record);
+  return record && record->status == ImageStatus::kDone ? record : std::nullopt;
+}
+
+}  // namespace
+
+RefinePlan::RefinePlan(const Workspace& workspace,
+                       InputFingerprints& inputs,
+                       std::vector<bool> has_maps,
+                       std::vector<bool> is_listed,
+                       std::string options_hash,
+                       std::string planes,
+                       bool reuses_results)
+    : workspace_(workspace),
+      inputs_(inputs),
+      has_maps_(std::move(has_maps)),
+      is_listed_(std::move(is_listed)),
+      options_hash_(std::move(options_hash)),
+      planes_(std::move(planes)),
+      reuses_results_(reuses_results),
+      is_done_flags_(workspace.Problems().size()),
+      is_done_(workspace.Problems().size()),
+      users_(workspace.Model().images.size()) {
+  for (size_t index = 0; index < NumImages(); ++index) {
+    if (CanRefine(index)) {
+      for (const int view : SourcesAndReference(index)) {
+        users_[static_cast<size_t>(view)].push_back(index);
+      }
+    }
+  }
+}
+
+const std::string& RefinePlan::Name(size_t index) const {
+  return workspace_.Model().images[static_cast<size_t>(Reference(index))].name;
+}
+
+std::vector<int> RefinePlan::Sources(size_t index) const {
+  std::vector<int> sources;
+  std::copy_if(Problem(index).sources.begin(),
+               Problem(index).sources.end(),
+               std::back_inserter(sources),
+               [&](int source) { return HasMaps(source); });
+  return sources;
+}
+
+std::vector<int> RefinePlan::SourcesAndReference(size_t index) const {
+  std::vector<int> views = Sources(index);
+  views.push_back(Reference(index));
+  return views;
+}
+
+bool RefinePlan::CanRefine(size_t index) const {
+  return HasMaps(Reference(index)) && !Sources(index).empty();
+}
+
+size_t RefinePlan::NumListed() const {
+  return static_cast<size_t>(
+      std::count(is_listed_.begin(), is_listed_.end(), true));
+}
+
+bool RefinePlan::IsCurrent(int image) {
+  return IsDone(
+      workspace_, image, options_hash_, inputs_.OfResult(image, planes_));
+}
+
+bool RefinePlan::HasBeenRefined(size_t index) {
+  std::call_once(is_done_flags_[index], [&] {
+    // Records the inputs before any is read, also where nothing is reused.
+    inputs_.OfResult(Reference(index));
+    is_done_[index] = reuses_results_ && IsCurrent(Reference(index));
+  });
+  return is_done_[index] != 0;
+}
+
+bool RefinePlan::IsToBeRefined(size_t index) {
+  return IsListed(index) && CanRefine(index) && !HasBeenRefined(index);
+}
+
+bool RefinePlan::IsNeeded(size_t index) {
+  const std::vector<size_t>& users =
+      users_[static_cast<size_t>(Reference(index))];
+  return std::any_of(users.begin(), users.end(), [&](size_t other) {
+    return IsToBeRefined(other);
+  });
+}
+
+bool RefinePlan::IsAnyNeeded() {
+  std::call_once(is_any_needed_flag_, [&] {
+    for (size_t index = 0; index < NumImages() && !is_any_needed_; ++index) {
+      is_any_needed_ = IsToBeRefined(index);
+    }
+  });
+  return is_any_needed_;
+}
+
+void RefinePlan::RequireOthersFit(const std::filesystem::path& list) {
+  for (size_t index = 0; index < NumImages(); ++index) {
+    if (!IsListed(index) && IsAnyNeeded() &&
+        ReadRecordOfDone(workspace_, Reference(index)) &&
+        !IsCurrent(Reference(index))) {
+      throw Error::File(
+          ErrorCode::kUnsupported,
+          list.string(),
+          "leaves out " + Name(index) +
+              ", which was refined with other options, or from what has "
+              "changed since, and would no longer fit the others",
+          "leave " + OptionName("image_list_path") + " out, or give another " +
+              OptionName("output_path"));
+    }
+  }
+}
+
+void RefinePlan::WarnOfChanges(size_t index) {
+  if (!IsListed(index) || HasBeenRefined(index) || !reuses_results_) {
+    return;
+  }
+  const std::optional<ImageRecord> record =
+      ReadRecordOfDone(workspace_, Reference(index));
+  if (!record || record->options_hash != options_hash_) {
+    return;
+  }
+  std::string reason =
+      record->version != TSAR_VERSION
+          ? "it was refined by another version"
+          : inputs_.ChangesOfResult(Reference(index), record->inputs);
+  if (reason.empty()) {
+    reason = "some of what was written for it is missing or has changed";
+  }
+  Warn(Name(index) + ": refined again, since " + reason);
+}
+
+ImageReport RefinePlan::Begin(size_t index) {
+  const int image = Reference(index);
+  const std::string type = ToString(workspace_.Type());
+  ImageReport report;
+  if (!IsListed(index)) {
+    report.outcome = ImageReport::Outcome::kNotListed;
+    return report;
+  }
+  // Records the state of the maps, for their users, before they change.
+  inputs_.OfView(image);
+  if (!HasMaps(image)) {
+    report.reason =
+        "it has no " + type + " maps; " +
+        AdviceForMissing(workspace_.DepthPath(image, workspace_.Type()),
+                         "run patch_match_stereo for this image");
+  } else if (Problem(index).sources.empty()) {
+    report.reason = Problem(index).without_sources;
+  } else if (Sources(index).empty()) {
+    report.reason = "none of its source images has " + type + " maps";
+  } else if (HasBeenRefined(index)) {
+    report.outcome = ImageReport::Outcome::kSkipped;
+    // The counts of the run that refined it.
+    report.counts = ReadRecordOfDone(workspace_, image)->counts;
+  }
+  if (!CanRefine(index)) {
+    report.outcome = ImageReport::Outcome::kKept;
+  }
+  return report;
+}
+
+}  // namespace tsar

@@ -1,0 +1,104 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/input_fingerprints.h"
+#include "colmap_tsar/run/pipeline_outcome.h"
+#include "colmap_tsar/run/store/workspace.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// What a run is to do for which image: the images by their indices in
+// Workspace::Problems(), the maps that they have, and whether they are to be
+// refined. Images of the sparse model, which may also be sources alone, are
+// called `image` and given by their indices there. Reads records and the states
+// of files, no pixels. Can be used from several threads.
+class RefinePlan {
+ public:
+  // All references must outlive this object. has_maps: see WorkspaceOverview.
+  // is_listed: the images that are to be refined; the others stay as they are
+  // and serve as sources alone. options_hash: the hash of the options that the
+  // images are refined with. planes: a fingerprint of the current planes of the
+  // scene, where images share them; images that were refined with others are
+  // refined again. reuses_results: whether images that were refined before the
+  // run stay so.
+  RefinePlan(const Workspace& workspace,
+             InputFingerprints& inputs,
+             std::vector<bool> has_maps,
+             std::vector<bool> is_listed,
+             std::string options_hash,
+             std::string planes,
+             bool reuses_results);
+
+  size_t NumImages() const { return workspace_.Problems().size(); }
+  const StereoProblem& Problem(size_t index) const {
+    return workspace_.Problems()[index];
+  }
+  int Reference(size_t index) const { return Problem(index).reference; }
+  const std::string& Name(size_t index) const;
+  bool HasMaps(int image) const {
+    return has_maps_[static_cast<size_t>(image)];
+  }
+  // The sources that have maps.
+  std::vector<int> Sources(size_t index) const;
+  // The views that single-view stages need.
+  std::vector<int> SourcesAndReference(size_t index) const;
+  // Whether the image and at least one of its sources have maps.
+  bool CanRefine(size_t index) const;
+  bool IsListed(size_t index) const { return is_listed_[index]; }
+  size_t NumListed() const;
+
+  // Whether the image had been refined before the run and is not to be refined
+  // again. The first call checks its maps and inputs.
+  bool HasBeenRefined(size_t index);
+  // Whether the image is listed, can be refined, and has not been refined
+  // before the run.
+  bool IsToBeRefined(size_t index);
+  // Whether the image, or one whose source it is, is to be refined.
+  bool IsNeeded(size_t index);
+  // Whether some image is to be refined.
+  bool IsAnyNeeded();
+
+  // For images that share the planes of the scene, which are found anew where
+  // any image is to be refined: throws kUnsupported, naming the list, where an
+  // image that is not listed was refined before the run with other options, or
+  // from inputs that have changed since.
+  void RequireOthersFit(const std::filesystem::path& list);
+  // Warns where the image is to be refined again because an input has changed.
+  void WarnOfChanges(size_t index);
+
+  // The report of the image before it is refined, with the outcome kNotDone
+  // where it is to be; else the outcome is final, and kKept comes with the
+  // reason.
+  ImageReport Begin(size_t index);
+
+ private:
+  bool IsCurrent(int image);
+
+  const Workspace& workspace_;
+  InputFingerprints& inputs_;
+  const std::vector<bool> has_maps_;
+  const std::vector<bool> is_listed_;  // By image of the run.
+  const std::string options_hash_;
+  const std::string planes_;
+  const bool reuses_results_;
+  // By image of the run: whether it had been refined before the run; valid once
+  // the flag is set.
+  std::vector<std::once_flag> is_done_flags_;
+  std::vector<uint8_t> is_done_;
+  std::once_flag is_any_needed_flag_;
+  bool is_any_needed_ = false;
+  // By image of the sparse model: the images of the run that need it as their
+  // reference or as a source.
+  std::vector<std::vector<size_t>> users_;
+};
+
+}  // namespace tsar

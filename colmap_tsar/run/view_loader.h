@@ -1,0 +1,45 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/run/refine_plan.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/run/view_cache.h"
+
+#include <mutex>
+#include <vector>
+
+namespace tsar {
+
+// Reads the views of a run, by their indices in the sparse model: photo, maps,
+// mask and depth prior. Can be used from several threads.
+class ViewLoader {
+ public:
+  // All references must outlive this object. distrust_unmatched: see
+  // RefineOptions.
+  ViewLoader(const Workspace& workspace,
+             const RefinePlan& plan,
+             bool distrust_unmatched);
+
+  ViewCache::View Load(int image);
+  // The view at the size at which it is judged.
+  ViewCache::View LoadReduced(int image);
+
+  // While the lock is held, nobody reads the files of the image. A thread that
+  // reads its originals while another renames its refined maps could take these
+  // for maps that COLMAP wrote anew.
+  std::unique_lock<std::mutex> Lock(int image) {
+    return std::unique_lock(mutexes_[static_cast<size_t>(image)]);
+  }
+
+ private:
+  void DropUnmatchedDepths(int image, ViewData* view);
+
+  const Workspace& workspace_;
+  const RefinePlan& plan_;
+  const bool distrust_unmatched_;
+  std::vector<std::mutex> mutexes_;  // By image of the sparse model.
+};
+
+}  // namespace tsar
