@@ -210,6 +210,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   std::vector<StageSeconds> seconds(run.plan.NumImages());
 
   if (options_.pass != RefinePass::kCompose) {
+    // Pass 1: the evidence of all images.
     account.BeforeObserving();
     PipelineOutcome outcome(images.size());
     if (run.HasScenePlanes()) {
@@ -226,7 +227,8 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
     if (options_.pass == RefinePass::kObserve) {
       return outcome;
     }
-    // The planes of a scene with unobserved views would be others.
+    // Pass 2: the planes of the scene, which would be others with unobserved
+    // views. From here on, the outcome is that no image has been refined.
     bool is_complete = outcome.IsComplete();
     outcome.num_observed = outcome.NumDone();
     outcome.reports.assign(images.size(), ImageReport());
@@ -251,6 +253,7 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
     }
   }
 
+  // Pass 3, or the only one: the maps.
   account.BeforeComposing();
   ComposePass compose(run, std::move(seconds));
   return run_pass(compose,

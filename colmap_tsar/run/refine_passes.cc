@@ -291,13 +291,17 @@ RefineResult ComposePass::Compose(size_t index,
 }
 
 std::vector<int> ComposePass::ComparedSources(size_t index) const {
+  const auto is_judged_as_it_is = [&](int image) {
+    const int side = run_.overview.map_sides[static_cast<size_t>(image)];
+    return ReductionFactor(side, side) == 1;
+  };
   std::vector<int> sources;
   const int reference = run_.plan.Reference(index);
-  if (!run_.refine_options.photometric || !IsJudgedAsItIs(reference)) {
+  if (!run_.refine_options.photometric || !is_judged_as_it_is(reference)) {
     return sources;
   }
   for (const int source : run_.plan.Sources(index)) {
-    if (source != reference && IsJudgedAsItIs(source) &&
+    if (source != reference && is_judged_as_it_is(source) &&
         sources.size() < kMaxPhotometricSources) {
       sources.push_back(source);
     }
@@ -305,11 +309,6 @@ std::vector<int> ComposePass::ComparedSources(size_t index) const {
   // A fixed order gives the same result for the same sources in any ranking.
   std::sort(sources.begin(), sources.end());
   return sources;
-}
-
-bool ComposePass::IsJudgedAsItIs(int image) const {
-  const int side = run_.overview.map_sides[static_cast<size_t>(image)];
-  return ReductionFactor(side, side) == 1;
 }
 
 }  // namespace tsar

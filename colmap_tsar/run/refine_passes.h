@@ -71,7 +71,6 @@ class ComposePass : public ImageTasks<RefineResult> {
   // The sources that the composed map is compared with: those whose maps are
   // judged at full size; none where the reference's is not.
   std::vector<int> ComparedSources(size_t index) const;
-  bool IsJudgedAsItIs(int image) const;
   RefineResult Compose(size_t index, size_t worker, ViewCache::Lease* views);
 
   const RefineRun& run_;
