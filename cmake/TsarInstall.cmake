@@ -14,9 +14,15 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 install(TARGETS colmap_tsar tsar_commands EXPORT ColmapTsarTargets)
 # For C++ sources: without the headers that need OpenCV, nlohmann-json or, where
 # nvcc reads them, this project's CUDA part. Only its own sources include those.
+set(headers_left_out "")
+foreach(tool IN LISTS TSAR_TOOLS_LEFT_OUT)
+  list(APPEND headers_left_out PATTERN "tools/${tool}" EXCLUDE
+    PATTERN "cli/${tool}_command.h" EXCLUDE)
+endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
+  ${headers_left_out}
   PATTERN "run/store/json_file.h" EXCLUDE
   PATTERN "tools/export/scene_files.h" EXCLUDE
   PATTERN "export/*_exporter.h" EXCLUDE

@@ -8,6 +8,7 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/export/export_format.h"
 
@@ -98,7 +99,7 @@ ExportSummary ExportCommand::Run(
   all.mask_path = mask_path;
   all.cloud_path = cloud_path;
   const Workspace workspace =
-      OpenWorkspaceToExport(workspace_path, ParseMapType(input_type));
+      OpenWorkspaceWithMaps(workspace_path, ParseMapType(input_type));
   return ExportWorkspace(workspace, all, progress, should_stop);
 }
 

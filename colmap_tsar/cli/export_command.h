@@ -25,7 +25,7 @@ struct ExportCommand {
 
   void AddTo(OptionSet* set);
 
-  // Throws what OpenWorkspaceToExport, ParseExportFormat and ExportWorkspace
+  // Throws what OpenWorkspaceWithMaps, ParseExportFormat and ExportWorkspace
   // throw.
   ExportSummary Run(Progress& progress,
                     const std::function<bool()>& should_stop) const;

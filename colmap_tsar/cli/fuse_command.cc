@@ -8,7 +8,7 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/tools/export/export_workspace.h"
+#include "colmap_tsar/run/store/image_maps.h"
 
 #include <iomanip>
 #include <iostream>
@@ -149,7 +149,7 @@ FuseSummary FuseCommand::Run(Progress& progress,
     options.bounding_box = ReadBoundingBox(bounding_box_path);
   }
   const Workspace workspace =
-      OpenWorkspaceToExport(workspace_path, ParseMapType(input_type));
+      OpenWorkspaceWithMaps(workspace_path, ParseMapType(input_type));
   for (const std::string& path : {output_path, output_path + ".vis"}) {
     RequireWritableOutput(workspace_path, path, "point cloud", overwrite);
   }

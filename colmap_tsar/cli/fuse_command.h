@@ -34,7 +34,7 @@ struct FuseCommand {
 
   void AddTo(OptionSet* set);
 
-  // Throws kBadOption, and what RequireWritableOutput, OpenWorkspaceToExport,
+  // Throws kBadOption, and what RequireWritableOutput, OpenWorkspaceWithMaps,
   // ReadBoundingBox and FuseWorkspace throw.
   FuseSummary Run(Progress& progress,
                   const std::function<bool()>& should_stop) const;

@@ -4,8 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/run/run_summary.h"
-#include "colmap_tsar/tools/import/import_summary.h"
-#include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <cstdint>
 #include <optional>
@@ -13,6 +11,9 @@
 #include <vector>
 
 namespace tsar {
+
+struct ImportSummary;
+struct StereoSummary;
 
 // Prints for the user what was done, the effect, the time, and the next command
 // to run.

@@ -20,7 +20,7 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
-#include <optional>
+#include <memory>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -106,6 +106,7 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "that compute; a few more read and write files. With GPUs, two "
       "fifths of them read files and as many write, at most ten per GPU.",
       {-1, 4096});
+#if TSAR_TOOL_REPORT
   options->Add(
       group + "debug_path",
       &command->debug_path,
@@ -117,6 +118,7 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       "dark violet where they are 0 and yellow where they are largest; "
       "labels a color each; black is none. The pictures: " +
           DebugPicturesText() + ".");
+#endif
   options->Add(group + "shard",
                &command->shard,
                "For several machines with one file system: the part of the "
@@ -241,7 +243,8 @@ RunSummary RefineCommand::Run(Progress& progress,
   workspace.devices = devices.Parse();
   workspace.shard = ParseShard(shard);
   workspace.pass = ParsePass(pass);
-  std::optional<DebugPictures> pictures;
+  std::unique_ptr<RefineObserver> pictures;
+#if TSAR_TOOL_REPORT
   if (!debug_path.empty()) {
     workspace.Check();
     refine.Check();
@@ -256,13 +259,14 @@ RunSummary RefineCommand::Run(Progress& progress,
         RequireOutsideInputs(root, debug_path, option);
       }
     }
-    pictures.emplace(debug_path);
+    pictures = std::make_unique<DebugPictures>(debug_path);
   }
+#endif
   return RefineWorkspace(workspace,
                          refine,
                          progress,
                          should_stop,
-                         pictures ? &*pictures : nullptr);
+                         pictures.get());
 }
 
 int RunTsarRefine(int argc, char** argv) {

@@ -8,7 +8,7 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/fusion/fused_pixel_evaluation.h"
+#include "colmap_tsar/tools/evaluation/fused_pixel_evaluation.h"
 #include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
 #include "colmap_tsar/tools/evaluation/depth_evaluation.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"

@@ -9,7 +9,7 @@
 #include "colmap_tsar/io/image_list.h"
 #include "colmap_tsar/io/source_selector.h"
 #include "colmap_tsar/run/neighbor_order.h"
-#include "colmap_tsar/tools/export/image_maps.h"
+#include "colmap_tsar/run/store/image_maps.h"
 
 #include <algorithm>
 #include <cstddef>

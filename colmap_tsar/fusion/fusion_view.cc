@@ -4,7 +4,7 @@
 #include "colmap_tsar/fusion/fusion_view.h"
 
 #include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/tools/export/image_maps.h"
+#include "colmap_tsar/run/store/image_maps.h"
 
 #include <algorithm>
 #include <cstddef>

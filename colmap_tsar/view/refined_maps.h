@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 
+#include <array>
 #include <cstdint>
 
 namespace tsar {
@@ -21,6 +22,16 @@ enum class Provenance : uint8_t {
   kGuessed = 6,     // Scene planes that no view measured there.
   kPrior = 7,       // A depth prior from outside.
 };
+
+// The names of these values for users, in their order.
+constexpr std::array<const char*, 8> kProvenanceNames = {"none",
+                                                         "measured",
+                                                         "superpixel plane",
+                                                         "interpolated",
+                                                         "region plane",
+                                                         "other views",
+                                                         "guessed",
+                                                         "prior"};
 
 // The result for one image; all have the size of the original maps.
 struct RefinedMaps {

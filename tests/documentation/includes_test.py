@@ -2,8 +2,9 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """The folders of the library are layers, in the order of colmap_tsar/
-CMakeLists.txt: a file includes what lies in its own folder or in one below, and
-no file includes itself by way of others."""
+CMakeLists.txt, with the tools, which may be left out, below the commands alone:
+a file includes what lies in its own folder or in one below, and no file
+includes itself by way of others."""
 import argparse
 import os
 import re
@@ -57,7 +58,13 @@ check(circle({"a/x.h": ["a/y.h"], "a/y.h": ["a/z.h"], "a/z.h": ["a/y.h"]}) ==
 
 with open(os.path.join(args.repository, "colmap_tsar", "CMakeLists.txt"),
           encoding="utf-8") as file:
-    layers = re.findall(r"add_subdirectory\(([\w/]+)\)", file.read())
+    below, above = re.split(r"foreach\(tool.*?endforeach\(\)\n", file.read(), flags=re.DOTALL)
+with open(os.path.join(args.repository, "cmake", "TsarTools.cmake"),
+          encoding="utf-8") as file:
+    tools = re.search(r"set\(TSAR_TOOLS ([\w ]+)\)", file.read()).group(1).split()
+FOLDER = re.compile(r"add_subdirectory\(([\w/]+)\)")
+layers = (FOLDER.findall(below) + [f"tools/{tool}" for tool in tools] +
+          FOLDER.findall(above))
 includes = {name: INCLUDE.findall(source)
             for name, source in library_sources(args.repository)}
 check(len(includes) > 200, f"{len(includes)} sources were read")

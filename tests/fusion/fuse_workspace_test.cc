@@ -4,7 +4,7 @@
 #include "colmap_tsar/fusion/fuse_workspace.h"
 
 #include "colmap_tsar/fusion/fusion_neighbors.h"
-#include "colmap_tsar/tools/evaluation/ply.h"
+#include "colmap_tsar/io/ply.h"
 
 #include <algorithm>
 #include <atomic>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 
-#include "colmap_tsar/tools/evaluation/ply.h"
+#include "colmap_tsar/io/ply.h"
 
 #include <cstring>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/tools/evaluation/meshlab_project.h"
-#include "colmap_tsar/tools/evaluation/ply.h"
+#include "colmap_tsar/io/ply.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

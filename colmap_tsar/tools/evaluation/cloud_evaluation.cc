@@ -8,7 +8,7 @@
 #include "colmap_tsar/tools/evaluation/meshlab_project.h"
 #include "colmap_tsar/tools/evaluation/nearest_distance.h"
 #include "colmap_tsar/tools/evaluation/parallel_blocks.h"
-#include "colmap_tsar/tools/evaluation/ply.h"
+#include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
 #include <algorithm>

@@ -9,6 +9,7 @@
 #include "colmap_tsar/run/store/changed_results.h"
 #include "colmap_tsar/run/store/count_masks.h"
 #include "colmap_tsar/run/store/for_each_image.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/json_file.h"
 #include "colmap_tsar/run/store/output_folder.h"
@@ -18,7 +19,6 @@
 #include "colmap_tsar/tools/export/map_exporter.h"
 #include "colmap_tsar/tools/export/nerfstudio_exporter.h"
 #include "colmap_tsar/tools/export/scene_files.h"
-#include "colmap_tsar/tools/report/workspace_comparison.h"
 
 #include <algorithm>
 #include <memory>
@@ -224,20 +224,6 @@ ExportSummary Summarize(const std::vector<ExportedImage>& exported) {
 }
 
 }  // namespace
-
-Workspace OpenWorkspaceToExport(const std::filesystem::path& root,
-                                std::optional<MapType> type) {
-  Workspace workspace(root, type.value_or(MapType::kGeometric));
-  if (!type && FindRefinedImages(workspace).empty()) {
-    Workspace photometric(root, MapType::kPhotometric);
-    if (!FindRefinedImages(photometric).empty() ||
-        (FindImagesWithMaps(workspace).empty() &&
-         !FindImagesWithMaps(photometric).empty())) {
-      return photometric;
-    }
-  }
-  return workspace;
-}
 
 ExportSummary ExportWorkspace(Workspace workspace,
                               const ExportOptions& options,

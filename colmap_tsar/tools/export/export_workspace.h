@@ -40,11 +40,6 @@ struct ExportSummary {
   int64_t num_depths = 0;
 };
 
-// Opens the workspace to export. type: if not given, geometric maps, or
-// photometric ones if only those were refined or exist. Errors as Workspace.
-Workspace OpenWorkspaceToExport(const std::filesystem::path& root,
-                                std::optional<MapType> type);
-
 // Writes the maps of a dense workspace, refined or not, and a manifest.json to
 // a new folder, which appears only when complete. The masks of the options are
 // used instead of the workspace's.

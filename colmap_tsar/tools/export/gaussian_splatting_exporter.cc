@@ -5,8 +5,9 @@
 
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/json_file.h"
-#include "colmap_tsar/tools/export/image_maps.h"
+#include "colmap_tsar/tools/export/map_levels.h"
 #include "colmap_tsar/tools/export/scene_files.h"
 #include "colmap_tsar/tools/export/value_files.h"
 

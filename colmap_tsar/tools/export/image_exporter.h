@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/tools/export/image_maps.h"
+#include "colmap_tsar/tools/export/map_levels.h"
 
 #include <cstdint>
 #include <map>

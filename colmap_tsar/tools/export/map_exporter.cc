@@ -7,9 +7,10 @@
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/compose/confidence_level.h"
-#include "colmap_tsar/tools/export/image_maps.h"
+#include "colmap_tsar/run/store/image_maps.h"
+#include "colmap_tsar/tools/export/map_levels.h"
 #include "colmap_tsar/tools/export/value_files.h"
-#include "colmap_tsar/tools/report/colors.h"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
 #include <map>
@@ -124,8 +125,8 @@ Json MapExporter::DescribeMaps() const {
   maps["provenance"] = MapJson("where the depth comes from", "uint8");
   Json& values = maps["provenance"]["values"];
   values = Json::array();
-  for (const ProvenanceKind& kind : ProvenanceKinds()) {
-    values.push_back(kind.name);
+  for (const char* name : kProvenanceNames) {
+    values.push_back(name);
   }
   maps["planes"] = MapJson(
       "1 + the id of the plane that tsar_planes writes; 0: none", "uint16");

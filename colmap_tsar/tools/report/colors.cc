@@ -5,8 +5,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/label_color.h"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 
@@ -143,16 +145,23 @@ Image<Rgb> ColorizeValues(const Image<float>& values,
 const std::vector<ProvenanceKind>& ProvenanceKinds() {
   // Colors for color-blind readers (after Okabe and Ito); measured depths are
   // gray.
-  static const std::vector<ProvenanceKind> kinds = {
-      {"none", {0, 0, 0}},
-      {"measured", {190, 190, 190}},
-      {"superpixel plane", {86, 180, 233}},
-      {"interpolated", {240, 228, 66}},
-      {"region plane", {213, 94, 0}},
-      {"other views", {0, 158, 115}},
-      {"guessed", {204, 121, 167}},
-      {"prior", {0, 114, 178}},
-  };
+  constexpr std::array<Rgb, kProvenanceNames.size()> kColors = {{
+      {0, 0, 0},
+      {190, 190, 190},
+      {86, 180, 233},
+      {240, 228, 66},
+      {213, 94, 0},
+      {0, 158, 115},
+      {204, 121, 167},
+      {0, 114, 178},
+  }};
+  static const std::vector<ProvenanceKind> kinds = [&] {
+    std::vector<ProvenanceKind> result;
+    for (size_t i = 0; i < kColors.size(); ++i) {
+      result.push_back({kProvenanceNames[i], kColors[i]});
+    }
+    return result;
+  }();
   return kinds;
 }
 

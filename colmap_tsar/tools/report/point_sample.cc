@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/tools/report/point_sample.h"
 
-#include "colmap_tsar/tools/evaluation/ply.h"
+#include "colmap_tsar/io/ply.h"
 
 #include <algorithm>
 #include <bit>

@@ -15,19 +15,6 @@
 
 namespace tsar {
 
-std::vector<int> FindRefinedImages(const Workspace& workspace) {
-  const MapType type = workspace.Type();
-  std::vector<int> refined;
-  const int num_images = static_cast<int>(workspace.Model().images.size());
-  for (int image = 0; image < num_images; ++image) {
-    if (workspace.HasMaps(image, type) &&
-        Exists(workspace.ProvenancePath(image, type))) {
-      refined.push_back(image);
-    }
-  }
-  return refined;
-}
-
 std::vector<int> PickEvenly(const std::vector<int>& values, int count) {
   const size_t num_picked =
       std::min(values.size(), static_cast<size_t>(std::max(0, count)));

@@ -10,10 +10,6 @@
 
 namespace tsar {
 
-// The images whose maps of the workspace's type were refined, as indices into
-// its sparse model, ascending.
-std::vector<int> FindRefinedImages(const Workspace& workspace);
-
 // At most `count` evenly spaced elements, including the first.
 std::vector<int> PickEvenly(const std::vector<int>& values, int count);
 

@@ -9,6 +9,7 @@
 #include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/run/store/changed_results.h"
 #include "colmap_tsar/run/store/for_each_image.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/output_folder.h"
 #include "colmap_tsar/run/store/record.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <sstream>
 
-#include "tests/tools/evaluation/test_files.h"
+#include "tests/support/test_files.h"
 #include <Eigen/Geometry>
 
 namespace tsar {

@@ -8,7 +8,7 @@
 #include <functional>
 
 #include "tests/support/mask_files.h"
-#include "tests/tools/evaluation/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace tsar {
 namespace {

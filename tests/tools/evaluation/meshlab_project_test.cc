@@ -7,7 +7,7 @@
 
 #include <limits>
 
-#include "tests/tools/evaluation/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace tsar {
 namespace {

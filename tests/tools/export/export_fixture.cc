@@ -114,7 +114,7 @@ ExportSummary ExportTest::Export(ExportFormat format) const {
   std::ostringstream out;
   Progress progress(out, false);
   return ExportWorkspace(
-      OpenWorkspaceToExport(root_, std::nullopt), options, progress, [] {
+      OpenWorkspaceWithMaps(root_, std::nullopt), options, progress, [] {
         return false;
       });
 }

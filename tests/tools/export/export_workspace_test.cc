@@ -1,11 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/tools/export/export_workspace.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/export/image_maps.h"
+#include "colmap_tsar/tools/export/map_levels.h"
 
 #include <filesystem>
 #include <sstream>
@@ -71,7 +72,7 @@ TEST_F(ExportWorkspaceTest, ReplacesAnExportOnlyWhenAsked) {
 
 TEST_F(ExportWorkspaceTest, TakesTheMapsThatAreThere) {
   const auto type = [&] {
-    return OpenWorkspaceToExport(root_, std::nullopt).Type();
+    return OpenWorkspaceWithMaps(root_, std::nullopt).Type();
   };
   EXPECT_EQ(type(), MapType::kGeometric);
   for (const char* kind : {"depth_maps", "normal_maps"}) {
@@ -83,7 +84,7 @@ TEST_F(ExportWorkspaceTest, TakesTheMapsThatAreThere) {
   fs::remove(root_ / "stereo/provenance_maps/a.1.png.geometric.png");
   EXPECT_EQ(type(), MapType::kPhotometric);
   EXPECT_EQ(Export(ExportFormat::kNpy).num_images, 1);
-  const Workspace geometric = OpenWorkspaceToExport(root_, MapType::kGeometric);
+  const Workspace geometric = OpenWorkspaceWithMaps(root_, MapType::kGeometric);
   std::ostringstream out;
   Progress progress(out, false);
   options_.output_path = folder_.Path() / "other";
@@ -98,11 +99,11 @@ TEST_F(ExportWorkspaceTest, TakesTheMapsThatAreThere) {
 TEST_F(ExportWorkspaceTest, PrefersRefinedMaps) {
   fs::remove(root_ / "stereo/provenance_maps/a.1.png.geometric.png");
   WriteTestMaps(root_, "left/b.png", MapType::kPhotometric, 3.f);
-  EXPECT_EQ(OpenWorkspaceToExport(root_, std::nullopt).Type(),
+  EXPECT_EQ(OpenWorkspaceWithMaps(root_, std::nullopt).Type(),
             MapType::kGeometric);
   WriteRefined(
       Workspace(root_, MapType::kPhotometric), 1, MakeRefinedMaps(9.f), {});
-  EXPECT_EQ(OpenWorkspaceToExport(root_, std::nullopt).Type(),
+  EXPECT_EQ(OpenWorkspaceWithMaps(root_, std::nullopt).Type(),
             MapType::kPhotometric);
 }
 
@@ -123,7 +124,7 @@ TEST_F(ExportWorkspaceTest, LeavesNothingWhereItFails) {
   options_.num_threads = 1;
   ExpectError(ErrorCode::kInterrupted, {"nothing was exported"}, [&] {
     ExportWorkspace(
-        OpenWorkspaceToExport(root_, std::nullopt), options_, progress, [&] {
+        OpenWorkspaceWithMaps(root_, std::nullopt), options_, progress, [&] {
           return ++num_asked == 2;
         });
   });

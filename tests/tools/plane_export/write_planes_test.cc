@@ -4,7 +4,7 @@
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
 #include "colmap_tsar/base/label_color.h"
-#include "colmap_tsar/tools/evaluation/ply.h"
+#include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/tools/plane_export/place_planes.h"
 
 #include <algorithm>

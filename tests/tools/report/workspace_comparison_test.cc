@@ -1,6 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/tools/report/workspace_comparison.h"
 
 #include "colmap_tsar/base/error.h"

@@ -1,27 +1,20 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/export/image_maps.h"
+#include "colmap_tsar/run/store/image_maps.h"
 
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/compose/confidence_level.h"
 #include "colmap_tsar/io/gray_png.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/sigma_map.h"
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <string>
 #include <utility>
 
 namespace tsar {
 namespace {
-
-uint16_t ToLevel(double value) {
-  return static_cast<uint16_t>(std::lround(value));
-}
 
 // Reads the map in a file; empty if there is no such file.
 template <typename Read>
@@ -60,66 +53,7 @@ Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
   return RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
 }
 
-float Median(std::vector<float>* values) {
-  const auto middle =
-      values->begin() + static_cast<std::ptrdiff_t>((values->size() - 1) / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
-
 }  // namespace
-
-Image<uint16_t> DepthLevels(const Image<float>& depth,
-                            double step,
-                            int64_t* num_out_of_range) {
-  Image<uint16_t> levels(depth.Width(), depth.Height());
-  std::transform(
-      depth.begin(), depth.end(), levels.begin(), [&](float z) -> uint16_t {
-        const double level = z / step;
-        if (level >= 0.5 && level < kMaxLevel + 0.5) {
-          return ToLevel(level);
-        }
-        *num_out_of_range += z > 0.f ? 1 : 0;
-        return 0;
-      });
-  return levels;
-}
-
-Image<uint16_t> SigmaLevels(const Image<float>& sigma, double step) {
-  Image<uint16_t> levels(sigma.Width(), sigma.Height());
-  std::transform(
-      sigma.begin(), sigma.end(), levels.begin(), [&](float s) -> uint16_t {
-        return s > 0.f ? ToLevel(std::clamp(s / step, 1.0, 1.0 * kMaxLevel))
-                       : 0;
-      });
-  return levels;
-}
-
-Image<Rgb16> NormalLevels(const Image<Vec3f>& normal) {
-  const auto to_level = [](float value) {
-    const double bounded = std::clamp(value, -1.f, 1.f);
-    return ToLevel((bounded - kNormalOffset) / kNormalScale);
-  };
-  Image<Rgb16> levels(normal.Width(), normal.Height());
-  std::transform(
-      normal.begin(), normal.end(), levels.begin(), [&](const Vec3f& n) {
-        return Rgb16{to_level(n.x), to_level(n.y), to_level(n.z)};
-      });
-  return levels;
-}
-
-Image<float> ConfidencesOf(const Image<uint8_t>& levels) {
-  Image<float> confidences(levels.Width(), levels.Height());
-  std::transform(
-      levels.begin(), levels.end(), confidences.begin(), &ConfidenceOfLevel);
-  return confidences;
-}
-
-double StepFor(double depth) {
-  const double exact = depth / kMaxLevel;
-  const double digit = std::pow(10.0, std::floor(std::log10(exact)));
-  return digit * std::ceil(exact / digit);
-}
 
 std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
   std::vector<int> images;
@@ -131,6 +65,33 @@ std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
     }
   }
   return images;
+}
+
+std::vector<int> FindRefinedImages(const Workspace& workspace) {
+  const MapType type = workspace.Type();
+  std::vector<int> refined;
+  const int num_images = static_cast<int>(workspace.Model().images.size());
+  for (int image = 0; image < num_images; ++image) {
+    if (workspace.HasMaps(image, type) &&
+        Exists(workspace.ProvenancePath(image, type))) {
+      refined.push_back(image);
+    }
+  }
+  return refined;
+}
+
+Workspace OpenWorkspaceWithMaps(const std::filesystem::path& root,
+                                std::optional<MapType> type) {
+  Workspace workspace(root, type.value_or(MapType::kGeometric));
+  if (!type && FindRefinedImages(workspace).empty()) {
+    Workspace photometric(root, MapType::kPhotometric);
+    if (!FindRefinedImages(photometric).empty() ||
+        (FindImagesWithMaps(workspace).empty() &&
+         !FindImagesWithMaps(photometric).empty())) {
+      return photometric;
+    }
+  }
+  return workspace;
 }
 
 Image<float> ReadImageDepth(const Workspace& workspace, int image) {
@@ -175,42 +136,6 @@ ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image) {
   ClearMasked(mask, &maps.depth);
   ClearMasked(mask, &maps.normal);
   return maps;
-}
-
-DepthStatistics MeasureDepth(const Image<float>& depth) {
-  std::vector<float> depths;
-  depths.reserve(depth.NumPixels());
-  std::copy_if(
-      depth.begin(), depth.end(), std::back_inserter(depths), [](float z) {
-        return z > 0.f;
-      });
-  DepthStatistics statistics;
-  if (!depths.empty()) {
-    const auto [nearest, farthest] =
-        std::minmax_element(depths.begin(), depths.end());
-    statistics = {static_cast<int64_t>(depths.size()), *nearest, *farthest};
-    statistics.median = Median(&depths);
-  }
-  return statistics;
-}
-
-DepthStatistics JoinStatistics(const std::vector<DepthStatistics>& maps) {
-  DepthStatistics joined;
-  std::vector<float> medians;
-  for (const DepthStatistics& map : maps) {
-    if (map.num_depths > 0) {
-      joined.nearest = joined.num_depths > 0
-                           ? std::min(joined.nearest, map.nearest)
-                           : map.nearest;
-      joined.farthest = std::max(joined.farthest, map.farthest);
-      joined.num_depths += map.num_depths;
-      medians.push_back(map.median);
-    }
-  }
-  if (!medians.empty()) {
-    joined.median = Median(&medians);
-  }
-  return joined;
 }
 
 }  // namespace tsar

@@ -20,7 +20,7 @@ class FolderTest : public testing::Test {
  protected:
   FolderTest()
       : folder_(std::filesystem::path(testing::TempDir()) /
-                ("tsar_evaluation_" + std::to_string(getpid()))) {
+                ("tsar_files_" + std::to_string(getpid()))) {
     std::filesystem::create_directories(folder_);
   }
   ~FolderTest() override { std::filesystem::remove_all(folder_); }

@@ -1,14 +1,14 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/evaluation/ply.h"
+#include "colmap_tsar/io/ply.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "tests/tools/evaluation/test_files.h"
+#include "tests/support/test_files.h"
 
 namespace tsar {
 namespace {

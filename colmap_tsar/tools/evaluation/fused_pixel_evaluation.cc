@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/fusion/fused_pixel_evaluation.h"
+#include "colmap_tsar/tools/evaluation/fused_pixel_evaluation.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
