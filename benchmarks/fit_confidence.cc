@@ -41,8 +41,8 @@ struct Sample {
 };
 using Scenes = std::vector<std::vector<Sample>>;
 
-// As RateSceneConfidence() tells them apart, but that depths on curved surfaces
-// are known here by what they are not.
+// As ComputeSceneConfidence() tells them apart, but that depths on curved
+// surfaces are known here by what they are not.
 DepthKind KindAt(const PlaneView& refined,
                  const ModeledImage& view,
                  int x,

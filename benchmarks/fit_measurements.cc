@@ -68,12 +68,12 @@ void CollectView(const ModeledImage& view,
     for (int x = 0; x < rivals.Width(); ++x) {
       const float own = view.depth(x, y);
       const float rival = rivals(x, y);
-      const uint8_t rating = view.ratings(x, y);
+      const uint8_t flags = view.flags(x, y);
       const float right = AtSamePlace(view.truth, x, y, rivals);
       if (!(own > 0.f) || !(right > 0.f) || !(rival > 0.f) ||
           GapInPixels(own, rival, view.resolution) < kMinGap ||
-          (!MeasurementRating::IsTrusted(rating) &&
-           !MeasurementRating::IsConfirmed(rating))) {
+          (!MeasurementFlags::IsTrusted(flags) &&
+           !MeasurementFlags::IsConfirmed(flags))) {
         continue;
       }
       samples->push_back({view.SupportAt(x, y, votes(x, y)),

@@ -10,7 +10,7 @@
 #include "colmap_tsar/run/store/evidence_file.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/run/store/workspace.h"
-#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/labeling/refine_borders.h"
@@ -52,7 +52,7 @@ struct ModeledImage {
   FoundScene found;
   std::vector<ObservedView> views;
   Intrinsics intrinsics;  // Of the map.
-  Image<uint8_t> ratings;
+  Image<uint8_t> flags;
   Image<uint16_t> superpixels;
   Image<float> texture;
 
@@ -70,7 +70,7 @@ struct ModeledImage {
   MeasurementSupport SupportAt(int x, int y, const ViewVotes& votes) const {
     return {votes,
             AtSamePlace(texture, x, y, depth),
-            MeasurementRating::IsTrusted(ratings(x, y))};
+            MeasurementFlags::IsTrusted(flags(x, y))};
   }
   Image<ViewVotes> CountVotes(const Image<float>& map, Device& device) const {
     return CountViewVotes({views, found.planes_of_sources},
@@ -116,7 +116,7 @@ class ModeledScene {
     result.found = FindScene(views, model_.planes, labels, options, *device_);
     const ViewData view = LoadView(workspace_, image);
     const ViewEvidence& evidence = evidence_.at(image);
-    if (!view.depth.HasSizeOf(evidence.ratings)) {
+    if (!view.depth.HasSizeOf(evidence.flags)) {
       throw Error(ErrorCode::kMismatch,
                   workspace_.Root().string() +
                       ": maps of more than 1280 pixels; take smaller ones");
@@ -129,21 +129,21 @@ class ModeledScene {
                                 "depth" / (Name(image) + ".bin"));
     const DeviceImage<Rgb> color(*device_, evidence.color);
     const DeviceImage<float> depth(*device_, view.depth);
-    DeviceImage<uint8_t> ratings(*device_, evidence.ratings);
+    DeviceImage<uint8_t> flags(*device_, evidence.flags);
     const DeviceImage<uint16_t> superpixels(*device_, evidence.superpixels);
     const RefinedBorders refined =
         RefineBorders({superpixels.View(),
                        ConvertToLab(color.View(), *device_).View(),
                        depth.View(),
-                       std::as_const(ratings).View(),
+                       std::as_const(flags).View(),
                        views[0].camera.GetIntrinsics(),
                        evidence.resolution},
                       result.found.labeled.labels,
                       result.found.labeled.planes,
                       MakeSceneOptions(options, views).borders,
                       *device_);
-    DistrustFattened(refined.fattened.View(), ratings.View(), *device_);
-    result.ratings = ratings.ToHost();
+    DistrustFattened(refined.fattened.View(), flags.View(), *device_);
+    result.flags = flags.ToHost();
     result.superpixels = refined.superpixels.ToHost();
     result.texture =
         ComputeTexture(ComputeGray(color.View(), *device_).View(), *device_)

@@ -3,11 +3,11 @@
 
 #include "colmap_tsar/compose/compose_image.h"
 
+#include "colmap_tsar/compose/apply_cylinders.h"
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/compose/depth_sigma.h"
-#include "colmap_tsar/compose/lay_cylinders.h"
-#include "colmap_tsar/compose/lift_rating.h"
 #include "colmap_tsar/compose/photometric_detail.h"
+#include "colmap_tsar/compose/transfer_flags.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/labeling/refine_borders.h"
@@ -42,7 +42,7 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                   const ObservedView& observed,
                                   const LabeledView& labeled,
                                   const BorderOptions& options,
-                                  DeviceImage<uint8_t>* ratings,
+                                  DeviceImage<uint8_t>* flags,
                                   Device& device) {
   const ViewEvidence& evidence = *observed.evidence;
   const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
@@ -51,14 +51,14 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
   const RefinedBorders refined = RefineBorders({superpixels.View(),
                                                 lab.View(),
                                                 view.hypotheses.depth.View(),
-                                                ratings->View(),
+                                                flags->View(),
                                                 observed.camera.GetIntrinsics(),
                                                 evidence.resolution},
                                                labeled.labels,
                                                labeled.planes,
                                                options,
                                                device);
-  DistrustFattened(refined.fattened.View(), ratings->View(), device);
+  DistrustFattened(refined.fattened.View(), flags->View(), device);
   return refined.superpixels.ToHost();
 }
 
@@ -104,7 +104,7 @@ DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
 }
 
 // The labels of superpixels with their evidence and the errors of their planes.
-std::vector<ComposedSuperpixel> RateSuperpixels(
+std::vector<ComposedSuperpixel> DescribeSuperpixels(
     const FoundScene& found, const std::vector<Vec3f>& prior_normals) {
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
@@ -130,8 +130,8 @@ std::vector<ComposedSuperpixel> RateSuperpixels(
 // The residual up to which a confirmed depth is moved onto its plane, in
 // standard deviations of depths at their planes, and its lower limit as a share
 // of a pixel of disparity, below the resolution of matching.
-constexpr double kSpreadOnPlane = 3.0;
-constexpr double kMinSpreadOnPlane = 0.3;
+constexpr double kDeviationsOnPlane = 3.0;
+constexpr double kMinDeviationOnPlane = 0.3;
 
 }  // namespace
 
@@ -139,8 +139,8 @@ ComposeSceneOptions MakeCompositionOptions(
     const std::vector<ObservedView>& views) {
   ComposeSceneOptions options;
   options.on_plane =
-      static_cast<float>(std::clamp(kSpreadOnPlane * MedianNoise(views),
-                                    kMinSpreadOnPlane,
+      static_cast<float>(std::clamp(kDeviationsOnPlane * MedianNoise(views),
+                                    kMinDeviationOnPlane,
                                     double{options.on_plane}));
   return options;
 }
@@ -162,7 +162,7 @@ RefineResult ComposeImage(
   const LabeledView& labeled = found.labeled;
   const CurvedView& curved = found.curved;
   DeviceReference view(reference, device);
-  DeviceImage<uint8_t> ratings = LiftRatings(evidence, reference, view, device);
+  DeviceImage<uint8_t> flags = TransferFlags(evidence, reference, view, device);
   timer.Finish("upload");
   const Image<uint16_t> superpixels =
       options.pixel_borders
@@ -170,7 +170,7 @@ RefineResult ComposeImage(
                               views[0],
                               FlattenSurfaces(views[0], labeled, curved),
                               scene.borders,
-                              &ratings,
+                              &flags,
                               device)
           : evidence.superpixels;
   timer.Finish("borders");
@@ -183,14 +183,14 @@ RefineResult ComposeImage(
                           &scene_planes);
   const DeviceImage<uint16_t> device_superpixels(device, superpixels);
   const Buffer<ComposedSuperpixel> of_superpixel(
-      device, RateSuperpixels(found, evidence.prior.normals));
+      device, DescribeSuperpixels(found, evidence.prior.normals));
   ShowScene(observer, evidence, labeled, curved);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<float> texture = RasterTexture(evidence, device);
   const DeviceImage<float> prior_depth(device, evidence.prior.depth);
   const DeviceImage<float> prior_sigma(device, evidence.prior.sigma);
   timer.Finish("upload");
-  const ComposeSceneInputs inputs{std::as_const(ratings).View(),
+  const ComposeSceneInputs inputs{std::as_const(flags).View(),
                                   view.OnMap(scene_planes),
                                   device_superpixels.View(),
                                   of_superpixel.Data(),
@@ -209,12 +209,12 @@ RefineResult ComposeImage(
                                       MakeCompositionOptions(views),
                                       device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
-  const LaidCylinders laid = LayCylinders(found.cylinders,
-                                          std::as_const(ratings).View(),
-                                          view.MapIntrinsics(),
-                                          evidence.resolution,
-                                          &composed,
-                                          device);
+  const AppliedCylinders applied = ApplyCylinders(found.cylinders,
+                                                  std::as_const(flags).View(),
+                                                  view.MapIntrinsics(),
+                                                  evidence.resolution,
+                                                  &composed,
+                                                  device);
   // Wider holes have no plane because the images contradict the planes around.
   constexpr int kHoleIterations = 1;
   FillHoles(view.color.View(),
@@ -225,15 +225,15 @@ RefineResult ComposeImage(
             device);
   const auto min_fill_confidence =
       static_cast<float>(options.min_fill_confidence);
-  DeviceImage<float> confidence = RateSceneConfidence(composed,
-                                                      inputs,
-                                                      surfaces,
-                                                      evidence.resolution,
-                                                      evidence.noise,
-                                                      min_fill_confidence,
-                                                      device);
+  DeviceImage<float> confidence = ComputeSceneConfidence(composed,
+                                                         inputs,
+                                                         surfaces,
+                                                         evidence.resolution,
+                                                         evidence.noise,
+                                                         min_fill_confidence,
+                                                         device);
   FillByPrior(inputs, min_fill_confidence, &composed, &confidence, device);
-  RateCylinders(laid, &confidence, device);
+  SetConfidenceOfCylinders(applied, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
@@ -246,7 +246,7 @@ RefineResult ComposeImage(
                                                     evidence.noise,
                                                     sigma_options,
                                                     device);
-    SetSigmaOfCylinders(laid,
+    SetSigmaOfCylinders(applied,
                         view.MapIntrinsics(),
                         evidence.resolution,
                         composed.map,
@@ -256,11 +256,10 @@ RefineResult ComposeImage(
     result.maps.sigma = sigma.ToHost();
   }
   timer.Finish("composition");
-  const DeviceImage<uint16_t> plane_numbers(device,
-                                            PlaneNumbers(superpixels, found));
+  const DeviceImage<uint16_t> plane_ids(device, PlaneIds(superpixels, found));
   result.maps.planes = MapPlanes(std::as_const(composed.map.depth).View(),
                                  view.OnMap(scene_planes),
-                                 plane_numbers.View(),
+                                 plane_ids.View(),
                                  device)
                            .ToHost();
   timer.Finish("download");

@@ -4,7 +4,7 @@
 #include "colmap_tsar/compose/compose_scene.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/measurement_support.h"
 
 #include <cmath>
@@ -37,7 +37,7 @@ enum OwnDepth : uint8_t {
 // Classifies measurements by whether they lie on the plane of the scene.
 struct OwnDepthKernel {
   ImageView<const float> depth;
-  ImageView<const uint8_t> rating;
+  ImageView<const uint8_t> flags;
   PlaneRaster scene_planes;
   DepthResolution resolution;
   float on_plane;
@@ -49,15 +49,15 @@ struct OwnDepthKernel {
   TSAR_HD void operator()(int x, int y) const {
     const float own = depth(x, y);
     const float plane = DepthOnPlane(scene_planes, x, y);
-    const OwnDepth result = Judge(own, plane, rating(x, y));
+    const OwnDepth result = Judge(own, plane, flags(x, y));
     own_depth(x, y) = result;
     contested(x, y) = result == kContested ? own : 0.f;
     rivals(x, y) = result == kContested ? plane : 0.f;
   }
 
-  TSAR_HD OwnDepth Judge(float own, float plane, uint8_t rating_of_own) const {
-    if (!(own > 0.f) || (!MeasurementRating::IsTrusted(rating_of_own) &&
-                         !MeasurementRating::IsConfirmed(rating_of_own))) {
+  TSAR_HD OwnDepth Judge(float own, float plane, uint8_t flags_of_own) const {
+    if (!(own > 0.f) || (!MeasurementFlags::IsTrusted(flags_of_own) &&
+                         !MeasurementFlags::IsConfirmed(flags_of_own))) {
       return kGivesWay;
     }
     return plane > 0.f && GapInPixels(own, plane, resolution) <= on_plane
@@ -72,11 +72,10 @@ TSAR_HD inline MeasurementSupport SupportAt(const ComposeSceneInputs& inputs,
                                             int x,
                                             int y) {
   const ImageView<const float>& raster = inputs.texture;
-  return {
-      votes,
-      raster(ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
-             ReducedRaster::FromMap(y, inputs.ratings.height, raster.height)),
-      MeasurementRating::IsTrusted(inputs.ratings(x, y))};
+  return {votes,
+          raster(ReducedRaster::FromMap(x, inputs.flags.width, raster.width),
+                 ReducedRaster::FromMap(y, inputs.flags.height, raster.height)),
+          MeasurementFlags::IsTrusted(inputs.flags(x, y))};
 }
 
 // Decides contested measurements by the views, the image and the label.
@@ -266,14 +265,15 @@ struct PriorFillKernel {
 struct PlaneMapKernel {
   ImageView<const float> depth;
   PlaneRaster scene_planes;
-  ImageView<const uint16_t> numbers;
+  ImageView<const uint16_t> plane_ids;
   ImageView<uint16_t> map;
 
   TSAR_HD void operator()(int x, int y) const {
     map(x, y) =
         IsOnPlane(scene_planes, x, y, depth(x, y))
-            ? numbers(ReducedRaster::FromMap(x, depth.width, numbers.width),
-                      ReducedRaster::FromMap(y, depth.height, numbers.height))
+            ? plane_ids(
+                  ReducedRaster::FromMap(x, depth.width, plane_ids.width),
+                  ReducedRaster::FromMap(y, depth.height, plane_ids.height))
             : 0;
   }
 };
@@ -298,7 +298,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
                 width,
                 height,
                 OwnDepthKernel{composed.map.depth.View(),
-                               inputs.ratings,
+                               inputs.flags,
                                inputs.scene_planes,
                                resolution,
                                options.on_plane,
@@ -333,20 +333,20 @@ ComposedMap ComposeScene(DepthNormalImages own,
   return composed;
 }
 
-DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
-                                       const ComposeSceneInputs& inputs,
-                                       const ViewSurfaces& surfaces,
-                                       const DepthResolution& resolution,
-                                       float noise,
-                                       float min_fill_confidence,
-                                       Device& device) {
+DeviceImage<float> ComputeSceneConfidence(const ComposedMap& composed,
+                                          const ComposeSceneInputs& inputs,
+                                          const ViewSurfaces& surfaces,
+                                          const DepthResolution& resolution,
+                                          float noise,
+                                          float min_fill_confidence,
+                                          Device& device) {
   const std::vector<DeviceImage<ViewVotes>> votes =
       CountViewVotes(surfaces,
                      inputs.scene_planes.intrinsics,
                      {composed.map.depth.View()},
                      device);
   DeviceImage<float> confidence(
-      device, inputs.ratings.width, inputs.ratings.height);
+      device, inputs.flags.width, inputs.flags.height);
   ParallelFor(device,
               confidence.Width(),
               confidence.Height(),
@@ -382,13 +382,13 @@ void FillByPrior(const ComposeSceneInputs& inputs,
 
 DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,
                                 const PlaneRaster& scene_planes,
-                                ImageView<const uint16_t> numbers,
+                                ImageView<const uint16_t> plane_ids,
                                 Device& device) {
   DeviceImage<uint16_t> map(device, depth.width, depth.height);
   ParallelFor(device,
               depth.width,
               depth.height,
-              PlaneMapKernel{depth, scene_planes, numbers, map.View()});
+              PlaneMapKernel{depth, scene_planes, plane_ids, map.View()});
   return map;
 }
 

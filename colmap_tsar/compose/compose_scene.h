@@ -45,8 +45,8 @@ struct ComposedSuperpixel {
 };
 
 struct ComposeSceneInputs {
-  ImageView<const uint8_t> ratings;  // Of the map; see MeasurementRating.
-  PlaneRaster scene_planes;          // Invalid where a superpixel has none.
+  ImageView<const uint8_t> flags;  // Of the map; see MeasurementFlags.
+  PlaneRaster scene_planes;        // Invalid where a superpixel has none.
   // The superpixel of each pixel of the raster, and the label of each
   // superpixel.
   ImageView<const uint16_t> superpixels;
@@ -61,8 +61,8 @@ TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
     const ComposeSceneInputs& inputs, int x, int y) {
   const ImageView<const uint16_t>& raster = inputs.superpixels;
   return inputs.of_superpixel[raster(
-      ReducedRaster::FromMap(x, inputs.ratings.width, raster.width),
-      ReducedRaster::FromMap(y, inputs.ratings.height, raster.height))];
+      ReducedRaster::FromMap(x, inputs.flags.width, raster.width),
+      ReducedRaster::FromMap(y, inputs.flags.height, raster.height))];
 }
 
 // Composes one map from the planes of the scene and the view's own
@@ -80,16 +80,16 @@ ComposedMap ComposeScene(DepthNormalImages own,
 // The probability that each depth is correct to 1 %; 0 where there is none, and
 // where a filled depth lies on the right surface with a probability below
 // min_fill_confidence. noise: see ViewEvidence.
-DeviceImage<float> RateSceneConfidence(const ComposedMap& composed,
-                                       const ComposeSceneInputs& inputs,
-                                       const ViewSurfaces& surfaces,
-                                       const DepthResolution& resolution,
-                                       float noise,
-                                       float min_fill_confidence,
-                                       Device& device);
+DeviceImage<float> ComputeSceneConfidence(const ComposedMap& composed,
+                                          const ComposeSceneInputs& inputs,
+                                          const ViewSurfaces& surfaces,
+                                          const DepthResolution& resolution,
+                                          float noise,
+                                          float min_fill_confidence,
+                                          Device& device);
 
-// Fills pixels without a depth by the prior where that lies on the right surface
-// with a probability of at least min_fill_confidence.
+// Fills pixels without a depth by the prior where that lies on the right
+// surface with a probability of at least min_fill_confidence.
 void FillByPrior(const ComposeSceneInputs& inputs,
                  float min_fill_confidence,
                  ComposedMap* composed,
@@ -117,7 +117,7 @@ TSAR_HD inline bool IsOnPlane(const PlaneRaster& raster,
 // plane, 0 elsewhere.
 DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,
                                 const PlaneRaster& scene_planes,
-                                ImageView<const uint16_t> numbers,
+                                ImageView<const uint16_t> plane_ids,
                                 Device& device);
 
 }  // namespace tsar

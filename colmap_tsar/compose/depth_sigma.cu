@@ -116,8 +116,7 @@ DeviceImage<uint16_t> ComputeSceneSigma(const ComposedMap& composed,
                                         float noise,
                                         const SceneSigmaOptions& options,
                                         Device& device) {
-  DeviceImage<uint16_t> sigma(
-      device, inputs.ratings.width, inputs.ratings.height);
+  DeviceImage<uint16_t> sigma(device, inputs.flags.width, inputs.flags.height);
   ParallelFor(device,
               sigma.Width(),
               sigma.Height(),

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/compose/measure_image.h"
 
-#include "colmap_tsar/compose/lift_rating.h"
+#include "colmap_tsar/compose/transfer_flags.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/priors/align_normals.h"
 #include "colmap_tsar/scene/evidence/foreground_fattening.h"
@@ -114,8 +114,7 @@ RefineResult MeasureImage(
       DownloadInputs(views, surfaces, gray.View(), device),
       views.DownloadRasterColor(),
       gray.ToHost(),
-      PackRatings(
-          surfaces.trusted.View(), surfaces.confirmations.View(), device)
+      PackFlags(surfaces.trusted.View(), surfaces.confirmations.View(), device)
           .ToHost(),
       views.ReferenceCamera(),
       reference.prior});
@@ -155,7 +154,7 @@ void MakeEvidence(const RefineOptions& options,
   }
   GatheredEvidence gathered = GatherEvidence(measured.inputs, evidence_options);
   gathered.evidence.color = std::move(measured.color);
-  gathered.evidence.ratings = std::move(measured.ratings);
+  gathered.evidence.flags = std::move(measured.flags);
   timer.Finish("evidence");
   ReduceCandidates(measured.camera, options, device, &gathered);
   result->evidence =

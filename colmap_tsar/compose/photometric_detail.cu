@@ -94,7 +94,7 @@ struct MoveKernel {
     const float variance = squares / sum_weights - mean * mean;
     const float own = depth(x, y);
     const float moved = DepthAtOffset(own, mean, resolution);
-    if (variance < options.max_spread * options.max_spread &&
+    if (variance < options.max_deviation * options.max_deviation &&
         fabsf(mean) >= options.min_offset &&
         fabsf(moved - own) <= options.max_depth_change * own) {
       depth(x, y) = moved;

@@ -38,7 +38,7 @@ struct PhotometricOptions {
   // The scale at which offsets are averaged, and their largest standard
   // deviation.
   float smoothing_sigma = 3.f;
-  float max_spread = 0.15f;
+  float max_deviation = 0.15f;
 };
 
 // The largest number of sources: more cost time and memory, and see the surface

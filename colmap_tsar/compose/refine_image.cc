@@ -47,7 +47,7 @@ RefineResult RefineImage(
   ComposedMap composed;
   if (options.fill_before_regions) {
     composed = std::move(surfaces.filled);
-    LayRegionPlanes(region_planes, views.Scale(), {}, &composed, device);
+    ApplyRegionPlanes(region_planes, views.Scale(), {}, &composed, device);
   } else {
     composed =
         ComposeSurfaces(region_planes, options, &surfaces, &views, device);
@@ -61,8 +61,8 @@ RefineResult RefineImage(
               &composed,
               device);
   }
-  DeviceImage<float> confidence =
-      RateConfidence(composed, std::as_const(surfaces.score).View(), device);
+  DeviceImage<float> confidence = ComputeComposedConfidence(
+      composed, std::as_const(surfaces.score).View(), device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,

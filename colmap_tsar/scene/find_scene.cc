@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene/find_scene.h"
 
 #include "colmap_tsar/scene/discovery/plane_support.h"
+#include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/labeling/choose_labels.h"
 #include "colmap_tsar/scene/labeling/crease_labels.h"
 #include "colmap_tsar/scene/labeling/label_votes.h"
@@ -41,69 +42,50 @@ std::vector<int> MeasuredPlanes(const std::vector<ModeledView>& views,
       }
     }
   }
-  std::vector<int> numbers;
+  std::vector<int> indices;
   for (size_t p = 0; p < num_planes; ++p) {
     if (measured[p] > kMinMeasured) {
-      numbers.push_back(static_cast<int>(p));
+      indices.push_back(static_cast<int>(p));
     }
   }
-  return numbers;
+  return indices;
 }
 
 // The creases at which planes with these indices end. Adds the indices of the
 // planes that begin there.
 std::vector<BoundingCrease> BoundingCreasesOf(
-    const std::vector<BoundingCrease>& creases, std::vector<int>* numbers) {
+    const std::vector<BoundingCrease>& creases, std::vector<int>* indices) {
   std::vector<BoundingCrease> result;
   std::copy_if(creases.begin(),
                creases.end(),
                std::back_inserter(result),
                [&](const BoundingCrease& crease) {
                  return std::binary_search(
-                     numbers->begin(), numbers->end(), crease.plane);
+                     indices->begin(), indices->end(), crease.plane);
                });
   for (const BoundingCrease& crease : result) {
-    numbers->push_back(crease.beyond);
+    indices->push_back(crease.beyond);
   }
-  std::sort(numbers->begin(), numbers->end());
-  numbers->erase(std::unique(numbers->begin(), numbers->end()), numbers->end());
+  std::sort(indices->begin(), indices->end());
+  indices->erase(std::unique(indices->begin(), indices->end()), indices->end());
   return result;
-}
-
-// Translates indices in the model to positions in a list of them; -1 for
-// others.
-std::vector<int> Translate(const std::vector<int>& planes,
-                           const std::vector<int>& places) {
-  std::vector<int> result;
-  for (const int plane : planes) {
-    result.push_back(plane >= 0 ? places[static_cast<size_t>(plane)] : -1);
-  }
-  return result;
-}
-
-std::vector<int> PlacesOf(const std::vector<int>& numbers, size_t num_planes) {
-  std::vector<int> places(num_planes, -1);
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    places[static_cast<size_t>(numbers[i])] = static_cast<int>(i);
-  }
-  return places;
 }
 
 // The support of the planes with these indices.
 PlaneSupport FindSupport(const std::vector<ModeledView>& views,
                          const std::vector<ModelPlane>& planes,
-                         const std::vector<int>& numbers,
-                         const std::vector<int>& places,
+                         const std::vector<int>& indices,
+                         const std::vector<int>& new_indices,
                          const PlaneSupportOptions& options) {
   DiscoveredPlanes near;
-  for (const int number : numbers) {
-    const ModelPlane& plane = planes[static_cast<size_t>(number)];
+  for (const int index : indices) {
+    const ModelPlane& plane = planes[static_cast<size_t>(index)];
     near.planes.push_back({plane.plane, plane.support});
   }
   std::vector<ObservedView> observed;
   for (const ModeledView& view : views) {
     observed.push_back(view.observed);
-    near.assignment.push_back(Translate(*view.assignment, places));
+    near.assignment.push_back(Renumber(*view.assignment, new_indices));
   }
   return FindPlaneSupport(observed, near, options);
 }
@@ -142,29 +124,30 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
     observed.push_back(view.observed);
   }
   const SceneOptions scene = MakeSceneOptions(options, observed);
-  std::vector<int> numbers =
+  std::vector<int> indices =
       MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
   const std::vector<BoundingCrease> bounding =
-      BoundingCreasesOf(creases, &numbers);
-  const std::vector<int> places = PlacesOf(numbers, planes.size());
+      BoundingCreasesOf(creases, &indices);
+  const std::vector<int> new_indices = IndicesAmong(indices, planes.size());
   std::vector<Plane> camera_planes;
-  for (const int number : numbers) {
+  for (const int index : indices) {
     camera_planes.push_back(ToCameraPlane(
-        planes[static_cast<size_t>(number)].plane, observed[0].camera));
+        planes[static_cast<size_t>(index)].plane, observed[0].camera));
   }
   std::vector<VotingLabels> source_labels;
   for (size_t i = 1; i < views.size() && views[i].labels != nullptr; ++i) {
-    source_labels.push_back({Translate(views[i].labels->labels.planes, places),
-                             views[i].labels->strengths});
+    source_labels.push_back(
+        {Renumber(views[i].labels->labels.planes, new_indices),
+         views[i].labels->strengths});
   }
   const LabelInputs::Rasters rasters = {/*confident_depth=*/costs->Empty(),
                                         /*superpixels=*/!source_labels.empty()};
   Image<float> votes;
-  if (!numbers.empty() && observed[0].evidence->NumSuperpixels() > 0 &&
+  if (!indices.empty() && observed[0].evidence->NumSuperpixels() > 0 &&
       (rasters.confident_depth || rasters.superpixels)) {
     const PlaneSupport support =
         rasters.confident_depth
-            ? FindSupport(views, planes, numbers, places, scene.support)
+            ? FindSupport(views, planes, indices, new_indices, scene.support)
             : PlaneSupport();
     const auto compute = [&](Device& device) {
       const LabelInputs inputs(observed, rasters, device);
@@ -179,20 +162,17 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
     };
     lend_device(
         LabelInModelWorkingBytes(
-            MeasureLabelingSize(observed, static_cast<int>(numbers.size())),
+            MeasureLabelingSize(observed, static_cast<int>(indices.size())),
             rasters),
         compute);
   }
   if (!bounding.empty() && !costs->Empty()) {
     CreaseLabels(observed[0], planes, bounding)
-        .AddVotes(numbers, *costs, scene.labels, &votes);
+        .AddVotes(indices, *costs, scene.labels, &votes);
   }
   LabeledView labeled = ChooseLabels(
       observed[0], std::move(camera_planes), *costs, votes, scene.labels);
-  for (int& label : labeled.labels) {
-    label = label >= 0 ? numbers[static_cast<size_t>(label)] : -1;
-  }
-  return {{std::move(labeled.labels),
+  return {{Renumber(std::move(labeled.labels), indices),
            std::move(labeled.evidence),
            std::move(labeled.qualities)},
           std::move(labeled.strengths)};
@@ -229,20 +209,20 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
   FoundScene found;
   const ViewLabels& labels = *labels_of_views[0];
   StageTimer timer(device, &found.seconds);
-  std::vector<int>& numbers = found.plane_numbers;
+  std::vector<int>& indices = found.plane_indices;
   std::copy_if(labels.planes.begin(),
                labels.planes.end(),
-               std::back_inserter(numbers),
-               [](int plane) { return plane >= 0; });
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  for (const int number : numbers) {
-    const ModelPlane& plane = planes[static_cast<size_t>(number)];
+               std::back_inserter(indices),
+               [](int plane) { return plane != kNoPlane; });
+  std::sort(indices.begin(), indices.end());
+  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+  for (const int index : indices) {
+    const ModelPlane& plane = planes[static_cast<size_t>(index)];
     found.labeled.planes.push_back(ToCameraPlane(plane.plane, views[0].camera));
     found.plane_errors.push_back(ErrorInView(plane, views[0].camera));
   }
   found.labeled.labels =
-      Translate(labels.planes, PlacesOf(numbers, planes.size()));
+      Renumber(labels.planes, IndicesAmong(indices, planes.size()));
   found.labeled.evidence = labels.evidence;
   found.labeled.qualities = labels.qualities;
   for (size_t j = 1; j < views.size(); ++j) {
@@ -264,27 +244,26 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
   return found;
 }
 
-Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
-                             const FoundScene& found) {
+Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
+                         const FoundScene& found) {
   std::vector<uint16_t> of_superpixel;
   for (size_t k = 0; k < found.labeled.labels.size(); ++k) {
     const int label = found.labeled.labels[k];
     const bool is_curved =
         !found.curved.labels.empty() && found.curved.labels[k] >= 0;
-    const int number = label >= 0 && !is_curved
-                           ? found.plane_numbers[static_cast<size_t>(label)] + 1
-                           : 0;
-    of_superpixel.push_back(number <= kMaxPlanesOfMap
-                                ? static_cast<uint16_t>(number)
-                                : uint16_t{0});
+    const int id = label >= 0 && !is_curved
+                       ? found.plane_indices[static_cast<size_t>(label)] + 1
+                       : 0;
+    of_superpixel.push_back(id <= kMaxPlanesOfMap ? static_cast<uint16_t>(id)
+                                                  : uint16_t{0});
   }
-  Image<uint16_t> numbers(superpixels.Width(), superpixels.Height());
+  Image<uint16_t> ids(superpixels.Width(), superpixels.Height());
   std::transform(
       superpixels.begin(),
       superpixels.end(),
-      numbers.begin(),
+      ids.begin(),
       [&](uint16_t superpixel) { return of_superpixel[superpixel]; });
-  return numbers;
+  return ids;
 }
 
 std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled) {

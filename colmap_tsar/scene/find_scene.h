@@ -97,7 +97,7 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
 struct FoundScene {
   LabeledView labeled;
   // Indices of labeled.planes in the model, and their errors in this view.
-  std::vector<int> plane_numbers;
+  std::vector<int> plane_indices;
   std::vector<InverseDepthError> plane_errors;
   CurvedView curved;
   // For each source view, the plane of each of its superpixels, in its camera's
@@ -125,8 +125,8 @@ inline constexpr int kMaxPlanesOfMap = std::numeric_limits<uint16_t>::max();
 // The values of a plane map on the raster: the index plus one of the plane that
 // each pixel's superpixel was labeled with; 0 where there is none, a curved
 // surface, or a plane that plane maps cannot name.
-Image<uint16_t> PlaneNumbers(const Image<uint16_t>& superpixels,
-                             const FoundScene& found);
+Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
+                         const FoundScene& found);
 
 // The plane of each superpixel, in the camera's frame; invalid where it has
 // none.

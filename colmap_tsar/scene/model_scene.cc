@@ -11,6 +11,7 @@
 #include "colmap_tsar/scene/discovery/join_planes.h"
 #include "colmap_tsar/scene/discovery/manhattan_frame.h"
 #include "colmap_tsar/scene/discovery/plane_measurement.h"
+#include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/for_each_view.h"
 #include "colmap_tsar/scene/label_sweeps.h"
@@ -170,18 +171,14 @@ class SceneModeler {
       model_.planes.push_back(ToModelPlane(plane));
     }
     for (size_t b = 0; b < blocks.size(); ++b) {
-      frames[b].places = joined.places[b];
-      for (const int place : joined.places[b]) {
-        model_.planes[static_cast<size_t>(place)].component =
+      frames[b].indices = joined.indices[b];
+      for (const int plane : joined.indices[b]) {
+        model_.planes[static_cast<size_t>(plane)].component =
             frames[b].component;
       }
       for (size_t i = 0; i < blocks[b].views.size(); ++i) {
-        std::vector<int>& assignment = assignment_[blocks[b].views[i]];
-        assignment = std::move(blocks[b].found.assignment[i]);
-        for (int& plane : assignment) {
-          plane =
-              plane >= 0 ? joined.places[b][static_cast<size_t>(plane)] : -1;
-        }
+        assignment_[blocks[b].views[i]] = Renumber(
+            std::move(blocks[b].found.assignment[i]), joined.indices[b]);
       }
     }
     model_.frames = FindSceneFrames(frames, &model_.planes);
@@ -267,7 +264,7 @@ class SceneModeler {
     std::vector<std::vector<PlaneLine>> of_views(views_.size());
     ForEachEvidence("lines", [&](size_t view, const ObservedView& observed) {
       of_views[view] =
-          FindPlaneLines(observed, *labels[view], copies, model_, {});
+          FindPlaneLines(observed, Renumber(*labels[view], copies), model_, {});
     });
     const std::vector<SharedLine> lines = JoinPlaneLines(of_views, {});
     if (lines.empty() || should_stop_()) {
@@ -276,8 +273,8 @@ class SceneModeler {
     LineEvidenceSum sum(lines.size());
     std::mutex mutex;
     ForEachEvidence("creases", [&](size_t view, const ObservedView& observed) {
-      const std::vector<ViewLineEvidence> of_view =
-          TestPlaneLines(observed, *labels[view], copies, lines, model_, {});
+      const std::vector<ViewLineEvidence> of_view = TestPlaneLines(
+          observed, Renumber(*labels[view], copies), lines, model_, {});
       const std::lock_guard lock(mutex);
       sum.Add(of_view);
     });

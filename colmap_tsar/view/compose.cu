@@ -70,7 +70,7 @@ struct ComposeKernel {
   }
 };
 
-struct LayRegionsKernel {
+struct ApplyRegionsKernel {
   PlaneRaster planes;
   DisparityScale scale;
   PlaneTolerance on_plane;
@@ -158,20 +158,20 @@ ComposedMap ComposeMap(DepthNormalImages own,
   return composed;
 }
 
-void LayRegionPlanes(const PlaneRaster& region_planes,
-                     const DisparityScale& scale,
-                     const ComposeOptions& options,
-                     ComposedMap* composed,
-                     Device& device) {
+void ApplyRegionPlanes(const PlaneRaster& region_planes,
+                       const DisparityScale& scale,
+                       const ComposeOptions& options,
+                       ComposedMap* composed,
+                       Device& device) {
   ParallelFor(device,
               composed->map.depth.Width(),
               composed->map.depth.Height(),
-              LayRegionsKernel{region_planes,
-                               scale,
-                               options.on_plane,
-                               composed->map.depth.View(),
-                               composed->map.normal.View(),
-                               composed->provenance.View()});
+              ApplyRegionsKernel{region_planes,
+                                 scale,
+                                 options.on_plane,
+                                 composed->map.depth.View(),
+                                 composed->map.normal.View(),
+                                 composed->provenance.View()});
 }
 
 void MarkInterpolated(ImageView<const uint8_t> filled,
@@ -183,9 +183,9 @@ void MarkInterpolated(ImageView<const uint8_t> filled,
               MarkKernel{filled, composed->provenance.View()});
 }
 
-DeviceImage<float> RateConfidence(const ComposedMap& composed,
-                                  ImageView<const float> score,
-                                  Device& device) {
+DeviceImage<float> ComputeComposedConfidence(const ComposedMap& composed,
+                                             ImageView<const float> score,
+                                             Device& device) {
   DeviceImage<float> confidence(device, score.width, score.height);
   ParallelFor(
       device,

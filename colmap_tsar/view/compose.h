@@ -48,11 +48,11 @@ ComposedMap ComposeMap(DepthNormalImages own,
 // Replaces the depths of a map by the planes of regions wherever these exist,
 // as in the paper. A trusted measurement that lies on the plane still counts as
 // one.
-void LayRegionPlanes(const PlaneRaster& region_planes,
-                     const DisparityScale& scale,
-                     const ComposeOptions& options,
-                     ComposedMap* composed,
-                     Device& device);
+void ApplyRegionPlanes(const PlaneRaster& region_planes,
+                       const DisparityScale& scale,
+                       const ComposeOptions& options,
+                       ComposedMap* composed,
+                       Device& device);
 
 // Sets the provenance of the pixels where filled is not 0.
 void MarkInterpolated(ImageView<const uint8_t> filled,
@@ -78,9 +78,9 @@ TSAR_HD inline float ConfidenceOfFilled(Provenance provenance) {
 // The confidence of each depth, in [0, 1]: the score where it was measured, and
 // for filled pixels a fixed value by provenance, at most 0.5; 0 where there is
 // no depth.
-DeviceImage<float> RateConfidence(const ComposedMap& composed,
-                                  ImageView<const float> score,
-                                  Device& device);
+DeviceImage<float> ComputeComposedConfidence(const ComposedMap& composed,
+                                             ImageView<const float> score,
+                                             Device& device);
 
 // Clears depth, normal, provenance and confidence where the confidence is less
 // than min_confidence, which is in [0, 1], or 0.

@@ -27,14 +27,14 @@ namespace {
 constexpr float kAnyScore = -1.f;
 
 // Computes the superpixels, their planes and the trusted pixels.
-void RefineTrust(const DeviceViews& views,
-                 DeviceImage<uint8_t> reliable,
-                 uint32_t image_id,
-                 const RefineOptions& options,
-                 Device& device,
-                 StageTimer* timer,
-                 StageObserver* observer,
-                 Surfaces* surfaces) {
+void RefineReliability(const DeviceViews& views,
+                       DeviceImage<uint8_t> reliable,
+                       uint32_t image_id,
+                       const RefineOptions& options,
+                       Device& device,
+                       StageTimer* timer,
+                       StageObserver* observer,
+                       Surfaces* surfaces) {
   if (!options.refine) {
     surfaces->trusted = std::move(reliable);
     return;
@@ -239,14 +239,14 @@ Surfaces FindSurfaces(const ViewData& reference,
                   device);
   timer->Finish("filtering");  // Waits for the device: the sources can go.
   views->ReleaseSources();
-  RefineTrust(*views,
-              std::move(reliable),
-              image_id,
-              options,
-              device,
-              timer,
-              observer,
-              &surfaces);
+  RefineReliability(*views,
+                    std::move(reliable),
+                    image_id,
+                    options,
+                    device,
+                    timer,
+                    observer,
+                    &surfaces);
   if (options.fill_before_regions) {
     surfaces.filled = ComposeSurfaces({}, options, &surfaces, views, device);
     FillHoles(views->Color(),

@@ -17,7 +17,7 @@ struct MeasurementSupport {
   ViewVotes votes;
   // Standard deviation of the gray levels around the pixel (ComputeTexture).
   float texture = 0.f;
-  bool is_trusted = false;  // See MeasurementRating.
+  bool is_trusted = false;  // See MeasurementFlags.
 };
 
 // The surface that would replace the measurement: the plane of the pixel's

@@ -86,10 +86,10 @@ class SquareFinder {
   static void Append(
       float depth, int column, int row, bool counts, Depths* depths) {
     // A depth that does not count is overwritten by the next.
-    const auto place = static_cast<size_t>(depths->count);
-    depths->depth[place] = depth;
-    depths->column[place] = column;
-    depths->row[place] = row;
+    const auto index = static_cast<size_t>(depths->count);
+    depths->depth[index] = depth;
+    depths->column[index] = column;
+    depths->row[index] = row;
     depths->count += counts && depth > 0.f ? 1 : 0;
   }
 
@@ -251,19 +251,19 @@ void ViewReducer::Set(const ViewData& rows,
                       ptrdiff_t pixel,
                       int x,
                       int y) {
-  const auto place = static_cast<size_t>(pixel);
+  const auto index = static_cast<size_t>(pixel);
   reduced_.depth(x, y) =
       squares.DepthOnRay(pixel,
                          reduced_.camera.GetIntrinsics().Ray(
                              static_cast<float>(x), static_cast<float>(y)));
-  reduced_.normal(x, y) = rows.normal.Data()[place];
+  reduced_.normal(x, y) = rows.normal.Data()[index];
   const bool is_to_refine =
-      rows.is_to_refine.Empty() || rows.is_to_refine.Data()[place] != 0;
+      rows.is_to_refine.Empty() || rows.is_to_refine.Data()[index] != 0;
   reduced_.is_to_refine(x, y) = is_to_refine ? 1 : 0;
   reduced_.num_depths_to_refine += is_to_refine ? 1 : 0;
   if (!reduced_.min_cost.Empty()) {
-    reduced_.min_cost(x, y) = rows.min_cost.Data()[place];
-    reduced_.second_cost(x, y) = rows.second_cost.Data()[place];
+    reduced_.min_cost(x, y) = rows.min_cost.Data()[index];
+    reduced_.second_cost(x, y) = rows.second_cost.Data()[index];
   }
 }
 

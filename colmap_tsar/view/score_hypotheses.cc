@@ -18,11 +18,11 @@
 namespace tsar {
 namespace {
 
-DeviceImage<float> RateMatches(const ViewData& reference,
-                               const DeviceViews& views,
-                               const RefineOptions& options,
-                               Device& device,
-                               StageObserver* observer) {
+DeviceImage<float> ScoreMatches(const ViewData& reference,
+                                const DeviceViews& views,
+                                const RefineOptions& options,
+                                Device& device,
+                                StageObserver* observer) {
   MatchingCosts costs =
       ComputeMatchingCosts(views.Reference(), views.Sources(), device);
   if (!reference.min_cost.Empty()) {
@@ -47,7 +47,7 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
   HypothesisScores result;
   DeviceImage<float> confidence;
   if (options.filter_confidence) {
-    confidence = RateMatches(reference, views, options, device, observer);
+    confidence = ScoreMatches(reference, views, options, device, observer);
   }
   DeviceImage<uint8_t> agreement;
   if (options.view_agreement) {

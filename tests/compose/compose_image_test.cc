@@ -108,8 +108,8 @@ TEST_F(ComposeImageTest, LargeMapsAreJudgedAtASmallerSize) {
   const SyntheticViews whole =
       DrawReduced(kWidth, kHeight, ReductionFactor(kWidth, kHeight, 96));
   const auto evidence = Observe(drawn_.views.size());
-  EXPECT_EQ(evidence[0]->ratings.Width(), 96);
-  EXPECT_EQ(evidence[0]->ratings.Height(), 72);
+  EXPECT_EQ(evidence[0]->flags.Width(), 96);
+  EXPECT_EQ(evidence[0]->flags.Height(), 72);
   drawn_ = whole;
   const RefineResult result = Compose(evidence);
   EXPECT_EQ(result.reason_to_keep, "");

@@ -4,7 +4,7 @@
 #include "colmap_tsar/compose/compose_scene.h"
 
 #include "colmap_tsar/compose/refine_image.h"
-#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 #include "colmap_tsar/view/measurement_support.h"
 
@@ -70,14 +70,14 @@ class ComposeSceneTest : public testing::Test {
 
   void Measure(int x, int y, float depth) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(true, Confirmation::kNone);
+    ratings_(x, y) = MeasurementFlags::Pack(true, Confirmation::kNone);
   }
   void MeasureWithoutTrust(int x,
                            int y,
                            float depth,
                            Confirmation confirmation = Confirmation::kNone) {
     own_(x, y) = depth;
-    ratings_(x, y) = MeasurementRating::Pack(false, confirmation);
+    ratings_(x, y) = MeasurementFlags::Pack(false, confirmation);
   }
 
   ComposeSceneInputs Inputs() const {
@@ -126,13 +126,13 @@ class ComposeSceneTest : public testing::Test {
             confidence.ToHost()};
   }
   DeviceImage<float> Rate(const ComposedMap& composed) const {
-    return RateSceneConfidence(composed,
-                               Inputs(),
-                               {views_, {}},
-                               scale_,
-                               kNoise,
-                               min_fill_confidence_,
-                               *device_);
+    return ComputeSceneConfidence(composed,
+                                  Inputs(),
+                                  {views_, {}},
+                                  scale_,
+                                  kNoise,
+                                  min_fill_confidence_,
+                                  *device_);
   }
 
   static void Expect(const Result& result,

@@ -51,9 +51,9 @@ class DepthSigmaTest : public testing::Test {
       superpixels(x, 0) = static_cast<uint16_t>(x);
     }
     const Image<Plane> planes(kWidth, 1, Plane{{0.f, 0.f, -1.f}, kScene});
-    const Image<uint8_t> ratings(kWidth, 1);
+    const Image<uint8_t> flags(kWidth, 1);
     const ComposeSceneInputs inputs{
-        ratings.View(),
+        flags.View(),
         {planes.View(), Intrinsics{10.f, 10.f, 0.f, 0.f}, kWidth, 1},
         superpixels.View(),
         of_superpixel_.data(),

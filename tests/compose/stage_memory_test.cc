@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/compose/stage_memory.h"
 
-#include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/compose/measure_image.h"
+#include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/refine_option_list.h"
 #include "colmap_tsar/view/uploaded_view.h"
@@ -321,7 +321,7 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
             sizeof(RayDepth) +
         2 * evidence.confirmed_pixels.size() * sizeof(int) +
         evidence.borders.size() * sizeof(SuperpixelBorder) +
-        evidence.color.NumPixels() * sizeof(Rgb) + evidence.ratings.NumPixels();
+        evidence.color.NumPixels() * sizeof(Rgb) + evidence.flags.NumPixels();
     ExpectPlanned("all",
                   ViewEvidenceBytes(options, num_pixels_),
                   static_cast<int64_t>(all));

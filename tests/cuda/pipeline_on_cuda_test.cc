@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/compose/apply_cylinders.h"
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/compose/depth_sigma.h"
-#include "colmap_tsar/compose/lay_cylinders.h"
-#include "colmap_tsar/compose/lift_rating.h"
 #include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/compose/refine_image.h"
+#include "colmap_tsar/compose/transfer_flags.h"
 #include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/reduce_view.h"
@@ -29,7 +29,7 @@ std::vector<T> Pixels(const Image<T>& image) {
 
 TEST_F(CudaTest, ComposeMapAndRateConfidence) {
   ExpectAlike(
-      "ComposeMap, RateConfidence, ComputeSigma",
+      "ComposeMap, ComputeComposedConfidence, ComputeSigma",
       AllScenesAndWide(),
       [](StageInputs& inputs, Device& device, StageResult* result) {
         // Two walls, the nearer one in every third column of the raster.
@@ -61,8 +61,9 @@ TEST_F(CudaTest, ComposeMapAndRateConfidence) {
         result->Add("depth", composed.map.depth);
         result->Add("normal", composed.map.normal);
         result->Add("provenance", composed.provenance);
-        result->Add("confidence",
-                    RateConfidence(composed, inputs.score.View(), device));
+        result->Add(
+            "confidence",
+            ComputeComposedConfidence(composed, inputs.score.View(), device));
         result->Add("sigma",
                     ComputeSigma(composed, inputs.views.Scale(), {}, device));
       });
@@ -71,7 +72,7 @@ TEST_F(CudaTest, ComposeMapAndRateConfidence) {
 TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
   std::set<Provenance> found;
   ExpectAlike(
-      "ComposeScene, RateSceneConfidence, ComputeSceneSigma",
+      "ComposeScene, ComputeSceneConfidence, ComputeSceneSigma",
       AllScenesAndWide(),
       [&](StageInputs& inputs, Device& device, StageResult* result) {
         const ReducedRaster& raster = inputs.views.Raster();
@@ -100,8 +101,8 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
                k % 5 == 0 ? wall.normal : Vec3f{}});
         }
         // Three depths of four are trusted.
-        Image<uint8_t> ratings(inputs.views.Width(), inputs.views.Height());
-        for (uint8_t& value : ratings) {
+        Image<uint8_t> flags(inputs.views.Width(), inputs.views.Height());
+        for (uint8_t& value : flags) {
           const uint32_t number = random.NextBelow(340);
           value = static_cast<uint8_t>(number < 256 ? number : 0);
         }
@@ -124,12 +125,12 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         }
         const DeviceImage<float> device_texture(
             device, Image<float>(raster.width, raster.height, 7.f));
-        const DeviceImage<uint8_t> device_ratings(device, ratings);
+        const DeviceImage<uint8_t> device_flags(device, flags);
         const DeviceImage<Plane> scene_planes(device, scene);
         const DeviceImage<uint16_t> device_superpixels(device, superpixels);
         const Buffer<ComposedSuperpixel> device_of_superpixel(device,
                                                               of_superpixel);
-        const ComposeSceneInputs scene_inputs{device_ratings.View(),
+        const ComposeSceneInputs scene_inputs{device_flags.View(),
                                               inputs.views.OnMap(scene_planes),
                                               device_superpixels.View(),
                                               device_of_superpixel.Data(),
@@ -145,13 +146,13 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
         result->Add("normal", composed.map.normal);
         result->Add("provenance", composed.provenance);
         const auto confidence_of = [&] {
-          return RateSceneConfidence(composed,
-                                     scene_inputs,
-                                     surfaces,
-                                     inputs.views.Scale(),
-                                     0.2f,
-                                     0.3f,
-                                     device);
+          return ComputeSceneConfidence(composed,
+                                        scene_inputs,
+                                        surfaces,
+                                        inputs.views.Scale(),
+                                        0.2f,
+                                        0.3f,
+                                        device);
         };
         result->Add("confidence", confidence_of());
         const auto sigma = [&] {
@@ -200,9 +201,9 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
                                   Provenance::kGuessed}));
 }
 
-TEST_F(CudaTest, LayCylindersAndRateThem) {
+TEST_F(CudaTest, ApplyCylindersAndSetTheirConfidence) {
   ExpectAlike(
-      "LayCylinders, RateCylinders, SetSigmaOfCylinders",
+      "ApplyCylinders, SetConfidenceOfCylinders, SetSigmaOfCylinders",
       AllScenesAndWide(),
       [](StageInputs& inputs, Device& device, StageResult* result) {
         const int width = inputs.views.Width();
@@ -233,27 +234,28 @@ TEST_F(CudaTest, LayCylindersAndRateThem) {
                 Image<uint8_t>(width,
                                height,
                                static_cast<uint8_t>(Provenance::kMeasured)))};
-        // All kinds of ratings.
-        Image<uint8_t> ratings(width, height);
+        // All kinds of flags.
+        Image<uint8_t> flags(width, height);
         Philox random(24, 0, 0);
-        for (uint8_t& rating : ratings) {
-          rating = static_cast<uint8_t>(random.NextBelow(256));
+        for (uint8_t& of_pixel : flags) {
+          of_pixel = static_cast<uint8_t>(random.NextBelow(256));
         }
-        const DeviceImage<uint8_t> device_ratings(device, ratings);
-        const LaidCylinders laid = LayCylinders(cylinders,
-                                                device_ratings.View(),
-                                                inputs.views.MapIntrinsics(),
-                                                inputs.views.Scale(),
-                                                &composed,
-                                                device);
+        const DeviceImage<uint8_t> device_flags(device, flags);
+        const AppliedCylinders applied =
+            ApplyCylinders(cylinders,
+                           device_flags.View(),
+                           inputs.views.MapIntrinsics(),
+                           inputs.views.Scale(),
+                           &composed,
+                           device);
         result->Add("depth", composed.map.depth);
         result->Add("normal", composed.map.normal);
         result->Add("provenance", composed.provenance);
         DeviceImage<float> confidence(device, Image<float>(width, height));
-        RateCylinders(laid, &confidence, device);
+        SetConfidenceOfCylinders(applied, &confidence, device);
         result->Add("confidence", confidence);
         DeviceImage<uint16_t> sigma(device, Image<uint16_t>(width, height));
-        SetSigmaOfCylinders(laid,
+        SetSigmaOfCylinders(applied,
                             inputs.views.MapIntrinsics(),
                             inputs.views.Scale(),
                             composed.map,
@@ -264,31 +266,31 @@ TEST_F(CudaTest, LayCylindersAndRateThem) {
       });
 }
 
-TEST_F(CudaTest, LiftRatings) {
-  ExpectAlike("LiftRatings",
+TEST_F(CudaTest, TransferFlags) {
+  ExpectAlike("TransferFlags",
               AllScenesAndWide(),
               [](StageInputs& inputs, Device& device, StageResult* result) {
                 const ViewData& view = inputs.drawn.views[0];
                 for (const int factor : {1, 2, 3}) {
                   const ViewData reduced = ReduceView(view, factor);
-                  Image<uint8_t> ratings(reduced.depth.Width(),
-                                         reduced.depth.Height());
+                  Image<uint8_t> flags(reduced.depth.Width(),
+                                       reduced.depth.Height());
                   Philox random(23, 0, 0);
-                  for (uint8_t& rating : ratings) {
-                    rating = static_cast<uint8_t>(random.NextBelow(256));
+                  for (uint8_t& of_pixel : flags) {
+                    of_pixel = static_cast<uint8_t>(random.NextBelow(256));
                   }
-                  const DeviceImage<uint8_t> device_ratings(device, ratings);
+                  const DeviceImage<uint8_t> device_flags(device, flags);
                   const DeviceImage<float> depth(device, reduced.depth);
                   const DeviceImage<Vec3f> normal(device, reduced.normal);
-                  result->Add("ratings by " + std::to_string(factor),
-                              LiftRatings({device_ratings.View(),
-                                           {depth.View(), normal.View()},
-                                           reduced.camera.GetIntrinsics(),
-                                           factor},
-                                          inputs.views.Hypotheses().depth,
-                                          inputs.views.MapIntrinsics(),
-                                          inputs.views.Scale(),
-                                          device));
+                  result->Add("flags by " + std::to_string(factor),
+                              TransferFlags({device_flags.View(),
+                                             {depth.View(), normal.View()},
+                                             reduced.camera.GetIntrinsics(),
+                                             factor},
+                                            inputs.views.Hypotheses().depth,
+                                            inputs.views.MapIntrinsics(),
+                                            inputs.views.Scale(),
+                                            device));
                 }
               });
 }

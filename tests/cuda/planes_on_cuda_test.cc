@@ -137,7 +137,7 @@ TEST_F(CudaTest, RefineBorders) {
   Image<uint16_t> superpixels(kWidth, kHeight);
   Image<Vec3f> lab(kWidth, kHeight);
   Image<float> depth(2 * kWidth, 2 * kHeight);
-  Image<uint8_t> ratings(2 * kWidth, 2 * kHeight);
+  Image<uint8_t> flags(2 * kWidth, 2 * kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       superpixels(x, y) =
@@ -149,29 +149,29 @@ TEST_F(CudaTest, RefineBorders) {
   }
   for (size_t i = 0; i < depth.NumPixels(); ++i) {
     depth.Data()[i] = 3.f + 1.5f * random.NextFloat();
-    ratings.Data()[i] = random.NextBelow(2) == 0 ? 0 : 255;
+    flags.Data()[i] = random.NextBelow(2) == 0 ? 0 : 255;
   }
   const auto run = [&](Device& device) {
     const DeviceImage<uint16_t> device_superpixels(device, superpixels);
     const DeviceImage<Vec3f> device_lab(device, lab);
     const DeviceImage<float> device_depth(device, depth);
-    DeviceImage<uint8_t> device_ratings(device, ratings);
+    DeviceImage<uint8_t> device_flags(device, flags);
     const RefinedBorders refined =
         RefineBorders({device_superpixels.View(),
                        device_lab.View(),
                        device_depth.View(),
-                       std::as_const(device_ratings).View(),
+                       std::as_const(device_flags).View(),
                        {100.f, 100.f, 64.5f, 44.5f},
                        DepthResolution{0.0025f}},
                       labels,
                       planes,
                       {},
                       device);
-    DistrustFattened(refined.fattened.View(), device_ratings.View(), device);
+    DistrustFattened(refined.fattened.View(), device_flags.View(), device);
     StageResult result;
     result.Add("superpixels", refined.superpixels);
     result.Add("fattened", refined.fattened);
-    result.Add("ratings", device_ratings);
+    result.Add("flags", device_flags);
     return result;
   };
   const StageResult on_cpu = run(*cpu_);

@@ -73,7 +73,7 @@ std::vector<std::string> MakeSeeds() {
   evidence.borders[0].first = 0;
   evidence.borders[0].second = 1;
   evidence.color = Image<Rgb>(3, 2, {1, 2, 3});
-  evidence.ratings = Image<uint8_t>(6, 4, 1);
+  evidence.flags = Image<uint8_t>(6, 4, 1);
   WriteEvidence(UserPath(FuzzFolder() / "evidence.bin"), "options", evidence);
   const std::string seed = TakeFile("evidence.bin");
   // The layout above is that of the file, or this target would test nothing.

@@ -28,7 +28,7 @@ ViewEvidence EvidenceOf(int image) {
   evidence.first_observation = {0, 0};
   evidence.first_confirmed = {0, 0};
   evidence.confirmed_pixels = {0};
-  evidence.ratings = Image<uint8_t>(4, 3, 7);
+  evidence.flags = Image<uint8_t>(4, 3, 7);
   return evidence;
 }
 
@@ -88,13 +88,13 @@ TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
 
   const ViewEvidence all = store.ReadAll(1);
   EXPECT_EQ(all.noise, 1.f);
-  EXPECT_EQ(all.ratings.Width(), 4);
-  EXPECT_EQ(all.ratings(3, 2), 7);
+  EXPECT_EQ(all.flags.Width(), 4);
+  EXPECT_EQ(all.flags(3, 2), 7);
   const EvidenceStore::Evidence some = store.Get(1);
   ASSERT_NE(some, nullptr);
   EXPECT_EQ(some->noise, 1.f);
   EXPECT_EQ(some->weights.size(), 1u);
-  EXPECT_TRUE(some->ratings.Empty());
+  EXPECT_TRUE(some->flags.Empty());
   EXPECT_TRUE(IsCurrent(1));
 }
 

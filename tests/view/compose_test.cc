@@ -180,7 +180,7 @@ std::vector<float> Confidences(float score, Device& device) {
                         DeviceImage<uint8_t>(device, provenance)};
   const Image<float> scores(kCount, 1, score);
   const Image<float> confidence =
-      RateConfidence(map, scores.View(), device).ToHost();
+      ComputeComposedConfidence(map, scores.View(), device).ToHost();
   return {confidence.begin(), confidence.end()};
 }
 
@@ -237,7 +237,7 @@ TEST_F(ComposeTest, DoubtfulDepthsAreDropped) {
   }
 }
 
-TEST_F(ComposeTest, RegionsReplaceWhatTheyAreLaidOver) {
+TEST_F(ComposeTest, RegionsReplaceWhatTheyAreAppliedTo) {
   const auto lay =
       [&](float own, bool trusted, float superpixel, float region) {
         const Image<Plane> superpixel_plane =
@@ -250,7 +250,7 @@ TEST_F(ComposeTest, RegionsReplaceWhatTheyAreLaidOver) {
                        {},
                        options_,
                        *device_);
-        LayRegionPlanes(Raster(region_plane), {}, options_, &map, *device_);
+        ApplyRegionPlanes(Raster(region_plane), {}, options_, &map, *device_);
         return Composed{map.map.depth.ToHost()(0, 0),
                         map.map.normal.ToHost()(0, 0),
                         static_cast<Provenance>(map.provenance.ToHost()(0, 0))};

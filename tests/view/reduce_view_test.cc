@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/reduce_view.h"
 
-#include "colmap_tsar/compose/lift_rating.h"
+#include "colmap_tsar/compose/transfer_flags.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/device_views.h"
 

@@ -112,7 +112,7 @@ std::optional<std::string> FindEvidenceFault(const ViewEvidence& evidence,
     return std::nullopt;
   }
   const std::vector<int>& first_confirmed = evidence.first_confirmed;
-  if (evidence.ratings.Empty() || first_confirmed.size() != first.size() ||
+  if (evidence.flags.Empty() || first_confirmed.size() != first.size() ||
       evidence.confirmed_pixels.size() != num_superpixels) {
     return "sizes that do not fit each other";
   }

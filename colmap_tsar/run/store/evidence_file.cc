@@ -113,7 +113,7 @@ auto OwnArrays(Evidence& evidence) {
                      BytesOf(evidence.confirmed),
                      BytesOf(evidence.confirmed_pixels),
                      BytesOf(evidence.borders),
-                     BytesOf(evidence.ratings)};
+                     BytesOf(evidence.flags)};
 }
 
 Error MissingEvidence(const std::filesystem::path& path) {
@@ -173,8 +173,8 @@ void WriteEvidence(const ContainedPath& path,
   Header header;
   header.width = evidence.width;
   header.height = evidence.height;
-  header.ratings_width = evidence.ratings.Width();
-  header.ratings_height = evidence.ratings.Height();
+  header.ratings_width = evidence.flags.Width();
+  header.ratings_height = evidence.flags.Height();
   header.intrinsics = evidence.intrinsics;
   header.error_per_depth = evidence.resolution.error_per_depth;
   header.noise = evidence.noise;
@@ -235,8 +235,8 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
     evidence.confirmed.resize(header.num_confirmed);
     evidence.confirmed_pixels.resize(header.num_superpixels);
     evidence.borders.resize(header.num_borders);
-    evidence.ratings = Image<uint8_t>::Uninitialized(header.ratings_width,
-                                                     header.ratings_height);
+    evidence.flags = Image<uint8_t>::Uninitialized(header.ratings_width,
+                                                   header.ratings_height);
     reader.Read(OwnArrays(evidence), header.own_fingerprint);
   }
   if (const auto fault = FindEvidenceFault(evidence, parts)) {

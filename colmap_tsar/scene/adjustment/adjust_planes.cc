@@ -93,31 +93,31 @@ struct SceneExtent {
 // the planes' points nearest to the origin.
 SceneExtent ExtentOf(const std::vector<WorldPlane>& planes,
                      const std::vector<PlaneMeasurement>& measurements) {
-  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Vector3d> points;
   for (const PlaneMeasurement& measurement : measurements) {
     if (measurement.information > 0.0) {
-      places.push_back(measurement.center);
-      places.push_back(measurement.foot);
+      points.push_back(measurement.center);
+      points.push_back(measurement.foot);
     }
   }
-  if (places.empty()) {
+  if (points.empty()) {
     for (const WorldPlane& plane : planes) {
-      places.emplace_back(-plane.offset * plane.normal);
+      points.emplace_back(-plane.offset * plane.normal);
     }
   }
   SceneExtent extent;
-  if (places.empty()) {
+  if (points.empty()) {
     return extent;
   }
-  std::vector<double> values(places.size());
+  std::vector<double> values(points.size());
   for (int i = 0; i < 3; ++i) {
-    for (size_t k = 0; k < places.size(); ++k) {
-      values[k] = places[k][i];
+    for (size_t k = 0; k < points.size(); ++k) {
+      values[k] = points[k][i];
     }
     extent.middle[i] = UpperMedian(&values);
   }
-  for (size_t k = 0; k < places.size(); ++k) {
-    values[k] = (places[k] - extent.middle).norm();
+  for (size_t k = 0; k < points.size(); ++k) {
+    values[k] = (points[k] - extent.middle).norm();
   }
   const double size = UpperMedian(&values);
   Require(std::isfinite(size), "lengths are too large");

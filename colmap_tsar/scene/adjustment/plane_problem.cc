@@ -78,17 +78,18 @@ class CeresProblem {
     ceres::Solver::Summary summary;
     ceres::Solve(options, &ceres_, &summary);
     if (!summary.IsSolutionUsable()) {
-      std::fill(numbers_.begin(), numbers_.end(), 0.0);
+      std::fill(parameters_.begin(), parameters_.end(), 0.0);
     }
-    return std::any_of(numbers_.begin(), numbers_.end(), [](double number) {
-      return std::abs(number) >= kStandstill;
-    });
+    return std::any_of(
+        parameters_.begin(), parameters_.end(), [](double parameter) {
+          return std::abs(parameter) >= kStandstill;
+        });
   }
 
   // Applies the parameters to planes and frames.
   void Move(PlaneAdjustment* at) const {
     for (size_t f = 0; f < at->frames.size(); ++f) {
-      const Eigen::Map<const Eigen::Vector3d> turn(&numbers_[3 * f]);
+      const Eigen::Map<const Eigen::Vector3d> turn(&parameters_[3 * f]);
       if (!turn.isZero(0.0)) {
         at->frames[f] = Eigen::Quaterniond(
                             Eigen::AngleAxisd(turn.norm(), turn.normalized()) *
@@ -135,16 +136,17 @@ class CeresProblem {
     for (size_t p = 0; p < planes_.size(); ++p) {
       std::vector<Eigen::Index> of_plane;
       for (Eigen::Index i = 0; i < planes_[p].axes.cols(); ++i) {
-        of_plane.push_back(turns_[p] - numbers_.data() + i);
+        of_plane.push_back(turns_[p] - parameters_.data() + i);
       }
-      of_plane.push_back(shifts_[p] - numbers_.data());
+      of_plane.push_back(shifts_[p] - parameters_.data());
       const auto size = static_cast<Eigen::Index>(of_plane.size());
       result.emplace_back(Eigen::MatrixXd::Identity(size, size) /
                           (kStay * kStay));
       for (Eigen::Index i = 0; is_known && i < size; ++i) {
-        const auto num_numbers = static_cast<Eigen::Index>(numbers_.size());
+        const auto num_parameters =
+            static_cast<Eigen::Index>(parameters_.size());
         const Eigen::VectorXd column = information.solve(Eigen::VectorXd::Unit(
-            num_numbers, of_plane[static_cast<size_t>(i)]));
+            num_parameters, of_plane[static_cast<size_t>(i)]));
         result.back().col(i) = column(of_plane);
       }
     }
@@ -173,10 +175,10 @@ class CeresProblem {
     const PlaneAdjustment& at = problem.at;
     const size_t num_frames = at.frames.size();
     const size_t num_planes = at.planes.size();
-    numbers_.resize(3 * (num_frames + num_planes));
+    parameters_.resize(3 * (num_frames + num_planes));
     size_t end = 0;
     const auto add_block = [&](int size) {
-      double* block = &numbers_[end];
+      double* block = &parameters_[end];
       end += static_cast<size_t>(size);
       ceres_.AddResidualBlock(
           new ceres::NormalPrior(kStay * ceres::Matrix::Identity(size, size),
@@ -199,7 +201,8 @@ class CeresProblem {
         const Eigen::Vector3d column = ColumnOf(at, p);
         moving.normal = column.dot(plane.normal) < 0.0 ? -column : column;
         moving.axes = Eigen::Matrix3d::Identity();
-        turns_.push_back(&numbers_[3 * static_cast<size_t>(at.axes[p].frame)]);
+        turns_.push_back(
+            &parameters_[3 * static_cast<size_t>(at.axes[p].frame)]);
       } else {
         moving.axes.resize(3, 2);
         moving.axes.col(0) = plane.normal.unitOrthogonal();
@@ -209,7 +212,7 @@ class CeresProblem {
       shifts_.push_back(add_block(1));
       planes_.push_back(moving);
     }
-    numbers_.resize(end);
+    parameters_.resize(end);
   }
 
   template <typename Error>
@@ -230,24 +233,24 @@ class CeresProblem {
   ceres::CauchyLoss loss_;
   ceres::Problem ceres_;
   std::vector<MovingPlane> planes_;
-  std::vector<double> numbers_;
+  std::vector<double> parameters_;
   std::vector<double*> turns_;  // By plane; point into the parameters.
   std::vector<double*> shifts_;
 };
 
 // of_numbers: the covariance of the plane's rotation and shift.
 void SetCovariance(const MovingPlane& moving,
-                   const Eigen::MatrixXd& of_numbers,
+                   const Eigen::MatrixXd& of_parameters,
                    AdjustedPlane* plane) {
   const Eigen::Index num_axes = moving.axes.cols();
   Eigen::Matrix<double, 3, 2> along;
   along.col(0) = moving.normal.unitOrthogonal();
   along.col(1) = moving.normal.cross(along.col(0));
-  Eigen::MatrixXd by_numbers = Eigen::MatrixXd::Zero(3, num_axes + 1);
-  by_numbers.topLeftCorner(2, num_axes) = along.transpose() * moving.axes;
-  by_numbers(2, num_axes) = 1.0;
+  Eigen::MatrixXd by_parameters = Eigen::MatrixXd::Zero(3, num_axes + 1);
+  by_parameters.topLeftCorner(2, num_axes) = along.transpose() * moving.axes;
+  by_parameters(2, num_axes) = 1.0;
   const Eigen::Matrix3d covariance =
-      by_numbers * of_numbers * by_numbers.transpose();
+      by_parameters * of_parameters * by_parameters.transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
       covariance.topLeftCorner<2, 2>());
   Eigen::Matrix3d basis = Eigen::Matrix3d::Identity();

@@ -99,8 +99,8 @@ class CreaseFinderOfModel {
   // middle. ends: those of one side of a plane.
   EndOfPlane Outermost(const Ends& ends) const {
     const auto is_further = [](const EndOfPlane& a, const EndOfPlane& b) {
-      return a.beyond == 0 ? a.shared.line.place < b.shared.line.place
-                           : a.shared.line.place > b.shared.line.place;
+      return a.beyond == 0 ? a.shared.line.position < b.shared.line.position
+                           : a.shared.line.position > b.shared.line.position;
     };
     EndOfPlane last = *std::min_element(ends.begin(), ends.end(), is_further);
     PlaneLine& line = last.shared.line;
@@ -108,14 +108,14 @@ class CreaseFinderOfModel {
     for (const EndOfPlane& end : ends) {
       const PlaneLine& other = end.shared.line;
       if (other.step * line.step < 0.f &&
-          std::abs(other.place - line.place) <
+          std::abs(other.position - line.position) <
               options_.max_crease_width * line.pixel &&
           (!partner || is_further(end, *partner))) {
         partner = end;
       }
     }
     if (partner) {
-      line.place = 0.5f * (line.place + partner->shared.line.place);
+      line.position = 0.5f * (line.position + partner->shared.line.position);
     }
     return last;
   }
@@ -130,12 +130,12 @@ class CreaseFinderOfModel {
       crease.beyond = static_cast<int>(model_->planes.size());
       model_->planes.push_back(MakePlane(line, crease.limit));
     }
-    const auto number = static_cast<size_t>(crease.beyond);
-    crease.is_new = number >= first_new_;
+    const auto index = static_cast<size_t>(crease.beyond);
+    crease.is_new = index >= first_new_;
     if (crease.is_new) {
       creases_of_new_.resize(model_->planes.size() - first_new_);
-      creases_of_new_[number - first_new_].push_back(
-          {-model_->planes[number].plane.normal.dot(OnLine(line)),
+      creases_of_new_[index - first_new_].push_back(
+          {-model_->planes[index].plane.normal.dot(OnLine(line)),
            double(end.shared.num_views)});
     }
     return crease;
@@ -163,14 +163,14 @@ class CreaseFinderOfModel {
     };
     for (size_t i = 0; i < model_->planes.size(); ++i) {
       const ModelPlane& plane = model_->planes[i];
-      const auto number = static_cast<int>(i);
+      const auto index = static_cast<int>(i);
       if (plane.component == ending.component &&
           plane.plane.normal.dot(limit.normal) > kMinCopyCosine &&
           (i >= first_new_ ||
-           (copies_[i] == number &&
+           (copies_[i] == index &&
             plane.support >= options_.min_support * ending.support)) &&
-          gap(number) < max_gap && is_better(number)) {
-        best = number;
+          gap(index) < max_gap && is_better(index)) {
+        best = index;
       }
     }
     return best;
@@ -178,7 +178,7 @@ class CreaseFinderOfModel {
 
   Eigen::Vector3d OnLine(const PlaneLine& line) const {
     return model_->planes[static_cast<size_t>(line.plane)].center +
-           double{line.place} * AxisOf(*model_, line.plane, line.axis);
+           double{line.position} * AxisOf(*model_, line.plane, line.axis);
   }
 
   ModelPlane MakePlane(const PlaneLine& line, const WorldPlane& limit) const {
@@ -207,14 +207,14 @@ class CreaseFinderOfModel {
         weights += weight;
       }
       const double middle = sum / weights;
-      double spread = 0.0;
+      double variance = 0.0;
       for (const auto& [offset, weight] : creases_of_new_[i]) {
-        spread += weight * (offset - middle) * (offset - middle) / weights;
+        variance += weight * (offset - middle) * (offset - middle) / weights;
       }
       ModelPlane& plane = model_->planes[first_new_ + i];
       plane.center += (plane.plane.offset - middle) * plane.plane.normal;
       plane.plane.offset = middle;
-      plane.covariance(2, 2) += spread;
+      plane.covariance(2, 2) += variance;
     }
   }
 

@@ -20,34 +20,35 @@ namespace {
 // A measured depth on its ray.
 struct Measurement {
   RayDepth sample;
-  float place;  // Position of the ray on the axis.
+  float position;  // Position of the ray on the axis.
   bool is_on_plane;
   double weight;
 };
 
 // Cumulative sums of weights at positions that are known beforehand.
-class SumsByPlace {
+class SumsByPosition {
  public:
-  explicit SumsByPlace(std::vector<float> places)
-      : places_(std::move(places)), sums_(places_.size() + 1, 0.0) {
-    std::sort(places_.begin(), places_.end());
+  explicit SumsByPosition(std::vector<float> positions)
+      : positions_(std::move(positions)), sums_(positions_.size() + 1, 0.0) {
+    std::sort(positions_.begin(), positions_.end());
   }
 
-  void Add(float place, double weight) {
+  void Add(float position, double weight) {
     sums_[static_cast<size_t>(
-        std::lower_bound(places_.begin(), places_.end(), place) -
-        places_.begin())] += weight;
+        std::lower_bound(positions_.begin(), positions_.end(), position) -
+        positions_.begin())] += weight;
   }
 
   // The sum of weights up to and including a position.
-  double UpTo(float place) const {
-    const auto end = std::upper_bound(places_.begin(), places_.end(), place) -
-                     places_.begin();
+  double UpTo(float position) const {
+    const auto end =
+        std::upper_bound(positions_.begin(), positions_.end(), position) -
+        positions_.begin();
     return std::accumulate(sums_.begin(), sums_.begin() + end, 0.0);
   }
 
  private:
-  std::vector<float> places_;
+  std::vector<float> positions_;
   std::vector<double> sums_;
 };
 
@@ -93,26 +94,26 @@ class LineTest {
     std::vector<float> cuts[2];
     for (size_t i = begin; i < end; ++i) {
       const PlaneLine& line = lines_[i].line;
-      cuts[0].push_back(line.place - options_.margin * line.pixel);
+      cuts[0].push_back(line.position - options_.margin * line.pixel);
       // Measurements at the limit count as above it.
       cuts[1].push_back(
-          std::nextafter(line.place + options_.margin * line.pixel,
+          std::nextafter(line.position + options_.margin * line.pixel,
                          -std::numeric_limits<float>::infinity()));
     }
-    std::vector<SumsByPlace> areas = {SumsByPlace(cuts[0]),
-                                      SumsByPlace(cuts[1])};
-    std::vector<SumsByPlace> measured = areas;
+    std::vector<SumsByPosition> areas = {SumsByPosition(cuts[0]),
+                                         SumsByPosition(cuts[1])};
+    std::vector<SumsByPosition> measured = areas;
     double area = 0.0;
     for (int y = 0; y < evidence_.height; ++y) {
       for (int x = 0; x < evidence_.width; ++x) {
         if (is_plane_[evidence_.superpixels(x, y)] == 0) {
           continue;
         }
-        const float place = axis.Place(
+        const float position = axis.Position(
             intrinsics_.Ray(static_cast<float>(x), static_cast<float>(y)));
-        if (!std::isnan(place)) {
-          areas[0].Add(place, 1.0);
-          areas[1].Add(place, 1.0);
+        if (!std::isnan(position)) {
+          areas[0].Add(position, 1.0);
+          areas[1].Add(position, 1.0);
           ++area;
         }
       }
@@ -120,8 +121,8 @@ class LineTest {
     double on_plane = 0.0;
     for (const Measurement& measurement : measurements) {
       if (measurement.is_on_plane) {
-        measured[0].Add(measurement.place, measurement.weight);
-        measured[1].Add(measurement.place, measurement.weight);
+        measured[0].Add(measurement.position, measurement.weight);
+        measured[1].Add(measurement.position, measurement.weight);
         on_plane += measurement.weight;
       }
     }
@@ -153,16 +154,16 @@ class LineTest {
       for (size_t i = begin; i < end; ++i) {
         const RayDepth& sample = evidence_.observations[i].sample;
         const Vec3f ray = {sample.x, sample.y, 1.f};
-        const float place = axis.Place(ray);
+        const float position = axis.Position(ray);
         if (evidence_.sources[i] != ObservationSource::kMeasured ||
-            std::isnan(place)) {
+            std::isnan(position)) {
           continue;
         }
         const float max_gap = options_.tolerance * sample.z *
                               evidence_.resolution.RelativeDepthError(sample.z);
         result.push_back(
             {sample,
-             place,
+             position,
              std::abs(axis.InCamera().Depth(ray) - sample.z) < max_gap,
              evidence_.observations[i].confidence * evidence_.weights[s] /
                  confidence});
@@ -182,15 +183,15 @@ class LineTest {
     float low = std::numeric_limits<float>::infinity();
     float high = -low;
     for (size_t s = 0; s < shown.size(); ++s) {
-      const float place = shown[s] != 0 ? axis.Place(middles[s]) : NAN;
-      if (!std::isnan(place)) {
-        low = std::min(low, place);
-        high = std::max(high, place);
+      const float position = shown[s] != 0 ? axis.Position(middles[s]) : NAN;
+      if (!std::isnan(position)) {
+        low = std::min(low, position);
+        high = std::max(high, position);
       }
     }
     const float width = std::max(high - low, 0.f);
-    const auto is_before = [](const SharedLine& line, float place) {
-      return line.line.place < place;
+    const auto is_before = [](const SharedLine& line, float position) {
+      return line.line.position < position;
     };
     const auto all = lines_.begin();
     const auto begin =
@@ -208,12 +209,12 @@ class LineTest {
   // Adds measurements behind the plane that begins at the line if the first one
   // ends at this side of it. Where the camera does not see that plane, the area
   // is no evidence.
-  void LookThrough(size_t number,
+  void LookThrough(size_t index,
                    const PlaneAxis& axis,
                    const std::vector<Measurement>& measurements,
                    int side,
                    LineEvidence* result) const {
-    const PlaneLine& line = lines_[number].line;
+    const PlaneLine& line = lines_[index].line;
     const WorldPlane limit = PlaneAtLine(model_, line, side);
     LineEvidence::Side& of_side = result->sides[static_cast<size_t>(side)];
     if (limit.Height(camera_.Center()) <= 0.0) {
@@ -224,7 +225,7 @@ class LineTest {
     const Plane plane = ToCameraPlane(limit, camera_);
     const float margin = options_.margin * line.pixel;
     for (const Measurement& measurement : measurements) {
-      const float height = measurement.place - line.place;
+      const float height = measurement.position - line.position;
       if ((side == 0 ? -height : height) < margin) {
         continue;
       }
@@ -264,14 +265,13 @@ void AddTo(const LineEvidence& from, LineEvidence* to) {
 std::vector<ViewLineEvidence> TestPlaneLines(
     const ObservedView& view,
     const std::vector<int>& labels,
-    const std::vector<int>& copies,
     const std::vector<SharedLine>& lines,
     const SceneModel& model,
     const LineEvidenceOptions& options) {
   std::set<int> planes;
   for (const int label : labels) {
     if (label >= 0) {
-      planes.insert(copies[static_cast<size_t>(label)]);
+      planes.insert(label);
     }
   }
   const std::vector<Vec3f> middles =
@@ -281,8 +281,8 @@ std::vector<ViewLineEvidence> TestPlaneLines(
     auto first = std::lower_bound(lines.begin(),
                                   lines.end(),
                                   plane,
-                                  [](const SharedLine& line, int number) {
-                                    return line.line.plane < number;
+                                  [](const SharedLine& line, int wanted) {
+                                    return line.line.plane < wanted;
                                   });
     if (first == lines.end() || first->line.plane != plane) {
       continue;
@@ -290,8 +290,7 @@ std::vector<ViewLineEvidence> TestPlaneLines(
     std::vector<uint8_t> shown;
     std::vector<uint8_t> is_plane;
     for (const int label : labels) {
-      shown.push_back(label >= 0 &&
-                      copies[static_cast<size_t>(label)] == plane);
+      shown.push_back(label == plane);
       is_plane.push_back(shown.back() != 0 || label < 0);
     }
     const LineTest test(view, is_plane, lines, model, options);

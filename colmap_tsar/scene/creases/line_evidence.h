@@ -55,11 +55,10 @@ struct ViewLineEvidence {
   double measured = 0.0;
 };
 
-// lines: from JoinPlaneLines. labels, copies: as for FindPlaneLines.
+// lines: from JoinPlaneLines. labels: as for FindPlaneLines.
 std::vector<ViewLineEvidence> TestPlaneLines(
     const ObservedView& view,
     const std::vector<int>& labels,
-    const std::vector<int>& copies,
     const std::vector<SharedLine>& lines,
     const SceneModel& model,
     const LineEvidenceOptions& options);

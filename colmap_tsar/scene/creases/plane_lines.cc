@@ -42,21 +42,21 @@ Image<float> GrayLevels(const Image<Rgb>& color) {
 class LineProfile {
  public:
   struct Sample {
-    float place;
+    float position;
     float rise;  // In gray levels.
   };
 
   // pixel: the size of a bin.
   LineProfile(const std::vector<Sample>& samples, float pixel, int min_length)
       : pixel_(pixel) {
-    std::vector<float> places;
+    std::vector<float> positions;
     for (const Sample& sample : samples) {
-      places.push_back(sample.place);
+      positions.push_back(sample.position);
     }
-    first_ = std::max(*std::min_element(places.begin(), places.end()),
-                      Median(places) - kMaxBins / 2 * pixel);
+    first_ = std::max(*std::min_element(positions.begin(), positions.end()),
+                      Median(positions) - kMaxBins / 2 * pixel);
     for (const Sample& sample : samples) {
-      const float bin = (sample.place - first_) / pixel;
+      const float bin = (sample.position - first_) / pixel;
       if (bin >= 0.f && bin < kMaxBins) {
         const auto i = static_cast<size_t>(bin);
         bins_.resize(std::max(bins_.size(), i + 1));
@@ -77,7 +77,7 @@ class LineProfile {
 
   int NumBins() const { return static_cast<int>(bins_.size()); }
   float Step(int bin) const { return steps_[static_cast<size_t>(bin)]; }
-  float Place(int bin) const {
+  float Position(int bin) const {
     return first_ + (static_cast<float>(bin) + 0.5f) * pixel_;
   }
 
@@ -136,7 +136,6 @@ class LineFinder {
  public:
   LineFinder(const ObservedView& view,
              const std::vector<int>& labels,
-             const std::vector<int>& copies,
              const SceneModel& model,
              const PlaneLineOptions& options)
       : evidence_(*view.evidence),
@@ -147,8 +146,7 @@ class LineFinder {
         gray_(GrayLevels(evidence_.color)),
         planes_(evidence_.width, evidence_.height) {
     for (size_t i = 0; i < planes_.NumPixels(); ++i) {
-      const int label = labels[evidence_.superpixels.Data()[i]];
-      planes_.Data()[i] = label >= 0 ? copies[static_cast<size_t>(label)] : -1;
+      planes_.Data()[i] = labels[evidence_.superpixels.Data()[i]];
     }
   }
 
@@ -160,14 +158,14 @@ class LineFinder {
     const float min_area =
         options_.min_area * static_cast<float>(planes_.NumPixels());
     std::vector<PlaneLine> lines;
-    for (const auto& [number, area] : areas) {
-      if (number < 0 || static_cast<float>(area) < min_area) {
+    for (const auto& [index, area] : areas) {
+      if (index < 0 || static_cast<float>(area) < min_area) {
         continue;
       }
-      const ModelPlane& plane = model_.planes[static_cast<size_t>(number)];
+      const ModelPlane& plane = model_.planes[static_cast<size_t>(index)];
       for (int axis = 0; axis < 3 && plane.axis >= 0; ++axis) {
         if (axis != plane.axis) {
-          FindAcross(number, axis, &lines);
+          FindAcross(index, axis, &lines);
         }
       }
     }
@@ -211,19 +209,19 @@ class LineFinder {
                below;
   }
 
-  void FindAcross(int number, int axis, std::vector<PlaneLine>* lines) const {
-    const ModelPlane& plane = model_.planes[static_cast<size_t>(number)];
-    const PlaneAxis in_view(plane, AxisOf(model_, number, axis), camera_);
+  void FindAcross(int index, int axis, std::vector<PlaneLine>* lines) const {
+    const ModelPlane& plane = model_.planes[static_cast<size_t>(index)];
+    const PlaneAxis in_view(plane, AxisOf(model_, index, axis), camera_);
     std::vector<LineProfile::Sample> samples;
     std::vector<float> pixels;
     // The margin is the reach, plus a pixel for interpolation.
     const int margin = static_cast<int>(std::ceil(options_.reach)) + 1;
     for (int y = margin; y < planes_.Height() - margin; ++y) {
       for (int x = margin; x < planes_.Width() - margin; ++x) {
-        if (planes_(x, y) != number && planes_(x, y) >= 0) {
+        if (planes_(x, y) != index && planes_(x, y) >= 0) {
           continue;
         }
-        AddSample(number, in_view, x, y, &samples, &pixels);
+        AddSample(index, in_view, x, y, &samples, &pixels);
       }
     }
     if (pixels.empty()) {
@@ -237,7 +235,7 @@ class LineFinder {
       const float step = profile.Step(bin);
       if (std::abs(step) >= options_.min_step && profile.IsPeak(bin) &&
           profile.Share(bin) >= options_.min_share) {
-        lines->push_back({number, axis, profile.Place(bin), pixel, step});
+        lines->push_back({index, axis, profile.Position(bin), pixel, step});
       }
     }
   }
@@ -250,9 +248,9 @@ class LineFinder {
                  std::vector<float>* pixels) const {
     const auto x = static_cast<float>(column);
     const auto y = static_cast<float>(row);
-    const float place = in_view.Place(intrinsics_.Ray(x, y));
-    float across_x = in_view.Place(intrinsics_.Ray(x + 1.f, y)) - place;
-    float across_y = in_view.Place(intrinsics_.Ray(x, y + 1.f)) - place;
+    const float position = in_view.Position(intrinsics_.Ray(x, y));
+    float across_x = in_view.Position(intrinsics_.Ray(x + 1.f, y)) - position;
+    float across_y = in_view.Position(intrinsics_.Ray(x, y + 1.f)) - position;
     const float pixel = std::hypot(across_x, across_y);
     if (!(pixel > 0.f)) {
       return;
@@ -272,7 +270,7 @@ class LineFinder {
     const float rise =
         Gray(x + reach_x, y + reach_y) - Gray(x - reach_x, y - reach_y);
     samples->push_back(
-        {place,
+        {position,
          std::clamp(rise, -options_.max_difference, options_.max_difference)});
     if (planes_(column, row) == plane) {
       pixels->push_back(pixel);
@@ -297,7 +295,7 @@ WorldPlane PlaneAtLine(const SceneModel& model,
   const Eigen::Vector3d axis = AxisOf(model, line.plane, line.axis);
   const Eigen::Vector3d on_line =
       model.planes[static_cast<size_t>(line.plane)].center +
-      double{line.place} * axis;
+      double{line.position} * axis;
   WorldPlane plane;
   plane.normal = side == 0 ? axis : Eigen::Vector3d(-axis);
   plane.offset = -plane.normal.dot(on_line);
@@ -333,14 +331,14 @@ std::vector<int> FindPlaneCopies(
   // Planes that are not copies by component, axis and sign of the normal, then
   // by offset.
   std::map<std::tuple<int, int, bool>, std::multimap<double, int>> originals;
-  for (const int number : by_support) {
-    const auto i = static_cast<size_t>(number);
+  for (const int index : by_support) {
+    const auto i = static_cast<size_t>(index);
     const ModelPlane& plane = planes[i];
     if (plane.axis < 0 || distances[i].empty()) {
       continue;
     }
     const Eigen::Vector3d& normal = plane.plane.normal;
-    const bool is_along = normal.dot(AxisOf(model, number, plane.axis)) > 0.0;
+    const bool is_along = normal.dot(AxisOf(model, index, plane.axis)) > 0.0;
     std::multimap<double, int>& of_axis =
         originals[{plane.component, 3 * plane.frame + plane.axis, is_along}];
     const double max_gap = tolerance * Median(distances[i]);
@@ -349,7 +347,7 @@ std::vector<int> FindPlaneCopies(
         nearest->first <= plane.plane.offset + max_gap) {
       copies[i] = nearest->second;
     } else {
-      of_axis.emplace(plane.plane.offset, number);
+      of_axis.emplace(plane.plane.offset, index);
     }
   }
   return copies;
@@ -357,10 +355,9 @@ std::vector<int> FindPlaneCopies(
 
 std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
                                       const std::vector<int>& labels,
-                                      const std::vector<int>& copies,
                                       const SceneModel& model,
                                       const PlaneLineOptions& options) {
-  return LineFinder(view, labels, copies, model, options).Run();
+  return LineFinder(view, labels, model, options).Run();
 }
 
 }  // namespace tsar

@@ -35,7 +35,7 @@ class PlaneAxis {
   // The position along the axis, from the plane's center, of the ray's
   // intersection with the plane, in units of the model; NaN where there is
   // none.
-  float Place(const Vec3f& ray) const {
+  float Position(const Vec3f& ray) const {
     const float depth = plane_.Depth(ray);
     return depth > 0.f ? Dot(axis_, ray * depth - center_) : std::nanf("");
   }
@@ -61,7 +61,7 @@ struct PlaneLine {
   // The frame's other axis in the plane, and the line's position on it, from
   // the plane's center in units of the model.
   int axis = -1;
-  float place = 0.f;
+  float position = 0.f;
   float pixel = 0.f;  // Size of a pixel of the raster there.
   // The step of brightness along the axis, in gray levels, beyond the slope
   // around the line; negative where brightness falls.
@@ -114,12 +114,11 @@ std::vector<int> FindPlaneCopies(
     const std::vector<const std::vector<int>*>& labels,
     float tolerance);
 
-// The lines in one view on planes that lie along an axis of a frame and are not
-// copies. labels: the plane of each superpixel, or -1; copies: see
-// FindPlaneCopies. The evidence must have its colors.
+// The lines in one view on planes that lie along an axis of a frame. labels:
+// the plane of each superpixel, of which copies have the index that
+// FindPlaneCopies gives (Renumber), or -1. The evidence must have its colors.
 std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
                                       const std::vector<int>& labels,
-                                      const std::vector<int>& copies,
                                       const SceneModel& model,
                                       const PlaneLineOptions& options);
 

@@ -33,8 +33,8 @@ std::vector<Window> FindWindows(const std::vector<LineInView>& lines,
   for (size_t begin = 0; begin < lines.size(); ++begin) {
     // One gap to either side of the middle.
     const float last =
-        lines[begin].line.place + 2.f * max_gap * lines[begin].line.pixel;
-    for (; end < lines.size() && lines[end].line.place <= last; ++end) {
+        lines[begin].line.position + 2.f * max_gap * lines[begin].line.pixel;
+    for (; end < lines.size() && lines[end].line.position <= last; ++end) {
       ++views[lines[end].view];
     }
     windows.push_back({begin, end, static_cast<int>(views.size())});
@@ -49,19 +49,19 @@ std::vector<Window> FindWindows(const std::vector<LineInView>& lines,
 SharedLine Average(const std::vector<LineInView>& lines, const Window& window) {
   SharedLine shared = {lines[window.begin].line, window.num_views};
   std::vector<float> pixels;
-  double places = 0.0;
+  double positions = 0.0;
   double weights = 0.0;
   double steps = 0.0;
   for (size_t i = window.begin; i < window.end; ++i) {
     const PlaneLine& line = lines[i].line;
     const double weight = 1.0 / (double{line.pixel} * line.pixel);
-    places += weight * line.place;
+    positions += weight * line.position;
     weights += weight;
     steps += line.step;
     pixels.push_back(line.pixel);
   }
   std::sort(pixels.begin(), pixels.end());
-  shared.line.place = static_cast<float>(places / weights);
+  shared.line.position = static_cast<float>(positions / weights);
   shared.line.pixel = pixels[pixels.size() / 2];
   shared.line.step = static_cast<float>(
       steps / static_cast<double>(window.end - window.begin));
@@ -85,7 +85,7 @@ std::vector<SharedLine> JoinPlaneLines(
     std::stable_sort(of_group.begin(),
                      of_group.end(),
                      [](const LineInView& a, const LineInView& b) {
-                       return a.line.place < b.line.place;
+                       return a.line.position < b.line.position;
                      });
     std::vector<Window> windows = FindWindows(of_group, options.max_gap);
     std::stable_sort(
@@ -105,12 +105,13 @@ std::vector<SharedLine> JoinPlaneLines(
       }
     }
   }
-  std::stable_sort(shared.begin(),
-                   shared.end(),
-                   [](const SharedLine& a, const SharedLine& b) {
-                     return std::tie(a.line.plane, a.line.axis, a.line.place) <
-                            std::tie(b.line.plane, b.line.axis, b.line.place);
-                   });
+  std::stable_sort(
+      shared.begin(),
+      shared.end(),
+      [](const SharedLine& a, const SharedLine& b) {
+        return std::tie(a.line.plane, a.line.axis, a.line.position) <
+               std::tie(b.line.plane, b.line.axis, b.line.position);
+      });
   return shared;
 }
 

@@ -8,6 +8,7 @@
 #include "colmap_tsar/scene/discovery/plane_ranking.h"
 #include "colmap_tsar/scene/discovery/plane_scores.h"
 #include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/evidence/superpixel_matches.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
 
@@ -231,13 +232,13 @@ void AddPlanesOfPriors(const std::vector<ObservedView>& views,
   for (const ScoredPlane& plane :
        Discovery(observations, matches, options, device)
            .Extend(candidates, best)) {
-    const auto number = static_cast<int>(discovered->planes.size());
+    const auto index = static_cast<int>(discovered->planes.size());
     double support = 0.0;
     for (const int k : plane.superpixels) {
       if (plane.scores[k] > best[k]) {
         best[k] = plane.scores[k];
         support += best[k];
-        *assigned[k] = number;
+        *assigned[k] = index;
       }
     }
     discovered->planes.push_back(
@@ -264,7 +265,7 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
                                 Device& device) {
   DiscoveredPlanes result;
   for (const ObservedView& view : views) {
-    result.assignment.emplace_back(view.evidence->NumSuperpixels(), -1);
+    result.assignment.emplace_back(view.evidence->NumSuperpixels(), kNoPlane);
   }
   if (views.empty()) {
     return result;
@@ -300,9 +301,9 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return supports[a] > supports[b];
   });
-  std::vector<int> places(planes.size());
+  std::vector<int> new_indices(planes.size());
   for (size_t i = 0; i < order.size(); ++i) {
-    places[order[i]] = static_cast<int>(i);
+    new_indices[order[i]] = static_cast<int>(i);
     result.planes.push_back({ToWorld(planes[order[i]].plane, reference),
                              supports[order[i]],
                              frame ? frame->axes[order[i]] : -1});
@@ -310,9 +311,9 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   int superpixel = 0;
   for (std::vector<int>& of_view : result.assignment) {
     for (int& plane : of_view) {
-      const int found = rankings[superpixel++].planes[0];
-      plane = found >= 0 ? places[found] : -1;
+      plane = rankings[superpixel++].planes[0];
     }
+    of_view = Renumber(std::move(of_view), new_indices);
   }
   AddPlanesOfPriors(views, local_candidates, matches, options, device, &result);
   return result;

@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene/discovery/join_planes.h"
 
 #include "colmap_tsar/scene/discovery/merge_planes.h"
+#include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
 
 #include <algorithm>
@@ -194,15 +195,15 @@ class PlaneJoiner {
     joint.support = Support(plane, joint.plane.observations);
     joint.blocks = Union(first.blocks, second.blocks);
     joint.neighbors = Union(first.neighbors, second.neighbors);
-    const int number = static_cast<int>(nodes_.size());
-    first.heir = number;
-    second.heir = number;
+    const int joint_node = static_cast<int>(nodes_.size());
+    first.heir = joint_node;
+    second.heir = joint_node;
     second.plane = {};
     std::vector<std::pair<int, int>> pairs;
     for (const int block : Union(joint.blocks, joint.neighbors)) {
       for (const int other : nodes_of_block_[static_cast<size_t>(block)]) {
         if (IsLeft(other)) {
-          pairs.emplace_back(other, number);
+          pairs.emplace_back(other, joint_node);
         }
       }
     }
@@ -211,7 +212,7 @@ class PlaneJoiner {
     for (const int block : joint.blocks) {
       std::vector<int>& nodes = nodes_of_block_[static_cast<size_t>(block)];
       std::erase_if(nodes, [&](int node) { return node == a || node == b; });
-      nodes.push_back(number);
+      nodes.push_back(joint_node);
     }
     nodes_.push_back(std::move(joint));
     Consider(pairs);
@@ -229,21 +230,21 @@ class PlaneJoiner {
              nodes_[static_cast<size_t>(b)].plane.found.support;
     });
     JoinedPlanes result;
-    std::vector<int> places(nodes_.size(), -1);
+    std::vector<int> new_indices(nodes_.size(), kNoPlane);
     for (const int node : order) {
-      places[static_cast<size_t>(node)] =
+      new_indices[static_cast<size_t>(node)] =
           static_cast<int>(result.planes.size());
       result.planes.push_back(
           std::move(nodes_[static_cast<size_t>(node)].plane));
     }
-    result.places.resize(blocks_.size());
+    result.indices.resize(blocks_.size());
     for (size_t i = 0; i < num_of_block_.size(); ++i) {
       size_t node = i;
       while (nodes_[node].heir >= 0) {
         node = static_cast<size_t>(nodes_[node].heir);
       }
-      result.places[static_cast<size_t>(num_of_block_[i])].push_back(
-          places[node]);
+      result.indices[static_cast<size_t>(num_of_block_[i])].push_back(
+          new_indices[node]);
     }
     return result;
   }

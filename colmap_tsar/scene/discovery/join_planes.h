@@ -20,8 +20,8 @@ struct PlaneBlock {
 
 struct JoinedPlanes {
   std::vector<MeasuredScenePlane> planes;  // By decreasing support.
-  // places[block][plane] is the index in `planes` of a block's plane.
-  std::vector<std::vector<int>> places;
+  // indices[block][plane] is the index in `planes` of a block's plane.
+  std::vector<std::vector<int>> indices;
 };
 
 // Replaces planes of neighboring blocks that are one surface by a joint fit:

@@ -231,16 +231,16 @@ std::vector<Eigen::Matrix3d> FindSceneFrames(
       frame = static_cast<int>(frames.size());
       frames.push_back({*block.rotation, block.component});
     }
-    for (size_t p = 0; p < block.places.size(); ++p) {
+    for (size_t p = 0; p < block.indices.size(); ++p) {
       const int axis = block.axes[p];
       const std::pair<int, int> along =
           axis < 0
               ? std::pair<int, int>(-1, -1)
               : std::pair<int, int>(frame, columns[static_cast<size_t>(axis)]);
-      votes[static_cast<size_t>(block.places[p])][along] += block.supports[p];
+      votes[static_cast<size_t>(block.indices[p])][along] += block.supports[p];
     }
   }
-  std::vector<int> places(frames.size(), -1);
+  std::vector<int> new_indices(frames.size(), -1);
   std::vector<Eigen::Matrix3d> result;
   for (size_t p = 0; p < planes->size(); ++p) {
     ModelPlane& plane = (*planes)[p];
@@ -257,11 +257,11 @@ std::vector<Eigen::Matrix3d> FindSceneFrames(
           kCosSameFrame)) {
       continue;
     }
-    if (places[frame] < 0) {
-      places[frame] = static_cast<int>(result.size());
+    if (new_indices[frame] < 0) {
+      new_indices[frame] = static_cast<int>(result.size());
       result.push_back(frames[frame].rotation);
     }
-    plane.frame = places[frame];
+    plane.frame = new_indices[frame];
     plane.axis = axis;
   }
   return result;

@@ -61,7 +61,7 @@ struct FrameOfBlock {
   std::vector<int> axes;
   std::vector<double> supports;
   // The index of the plane in the model.
-  std::vector<int> places;
+  std::vector<int> indices;
 };
 
 // The frames of the whole scene. Frames of blocks of one component that agree

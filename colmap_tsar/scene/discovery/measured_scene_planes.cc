@@ -17,13 +17,13 @@ namespace {
 // The superpixels that are assigned to each plane, indexed across all views.
 std::vector<std::vector<int>> MembersOf(const DiscoveredPlanes& discovered) {
   std::vector<std::vector<int>> members(discovered.planes.size());
-  int number = 0;
+  int superpixel = 0;
   for (const std::vector<int>& of_view : discovered.assignment) {
     for (const int plane : of_view) {
       if (plane >= 0) {
-        members[static_cast<size_t>(plane)].push_back(number);
+        members[static_cast<size_t>(plane)].push_back(superpixel);
       }
-      ++number;
+      ++superpixel;
     }
   }
   return members;

@@ -22,17 +22,17 @@ void Ranking::Offer(int plane, float score) {
 
 bool Ranking::ChangeScore(int plane, float score) {
   const bool is_safe = score > scores[2];
-  int place = 0;
-  while (place < 3 && planes[place] != plane) {
-    ++place;
+  int rank = 0;
+  while (rank < 3 && planes[rank] != plane) {
+    ++rank;
   }
-  if (place == 3) {
+  if (rank == 3) {
     Offer(plane, score);
     return true;
   }
-  for (; place < 2; ++place) {
-    planes[place] = planes[place + 1];
-    scores[place] = scores[place + 1];
+  for (; rank < 2; ++rank) {
+    planes[rank] = planes[rank + 1];
+    scores[rank] = scores[rank + 1];
   }
   planes[2] = -1;
   scores[2] = 0.f;

@@ -247,14 +247,14 @@ std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
   device.Threads().Run(
       static_cast<int64_t>(planes.size()), [&](int64_t begin, int64_t end) {
         for (int64_t p = begin; p < end; ++p) {
-          const auto place = static_cast<size_t>(p);
+          const auto index = static_cast<size_t>(p);
           std::vector<float> row(num_superpixels);
           if (!row.empty()) {
             device.CopyToHost(row.data(),
-                              scores.Data() + place * num_superpixels,
+                              scores.Data() + index * num_superpixels,
                               num_superpixels * sizeof(float));
           }
-          scored[place] = ScoredPlane(planes[place], std::move(row));
+          scored[index] = ScoredPlane(planes[index], std::move(row));
         }
       });
   return scored;

@@ -16,7 +16,7 @@ SuperpixelObservations::SuperpixelObservations(
   const Eigen::Vector3d origin = reference.Center();
   for (const ObservedView& view : views) {
     const ViewEvidence& evidence = *view.evidence;
-    const int number = static_cast<int>(frames_.size());
+    const int view_index = static_cast<int>(frames_.size());
     frames_.push_back({reference.rotation * (view.camera.Center() - origin),
                        reference.rotation * view.camera.rotation.transpose(),
                        evidence.resolution,
@@ -41,7 +41,7 @@ SuperpixelObservations::SuperpixelObservations(
       } else if (which == ObservationsOf::kPriors) {
         begin = end;
       }
-      views_.push_back(number);
+      views_.push_back(view_index);
       entries_.push_back(
           {evidence.observations.data() + begin,
            evidence.errors.empty() ? nullptr : evidence.errors.data() + begin,
@@ -52,10 +52,10 @@ SuperpixelObservations::SuperpixelObservations(
   }
 }
 
-DepthObservation SuperpixelObservations::At(int superpixel, int number) const {
+DepthObservation SuperpixelObservations::At(int superpixel, int index) const {
   const Entry& entry = entries_[superpixel];
   const Frame& frame = frames_[views_[superpixel]];
-  const Observation& observed = entry.observations[number];
+  const Observation& observed = entry.observations[index];
   const RayDepth& sample = observed.sample;
   DepthObservation observation;
   observation.center = frame.center;
@@ -63,7 +63,7 @@ DepthObservation SuperpixelObservations::At(int superpixel, int number) const {
   observation.depth = sample.z;
   observation.sigma = static_cast<double>(sample.z) *
                       frame.resolution.RelativeDepthError(sample.z) *
-                      (entry.errors == nullptr ? 1.f : entry.errors[number]);
+                      (entry.errors == nullptr ? 1.f : entry.errors[index]);
   observation.weight = observed.confidence * entry.weight / entry.confidences;
   observation.slack = slack_;
   return observation;

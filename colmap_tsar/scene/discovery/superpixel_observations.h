@@ -41,7 +41,7 @@ class SuperpixelObservations {
     return entries_[superpixel].count;
   }
   // The weights of a superpixel's observations add up to its weight.
-  DepthObservation At(int superpixel, int number) const;
+  DepthObservation At(int superpixel, int index) const;
 
   // Calls add(observation) for a sample of about this many of the observations
   // of some superpixels, or for all if there are less, and returns the size of

@@ -54,21 +54,21 @@ RegionCandidates FindRegionCandidates(const EvidenceInputs& inputs) {
   candidates.of_pixels =
       Image<uint16_t>(inputs.superpixels.Width(), inputs.superpixels.Height());
   const Image<Plane>& planes = inputs.region_planes;
-  std::unordered_map<PlaneBits, int, PlaneBitsHash> numbers;
+  std::unordered_map<PlaneBits, int, PlaneBitsHash> indices;
   std::vector<std::pair<Plane, int>> found;  // Planes and numbers of pixels.
-  Image<int> number_of(planes.Width(), planes.Height(), -1);
+  Image<int> index_of(planes.Width(), planes.Height(), -1);
   for (size_t i = 0; i < planes.NumPixels(); ++i) {
     const Plane& plane = planes.Data()[i];
     if (!plane.Valid()) {
       continue;
     }
     const auto [entry, is_new] =
-        numbers.try_emplace(PlaneBits(plane), static_cast<int>(found.size()));
+        indices.try_emplace(PlaneBits(plane), static_cast<int>(found.size()));
     if (is_new) {
       found.emplace_back(plane, 0);
     }
     ++found[static_cast<size_t>(entry->second)].second;
-    number_of.Data()[i] = entry->second;
+    index_of.Data()[i] = entry->second;
   }
   std::vector<uint16_t> candidate_of(found.size(), 0);
   for (size_t k = 0; k < found.size(); ++k) {
@@ -79,9 +79,9 @@ RegionCandidates FindRegionCandidates(const EvidenceInputs& inputs) {
     }
   }
   for (size_t i = 0; i < planes.NumPixels(); ++i) {
-    if (number_of.Data()[i] >= 0) {
+    if (index_of.Data()[i] >= 0) {
       candidates.of_pixels.Data()[i] =
-          candidate_of[static_cast<size_t>(number_of.Data()[i])];
+          candidate_of[static_cast<size_t>(index_of.Data()[i])];
     }
   }
   return candidates;

@@ -65,7 +65,7 @@ struct EvidenceInputs {
 };
 
 struct GatheredEvidence {
-  // Without `color` and `ratings`, which the caller sets.
+  // Without `color` and `flags`, which the caller sets.
   ViewEvidence evidence;
   // The number of planes of regions, which are its first candidates.
   int num_region_planes = 0;

@@ -56,15 +56,15 @@ std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
       static_cast<size_t>(inputs.num_superpixels));
   for (int y = 0; y < inputs.superpixels.Height(); ++y) {
     for (int x = 0; x < inputs.superpixels.Width(); ++x) {
-      const int number = regions.of_pixels(x, y);
-      if (number == 0) {
+      const int region = regions.of_pixels(x, y);
+      if (region == 0) {
         continue;
       }
       RegionPlaneSupport& support =
           supports[static_cast<size_t>(inputs.superpixels(x, y))];
       const RayDepth& sample = inputs.samples(x, y);
       if (IsMeasured(sample)) {
-        const Plane& plane = regions.planes[static_cast<size_t>(number - 1)];
+        const Plane& plane = regions.planes[static_cast<size_t>(region - 1)];
         const bool is_on = Residual(sample, plane, inputs.resolution) <
                            options.max_region_plane_residual;
         (is_on ? support.on : support.off) +=
@@ -136,7 +136,7 @@ Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const RayDepth& sample = inputs.samples(x, y);
-      const int number = regions.of_pixels(x, y);
+      const int region = regions.of_pixels(x, y);
       if (IsMeasured(sample)) {
         observations(x, y) = {
             {sample, ConfidenceOfMeasurement(inputs, x, y, options)},
@@ -145,10 +145,10 @@ Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
             HasTexture(inputs, x, y, options) ? sample.z : 0.f;
         continue;
       }
-      if (number > 0) {
+      if (region > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);
         const float depth =
-            regions.planes[static_cast<size_t>(number - 1)].Depth(ray);
+            regions.planes[static_cast<size_t>(region - 1)].Depth(ray);
         if (depth > 0.f && std::isfinite(depth)) {
           const RegionPlaneSupport& support =
               supports[static_cast<size_t>(inputs.superpixels(x, y))];

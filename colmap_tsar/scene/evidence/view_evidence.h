@@ -102,9 +102,9 @@ struct ViewEvidence {
   // The image from which the superpixels were made.
   Image<Rgb> color;
 
-  // A MeasurementRating of each depth, of the size at which the view was
+  // A MeasurementFlags of each depth, of the size at which the view was
   // judged: that of the depth map, or of a reduced one.
-  Image<uint8_t> ratings;
+  Image<uint8_t> flags;
 
   float ErrorOf(size_t observation) const {
     return errors.empty() ? 1.f : errors[observation];

@@ -40,8 +40,8 @@ ExpansionMoves::ExpansionMoves(const LabelGraph& graph, std::vector<int> labels)
       costs_of_(graph.edges.size(), 0),
       bounds_(labels_.size()),
       bounds_of_(labels_.size(), 0),
-      places_(labels_.size()),
-      places_of_(labels_.size(), 0) {
+      positions_(labels_.size()),
+      positions_of_(labels_.size(), 0) {
   for (const float cost : graph.unary) {
     RequireFinite(cost);
   }
@@ -197,17 +197,17 @@ void ExpansionMoves::Grow(const std::vector<int>& begin,
   while (!reached.empty()) {
     const Reached next = reached.top();
     reached.pop();
-    if (places_of_[next.node] == move_) {
+    if (positions_of_[next.node] == move_) {
       continue;
     }
-    places_of_[next.node] = move_;
-    places_[next.node] = static_cast<int>(part->size());
+    positions_of_[next.node] = move_;
+    positions_[next.node] = static_cast<int>(part->size());
     part->push_back(next.node);
     for (size_t i = first_edge_[next.node]; i < first_edge_[next.node + 1];
          ++i) {
       const auto [first, second] = graph_.edges[edges_[i]];
       const int node = first == next.node ? second : first;
-      if (labels_[node] == label || places_of_[node] == move_) {
+      if (labels_[node] == label || positions_of_[node] == move_) {
         continue;
       }
       const double bound = bounds_of_[node] == move_
@@ -262,8 +262,8 @@ std::vector<uint8_t> ExpansionMoves::FindCut(const std::vector<int>& part,
     for (size_t i = first_edge_[node]; i < first_edge_[node + 1]; ++i) {
       const int edge = edges_[i];
       const auto [first, second] = graph_.edges[edge];
-      const bool has_first = places_of_[first] == move_;
-      const bool has_second = places_of_[second] == move_;
+      const bool has_first = positions_of_[first] == move_;
+      const bool has_second = positions_of_[second] == move_;
       if (has_first && has_second && node == second) {
         continue;  // Its first node adds it.
       }
@@ -274,18 +274,18 @@ std::vector<uint8_t> ExpansionMoves::FindCut(const std::vector<int>& part,
       (one > other ? one : other) +=
           std::max<int64_t>(none + both - one - other, 0);
       if (has_first) {
-        to_switch[places_[first]] += one - none;
+        to_switch[positions_[first]] += one - none;
       }
       if (has_first && has_second) {
-        to_switch[places_[second]] += both - one;
+        to_switch[positions_[second]] += both - one;
         cut_edges.push_back(
-            {places_[first], places_[second], one + other - none - both});
+            {positions_[first], positions_[second], one + other - none - both});
       } else if (has_second) {
-        to_switch[places_[second]] += other - none;
+        to_switch[positions_[second]] += other - none;
       }
     }
   }
-  return FindSmallestCut(to_switch, cut_edges);
+  return FindMinimumCut(to_switch, cut_edges);
 }
 
 }  // namespace tsar

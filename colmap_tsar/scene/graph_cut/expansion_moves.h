@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/scene/graph_cut/label_graph.h"
-#include "colmap_tsar/scene/graph_cut/smallest_cut.h"
+#include "colmap_tsar/scene/graph_cut/minimum_cut.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -107,8 +107,8 @@ class ExpansionMoves {
   std::vector<int> costs_of_;
   std::vector<double> bounds_;
   std::vector<int> bounds_of_;
-  std::vector<int> places_;  // Positions of nodes in the subgraph.
-  std::vector<int> places_of_;
+  std::vector<int> positions_;  // Positions of nodes in the subgraph.
+  std::vector<int> positions_of_;
 };
 
 }  // namespace tsar

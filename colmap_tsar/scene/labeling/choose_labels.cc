@@ -99,10 +99,10 @@ float BorderCosts::operator()(int edge, int a, int b) const {
 
 // The quality of the chosen label. of_labels: the unary cost of each label, the
 // last one being none.
-LabelQuality RateLabel(const PlaneCost& cost,
-                       std::span<const float> of_labels,
-                       int chosen,
-                       float num_pixels) {
+LabelQuality ScoreLabel(const PlaneCost& cost,
+                        std::span<const float> of_labels,
+                        int chosen,
+                        float num_pixels) {
   float next_best = std::numeric_limits<float>::infinity();
   for (size_t k = 0; k < of_labels.size(); ++k) {
     if (static_cast<int>(k) != chosen) {
@@ -174,10 +174,10 @@ LabeledView ChooseLabels(const ObservedView& view,
     result.labels[i] = k;
     const auto num_labels = static_cast<size_t>(graph.num_labels);
     result.qualities[i] =
-        RateLabel(costs(k, s),
-                  {graph.unary.data() + i * num_labels, num_labels},
-                  k,
-                  num_pixels[i]);
+        ScoreLabel(costs(k, s),
+                   {graph.unary.data() + i * num_labels, num_labels},
+                   k,
+                   num_pixels[i]);
     result.strengths[i] = costs(k, s).strength;
     result.evidence[i] = costs(k, s).explained > 0.f ? LabelEvidence::kMeasured
                          : costs(k, s).confirmed > 0.f

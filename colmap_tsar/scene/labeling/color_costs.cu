@@ -110,11 +110,11 @@ struct RegionColorKernel {
       if (difference < 0.f) {
         continue;
       }
-      int place = count++;
-      for (; place > 0 && best[place - 1] > difference; --place) {
-        best[place] = best[place - 1];
+      int rank = count++;
+      for (; rank > 0 && best[rank - 1] > difference; --rank) {
+        best[rank] = best[rank - 1];
       }
-      best[place] = difference;
+      best[rank] = difference;
     }
     const int half = (count + 1) / 2;
     float sum = 0.f;

@@ -93,7 +93,7 @@ void Merge(int kept, int gone, std::vector<Borders>* borders) {
 }
 
 // Indexes the regions in the order of their first superpixels.
-ColorRegions NumberRegions(const std::vector<int>& merged_into) {
+ColorRegions IndexRegions(const std::vector<int>& merged_into) {
   ColorRegions regions;
   for (size_t s = 0; s < merged_into.size(); ++s) {
     // Regions merge into those of lower indices, which are already set.
@@ -139,7 +139,7 @@ std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence) {
         push(kept, other, joined);
       }
     }
-    levels.push_back(NumberRegions(merged_into));
+    levels.push_back(IndexRegions(merged_into));
   }
   return levels;
 }

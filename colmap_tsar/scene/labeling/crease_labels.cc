@@ -31,12 +31,12 @@ class PlanesAtCreases {
   // numbers: indices of the columns in the model, ascending, including planes
   // that begin at creases.
   PlanesAtCreases(const std::vector<ModelPlane>& planes,
-                  const std::vector<int>& numbers,
+                  const std::vector<int>& indices,
                   const std::vector<BoundingCrease>& creases,
                   const std::vector<Vec3f>& rays,
                   const Camera& camera)
-      : numbers_(numbers),
-        depths_(static_cast<int>(numbers.size()),
+      : indices_(indices),
+        depths_(static_cast<int>(indices.size()),
                 static_cast<int>(rays.size())),
         begins_(depths_.Width(), depths_.Height(), 0) {
     for (int k = 0; k < depths_.Width(); ++k) {
@@ -62,8 +62,8 @@ class PlanesAtCreases {
 
   int ColumnOf(int plane) const {
     return static_cast<int>(
-        std::lower_bound(numbers_.begin(), numbers_.end(), plane) -
-        numbers_.begin());
+        std::lower_bound(indices_.begin(), indices_.end(), plane) -
+        indices_.begin());
   }
 
   // Whether the plane coincides there with the one that begins at the crease,
@@ -85,7 +85,7 @@ class PlanesAtCreases {
  private:
   const WorldPlane& PlaneOf(const std::vector<ModelPlane>& planes,
                             int column) const {
-    return planes[static_cast<size_t>(numbers_[static_cast<size_t>(column)])]
+    return planes[static_cast<size_t>(indices_[static_cast<size_t>(column)])]
         .plane;
   }
 
@@ -95,7 +95,7 @@ class PlanesAtCreases {
            std::abs(depths_(column, row) - depth) <= kCopyTolerance * depth;
   }
 
-  const std::vector<int>& numbers_;
+  const std::vector<int>& indices_;
   Image<float> depths_;
   Image<uint8_t> begins_;  // At any crease.
   // By column that begins at a crease, the columns with nearly the same normal.
@@ -130,14 +130,14 @@ CreaseLabels::CreaseLabels(const ObservedView& view,
   }
 }
 
-void CreaseLabels::AddVotes(const std::vector<int>& numbers,
+void CreaseLabels::AddVotes(const std::vector<int>& indices,
                             const Image<PlaneCost>& costs,
                             const LabelOptions& options,
                             Image<float>* votes) const {
   if (votes->Empty()) {
     *votes = Image<float>(costs.Width(), costs.Height(), 0.f);
   }
-  const PlanesAtCreases planes(planes_, numbers, creases_, rays_, camera_);
+  const PlanesAtCreases planes(planes_, indices, creases_, rays_, camera_);
   // Whether a plane lies beyond at least one crease.
   Image<uint8_t> is_costly(costs.Width(), costs.Height(), 0);
   // By column: the superpixels in which planes that begin at creases may lie.
@@ -153,7 +153,7 @@ void CreaseLabels::AddVotes(const std::vector<int>& numbers,
       for (int k = 0; k < costs.Width(); ++k) {
         const PlaneCost& cost = costs(k, row);
         is_costly(k, row) |=
-            numbers[static_cast<size_t>(k)] == crease.plane ||
+            indices[static_cast<size_t>(k)] == crease.plane ||
             (cost.explained < kMinShare && cost.confirmed < kMinShare &&
              !planes.MayBeBeyond(crease, limit, k, row));
       }

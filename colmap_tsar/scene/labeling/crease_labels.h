@@ -23,13 +23,13 @@ class CreaseLabels {
                const std::vector<ModelPlane>& planes,
                const std::vector<BoundingCrease>& creases);
 
-  // Adds costs of superpixels (row) beyond a crease on planes (column; numbers:
-  // indices in the model): on the plane that ends there, and on others without
+  // Adds costs of superpixels (row) beyond a crease on planes (column; indices:
+  // in the model): on the plane that ends there, and on others without
   // evidence, except those that begin at another crease in front of the plane
   // that begins here. On planes that begin here, the costs for missing
   // measurements are removed, and other superpixels are excluded. votes: of the
   // size of the costs, or empty.
-  void AddVotes(const std::vector<int>& numbers,
+  void AddVotes(const std::vector<int>& indices,
                 const Image<PlaneCost>& costs,
                 const LabelOptions& options,
                 Image<float>* votes) const;

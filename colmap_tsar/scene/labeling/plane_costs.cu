@@ -116,13 +116,13 @@ struct CostKernel {
     float explained = 0.f;
     Measurements measured;
     for (int i = 0; i < superpixel.num_observations; ++i) {
-      const int number = superpixel.first_observation + i;
-      const Observation& observation = observations[number];
-      const ObservationSource source = observation_sources[number];
+      const int index = superpixel.first_observation + i;
+      const Observation& observation = observations[index];
+      const ObservationSource source = observation_sources[index];
       const float share = ResidualShare(
           observation.sample,
           plane,
-          errors == nullptr ? 1.f : errors[number],
+          errors == nullptr ? 1.f : errors[index],
           source == ObservationSource::kPrior ? kSlackOfPrior : 0.f);
       cost += observation.confidence * share * share;
       explained += share < 1.f && source != ObservationSource::kPrior

@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene/labeling/refine_borders.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/superpixels/samples.h"
 
 #include <cmath>
@@ -27,7 +27,7 @@ constexpr int kVotesPerRadius = 4;
 // or 0.
 struct MeasuredKernel {
   ImageView<const float> depth;
-  ImageView<const uint8_t> ratings;
+  ImageView<const uint8_t> flags;
   ImageView<float> measured;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -35,7 +35,7 @@ struct MeasuredKernel {
         static_cast<int>((x + 0.5f) * depth.width / measured.width);
     const int row =
         static_cast<int>((y + 0.5f) * depth.height / measured.height);
-    measured(x, y) = MeasurementRating::IsTrusted(ratings(column, row))
+    measured(x, y) = MeasurementFlags::IsTrusted(flags(column, row))
                          ? depth(column, row)
                          : 0.f;
   }
@@ -273,13 +273,13 @@ struct FattenedKernel {
 
 struct DistrustKernel {
   ImageView<const uint8_t> fattened;
-  ImageView<uint8_t> ratings;
+  ImageView<uint8_t> flags;
 
   TSAR_HD void operator()(int x, int y) const {
-    if (fattened(ReducedRaster::FromMap(x, ratings.width, fattened.width),
-                 ReducedRaster::FromMap(y, ratings.height, fattened.height)) !=
+    if (fattened(ReducedRaster::FromMap(x, flags.width, fattened.width),
+                 ReducedRaster::FromMap(y, flags.height, fattened.height)) !=
         0) {
-      ratings(x, y) = MeasurementRating::WithoutTrust(ratings(x, y));
+      flags(x, y) = MeasurementFlags::WithoutTrust(flags(x, y));
     }
   }
 };
@@ -299,7 +299,7 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
   ParallelFor(device,
               width,
               height,
-              MeasuredKernel{inputs.depth, inputs.ratings, measured.View()});
+              MeasuredKernel{inputs.depth, inputs.flags, measured.View()});
   Neighborhood around{inputs,
                       device_labels.Data(),
                       device_planes.Data(),
@@ -330,10 +330,10 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
 }
 
 void DistrustFattened(ImageView<const uint8_t> fattened,
-                      ImageView<uint8_t> ratings,
+                      ImageView<uint8_t> flags,
                       Device& device) {
   ParallelFor(
-      device, ratings.width, ratings.height, DistrustKernel{fattened, ratings});
+      device, flags.width, flags.height, DistrustKernel{fattened, flags});
 }
 
 }  // namespace tsar

@@ -43,10 +43,10 @@ struct BorderOptions {
 struct BorderInputs {
   ImageView<const uint16_t> superpixels;
   ImageView<const Vec3f> lab;  // The image in CIELAB.
-  // Measurements and their MeasurementRating, of the size of the map, which is
+  // Measurements and their MeasurementFlags, of the size of the map, which is
   // as large as the raster or larger.
   ImageView<const float> depth;
-  ImageView<const uint8_t> ratings;
+  ImageView<const uint8_t> flags;
   Intrinsics intrinsics;  // Of the raster.
   DepthResolution resolution;
 };
@@ -71,10 +71,10 @@ RefinedBorders RefineBorders(const BorderInputs& inputs,
                              const BorderOptions& options,
                              Device& device);
 
-// Marks the measurements of the map as not trusted, in its ratings, in the
+// Marks the measurements of the map as not trusted, in its flags, in the
 // pixels of the raster that are fattened.
 void DistrustFattened(ImageView<const uint8_t> fattened,
-                      ImageView<uint8_t> ratings,
+                      ImageView<uint8_t> flags,
                       Device& device);
 
 }  // namespace tsar

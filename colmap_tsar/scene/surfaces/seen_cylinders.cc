@@ -90,11 +90,11 @@ bool MarkSeen(const std::vector<uint8_t>& rows,
     if (rows[row] == 0) {
       continue;
     }
-    const auto bin_at = [&](double place) {
-      return std::clamp(
-          (camera.Height(place, distance) - model.min_height) * bins_per_height,
-          0.0,
-          double{SeenCylinder::kNumBins});
+    const auto bin_at = [&](double position) {
+      return std::clamp((camera.Height(position, distance) - model.min_height) *
+                            bins_per_height,
+                        0.0,
+                        double{SeenCylinder::kNumBins});
     };
     const auto middle = static_cast<double>(row);
     const int begin = static_cast<int>(bin_at(middle - 0.5));

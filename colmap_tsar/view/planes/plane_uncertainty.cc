@@ -13,7 +13,7 @@ namespace {
 
 // Observations closer than this share of their distance from the cameras
 // coincide up to rounding.
-constexpr double kSamePlace = 1e-6;
+constexpr double kSamePosition = 1e-6;
 
 // The information on the height, one over its variance.
 double Information(const WorldPlane& plane,
@@ -70,7 +70,7 @@ PlaneUncertainty ComputeUncertainty(
 
   uncertainty.center = center;
   uncertainty.height_variance = 1.0 / information;
-  uncertainty.position_tolerance = kSamePlace * distance;
+  uncertainty.position_tolerance = kSamePosition * distance;
   for (int i = 0; i < 2; ++i) {
     // Eigen sorts by ascending values.
     const double value = solver.eigenvalues()[1 - i];

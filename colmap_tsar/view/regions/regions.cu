@@ -117,7 +117,7 @@ DeviceImage<int> Repeat(ImageView<const int> labels,
 
 // Labels the components of more than min_size pixels. labels: for each pixel,
 // the representative pixel of its component, or -1.
-Regions NumberLarge(DeviceImage<int> labels, int min_size, Device& device) {
+Regions LabelLarge(DeviceImage<int> labels, int min_size, Device& device) {
   Regions regions;
   regions.labels = std::move(labels);
   const ImageView<int> view = regions.labels.View();
@@ -144,7 +144,7 @@ Regions FindRegions(ImageView<const uint8_t> edges,
   DeviceImage<int> labels(device, edges.width, edges.height);
   LabelComponents(
       device, OffEdges{edges.data}, Connectivity::kFour, labels.View());
-  return NumberLarge(std::move(labels), min_size, device);
+  return LabelLarge(std::move(labels), min_size, device);
 }
 
 Regions FindSegments(ImageView<const uint16_t> segments,
@@ -157,7 +157,7 @@ Regions FindSegments(ImageView<const uint16_t> segments,
   ParallelFor(device,
               static_cast<int64_t>(segments.NumPixels()),
               DropEdgesKernel{edges.data, labels.View().data});
-  return NumberLarge(std::move(labels), min_size, device);
+  return LabelLarge(std::move(labels), min_size, device);
 }
 
 DeviceImage<int> GrowLabels(ImageView<const int> labels,

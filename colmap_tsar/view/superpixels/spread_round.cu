@@ -12,7 +12,7 @@ namespace tsar {
 namespace {
 
 // The superpixel's plane if valid, else the trusted depth.
-struct LayPlanesKernel {
+struct ApplyPlanesKernel {
   PlaneRaster planes;
   DepthNormalViews map;
   ImageView<const uint8_t> trusted;
@@ -79,11 +79,11 @@ void SpreadRound(const PlaneRaster& planes,
   ParallelFor(device,
               trusted.width,
               trusted.height,
-              LayPlanesKernel{planes,
-                              map->Views(),
-                              trusted,
-                              estimate.depth.View(),
-                              estimate.normal.View()});
+              ApplyPlanesKernel{planes,
+                                map->Views(),
+                                trusted,
+                                estimate.depth.View(),
+                                estimate.normal.View()});
   if (filter != nullptr) {
     estimate = WeightedMedianFilter(
         estimate.Views(), color, {}, planes.intrinsics, *filter, device);

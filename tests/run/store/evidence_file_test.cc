@@ -17,7 +17,7 @@ void ExpectSame(const ViewEvidence& a, const ViewEvidence& b) {
   ExpectSameForNeighbors(a, b);
   EXPECT_EQ(a.borders.size(), b.borders.size());
   EXPECT_TRUE(a.color.HasSizeOf(b.color));
-  EXPECT_TRUE(a.ratings.HasSizeOf(b.ratings));
+  EXPECT_TRUE(a.flags.HasSizeOf(b.flags));
   EXPECT_TRUE(a.prior.depth.HasSizeOf(b.prior.depth));
   EXPECT_TRUE(a.prior.sigma.HasSizeOf(b.prior.sigma));
   EXPECT_EQ(a.prior.outlier_share, b.prior.outlier_share);
@@ -64,7 +64,7 @@ TEST_F(EvidenceFileTest, ReadsForNeighborsWithoutTheRest) {
   ExpectSameForNeighbors(read, evidence_);
   EXPECT_TRUE(read.borders.empty());
   EXPECT_TRUE(read.prior.Empty());
-  EXPECT_TRUE(read.ratings.Empty());
+  EXPECT_TRUE(read.flags.Empty());
 }
 
 // A view without texture: nothing but one superpixel.
@@ -79,7 +79,7 @@ TEST_F(EvidenceFileTest, KeepsEvidenceOfNothing) {
   nothing.confirmed_pixels = {0};
   nothing.confident_depth = Image<float>(1, 2);
   nothing.color = Image<Rgb>(1, 2);
-  nothing.ratings = Image<uint8_t>(1, 2);
+  nothing.flags = Image<uint8_t>(1, 2);
   WriteEvidence(UserPath(path_), "", nothing);
   ExpectSame(ReadEvidence(path_), nothing);
   EXPECT_EQ(ReadEvidenceHash(path_), "");
@@ -228,7 +228,7 @@ TEST_F(EvidenceFileTest, RefusesAbsurdSizesBeforeAllocating) {
   }
   for (const auto& [width, height] : {std::pair(0, 5), std::pair(5, 0)}) {
     ViewEvidence evidence = evidence_;
-    evidence.ratings = Image<uint8_t>(width, height);
+    evidence.flags = Image<uint8_t>(width, height);
     WriteText(path_, FileBytes(HeaderFields(evidence), evidence));
     ExpectCorruptAndNoHash("not what the header says");
   }

@@ -174,7 +174,7 @@ TEST_F(EvidenceFileTest, RefusesToWriteWhatCannotBeRead) {
   faults.push_back({sizes, [](auto* e) { e->confident_depth = {}; }});
   faults.push_back({sizes, [](auto* e) { e->color = {}; }});
   faults.push_back({sizes, [](auto* e) { e->color = Image<Rgb>(9, 6); }});
-  faults.push_back({sizes, [](auto* e) { e->ratings = {}; }});
+  faults.push_back({sizes, [](auto* e) { e->flags = {}; }});
   for (const Fault& fault : faults) {
     SCOPED_TRACE(fault.what);
     ViewEvidence evidence = evidence_;

@@ -98,9 +98,9 @@ ViewEvidence DrawEvidence() {
     const auto level = [&] { return static_cast<uint8_t>(255.f * draw()); };
     pixel = {level(), level(), level()};
   }
-  evidence.ratings = Image<uint8_t>(13, 11);
-  for (uint8_t& rating : evidence.ratings) {
-    rating = static_cast<uint8_t>(255.f * draw());
+  evidence.flags = Image<uint8_t>(13, 11);
+  for (uint8_t& flags : evidence.flags) {
+    flags = static_cast<uint8_t>(255.f * draw());
   }
   return evidence;
 }
@@ -155,7 +155,7 @@ std::string OwnBytes(const ViewEvidence& evidence) {
     Append(border.weight, &bytes);
     AppendAll(border.pixels, &bytes);
   }
-  AppendAll(evidence.ratings, &bytes);
+  AppendAll(evidence.flags, &bytes);
   return bytes;
 }
 

@@ -27,8 +27,8 @@ struct HeaderFields {
   explicit HeaderFields(const ViewEvidence& evidence)
       : width(evidence.width),
         height(evidence.height),
-        ratings_width(evidence.ratings.Width()),
-        ratings_height(evidence.ratings.Height()),
+        ratings_width(evidence.flags.Width()),
+        ratings_height(evidence.flags.Height()),
         prior_verdict(static_cast<uint16_t>(evidence.prior.assessment.verdict)),
         num_superpixels(evidence.weights.size()),
         num_observations(evidence.observations.size()),

@@ -175,7 +175,7 @@ TEST_F(BoundingCreasesTest, OfTwoFallsOrDistantLinesTheLast) {
   ExpectCreaseAt(-1.2);
   // More than 14 pixels.
   lines_[1].line.step = -2.f;
-  lines_[1].line.place = -0.6f;
+  lines_[1].line.position = -0.6f;
   model_.planes.resize(1);
   ExpectCreaseAt(-1.2);
 }

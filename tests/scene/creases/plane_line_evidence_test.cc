@@ -4,6 +4,7 @@
 // What views tell of lines, before any of them is a crease.
 
 #include "colmap_tsar/scene/creases/line_evidence.h"
+#include "colmap_tsar/scene/evidence/plane_indices.h"
 
 #include "tests/scene/creases/drawn_wall_fixture.h"
 
@@ -36,8 +37,11 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
     for (size_t i = 0; i < model_.planes.size(); ++i) {
       copies.push_back(static_cast<int>(i));
     }
-    return Sum(TestPlaneLines(
-        {&evidence_, camera_}, labels_, copies, {shared}, model_, {}));
+    return Sum(TestPlaneLines({&evidence_, camera_},
+                              Renumber(labels_, copies),
+                              {shared},
+                              model_,
+                              {}));
   }
 
   // These depths below the line and above it; 0: none.
@@ -154,15 +158,16 @@ TEST_F(PlaneLineEvidenceTest, AreasOfOtherPlanesDoNotCount) {
 
 TEST_F(PlaneLineEvidenceTest, AViewWithoutThePlaneTellsNothing) {
   labels_ = AllOn(-1);
-  EXPECT_TRUE(
-      TestPlaneLines(
-          {&evidence_, camera_}, labels_, {0}, {SharedLine()}, model_, {})
-          .empty());
+  EXPECT_TRUE(TestPlaneLines({&evidence_, camera_},
+                             Renumber(labels_, {0}),
+                             {SharedLine()},
+                             model_,
+                             {})
+                  .empty());
   SharedLine of_other;
   of_other.line.plane = 1;
   EXPECT_TRUE(
-      TestPlaneLines(
-          {&evidence_, camera_}, AllOn(0), {0, 1}, {of_other}, model_, {})
+      TestPlaneLines({&evidence_, camera_}, AllOn(0), {of_other}, model_, {})
           .empty());
 }
 
@@ -174,7 +179,7 @@ TEST_F(PlaneLineEvidenceTest, CopiesShowThePlane) {
   shared.line = {
       0, 1, static_cast<float>(kLine), static_cast<float>(kPixel), 3.f};
   const LineEvidence found = Sum(TestPlaneLines(
-      {&evidence_, camera_}, labels_, {0, 0}, {shared}, model_, {}));
+      {&evidence_, camera_}, Renumber(labels_, {0, 0}), {shared}, model_, {}));
   EXPECT_GT(found.sides[0].area, 0.0);
   EXPECT_EQ(found.sides[0].area, expected.sides[0].area);
 }

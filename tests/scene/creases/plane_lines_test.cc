@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene/creases/plane_lines.h"
 
+#include "colmap_tsar/scene/evidence/plane_indices.h"
+
 #include "tests/scene/creases/drawn_wall_fixture.h"
 
 namespace tsar {
@@ -21,7 +23,7 @@ class PlaneLinesTest : public DrawnWallTest {
       copies.push_back(static_cast<int>(i));
     }
     return FindPlaneLines(
-        {&evidence_, camera_}, labels_, copies, model_, options);
+        {&evidence_, camera_}, Renumber(labels_, copies), model_, options);
   }
 
   // The wall is brighter by `step` from this place on an axis, as a lens shows
@@ -48,7 +50,7 @@ class PlaneLinesTest : public DrawnWallTest {
   void ExpectLine(const PlaneLine& line, int axis, double place, double step) {
     EXPECT_EQ(line.plane, 0);
     EXPECT_EQ(line.axis, axis);
-    EXPECT_NEAR(line.place, place, 0.5 * kPixel);
+    EXPECT_NEAR(line.position, place, 0.5 * kPixel);
     EXPECT_NEAR(line.pixel, kPixel, 0.05 * kPixel);
     EXPECT_NEAR(line.step, step, 0.2 * std::abs(step));
   }
@@ -127,7 +129,7 @@ TEST_F(PlaneLinesTest, ThePosterOfAFifthOfTheWallHasNone) {
   const std::vector<PlaneLine> lines = Find();
   ASSERT_FALSE(lines.empty());
   EXPECT_TRUE(std::any_of(lines.begin(), lines.end(), [](const PlaneLine& l) {
-    return l.axis == 1 && std::abs(l.place - 0.4) < kPixel;
+    return l.axis == 1 && std::abs(l.position - 0.4) < kPixel;
   }));
 }
 
@@ -190,8 +192,8 @@ TEST_F(PlaneLinesTest, LinesBelongToThePlaneThatIsNoCopy) {
   for (size_t s = 0; s < labels_.size(); s += 2) {
     labels_[s] = 1;
   }
-  const std::vector<PlaneLine> lines =
-      FindPlaneLines({&evidence_, camera_}, labels_, {0, 0}, model_, {});
+  const std::vector<PlaneLine> lines = FindPlaneLines(
+      {&evidence_, camera_}, Renumber(labels_, {0, 0}), model_, {});
   ASSERT_EQ(lines.size(), 1u);
   ExpectLine(lines[0], 1, 0.0, 6.0);
 }

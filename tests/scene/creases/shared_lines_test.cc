@@ -30,7 +30,7 @@ TEST(JoinPlaneLines, ThreeViewsMakeALineAndTwoDoNot) {
   EXPECT_EQ(lines[0].num_views, 3);
   EXPECT_EQ(lines[0].line.plane, 0);
   EXPECT_EQ(lines[0].line.axis, 1);
-  EXPECT_NEAR(lines[0].line.place, -0.99f, 1e-6f);
+  EXPECT_NEAR(lines[0].line.position, -0.99f, 1e-6f);
   EXPECT_EQ(lines[0].line.pixel, kPixel);
   EXPECT_NEAR(lines[0].line.step, 3.f, 1e-6f);
 }
@@ -70,7 +70,7 @@ TEST(JoinPlaneLines, WhatIsSeenFromNearCountsMore) {
                      {});
   ASSERT_EQ(lines.size(), 1u);
   // Weights 4, 1 and 1.
-  EXPECT_NEAR(lines[0].line.place, 0.05f * 2.f / 6.f, 1e-6f);
+  EXPECT_NEAR(lines[0].line.position, 0.05f * 2.f / 6.f, 1e-6f);
   EXPECT_EQ(lines[0].line.pixel, 0.04f);
 }
 
@@ -106,7 +106,7 @@ TEST(JoinPlaneLines, AreSortedByPlaneInAnyOrderOfTheLines) {
   for (size_t i = 0; i < a.size(); ++i) {
     EXPECT_EQ(a[i].line.plane, b[i].line.plane);
     EXPECT_EQ(a[i].line.axis, b[i].line.axis);
-    EXPECT_EQ(a[i].line.place, b[i].line.place);
+    EXPECT_EQ(a[i].line.position, b[i].line.position);
     EXPECT_EQ(a[i].line.step, b[i].line.step);
     EXPECT_TRUE(i == 0 || a[i - 1].line.plane <= a[i].line.plane);
   }

@@ -57,7 +57,7 @@ TEST_F(JoinPlanesTest, SurfacesOfSeveralBlocksBecomeOnePlane) {
     for (size_t b = 0; b < blocks.size(); ++b) {
       for (size_t p = 0; p < blocks[b].planes.size(); ++p) {
         const ScenePlane& own = blocks[b].planes[p].found;
-        if (joined.places[b][p] == place) {
+        if (joined.indices[b][p] == place) {
           support += own.support;
           EXPECT_LT(AngleBetween(own.plane, surface.plane), 1.0);
         }
@@ -83,7 +83,7 @@ TEST_F(JoinPlanesTest, AWallAlongManyBlocksBecomesOnePlane) {
     for (size_t p = 0; p < blocks[b].planes.size(); ++p) {
       if (AngleBetween(blocks[b].planes[p].found.plane,
                        room.surfaces[kWall].plane) < 1.0) {
-        walls.push_back(joined.places[b][p]);
+        walls.push_back(joined.indices[b][p]);
       }
     }
   }
@@ -103,7 +103,7 @@ TEST_F(JoinPlanesTest, BlocksThatAreNoNeighborsKeepTheirPlanes) {
   for (size_t b = 0; b < blocks.size(); ++b) {
     for (size_t p = 0; p < blocks[b].planes.size(); ++p) {
       const MeasuredScenePlane& plane =
-          joined.planes[static_cast<size_t>(joined.places[b][p])];
+          joined.planes[static_cast<size_t>(joined.indices[b][p])];
       const WorldPlane& own = blocks[b].planes[p].found.plane;
       EXPECT_EQ(plane.found.plane.normal, own.normal);
       EXPECT_NEAR(plane.found.plane.offset, own.offset, 1e-12);
@@ -135,7 +135,7 @@ TEST_F(JoinPlanesTest, DoesNotDependOnTheNumberOfThreads) {
   const JoinedPlanes one = Join(blocks);
   device_ = Device::CreateCpu(3);
   const JoinedPlanes three = Join(blocks);
-  EXPECT_EQ(one.places, three.places);
+  EXPECT_EQ(one.indices, three.indices);
   ASSERT_EQ(one.planes.size(), three.planes.size());
   for (size_t i = 0; i < one.planes.size(); ++i) {
     EXPECT_EQ(one.planes[i].found.plane.normal,
@@ -161,7 +161,7 @@ TEST_F(JoinPlanesTest, NoBlocksAndBlocksWithoutPlanes) {
   EXPECT_TRUE(Join({}).planes.empty());
   const JoinedPlanes joined = Join({{{}, {1}}, {{}, {0}}});
   EXPECT_TRUE(joined.planes.empty());
-  EXPECT_EQ(joined.places.size(), 2u);
+  EXPECT_EQ(joined.indices.size(), 2u);
 }
 
 TEST_F(JoinPlanesTest, ThinnedSamplesWeighAsMuch) {

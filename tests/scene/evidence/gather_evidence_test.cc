@@ -31,7 +31,7 @@ TEST_F(GatherEvidenceTest, KeepsTheRasterAndItsScale) {
                          evidence.superpixels.end(),
                          inputs_.superpixels.begin(),
                          inputs_.superpixels.end()));
-  EXPECT_TRUE(evidence.ratings.Empty());
+  EXPECT_TRUE(evidence.flags.Empty());
 }
 
 TEST_F(GatherEvidenceTest, WeighsPixelsByHowTheirDepthIsKnown) {

@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene/labeling/refine_borders.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 
 #include <algorithm>
@@ -85,11 +85,11 @@ class RefineBordersTest : public testing::Test {
     const DeviceImage<uint16_t> superpixels(*device_, superpixels_);
     const DeviceImage<Vec3f> lab(*device_, lab_);
     const DeviceImage<float> depth(*device_, depth_);
-    const DeviceImage<uint8_t> ratings(*device_, ratings_);
+    const DeviceImage<uint8_t> flags(*device_, ratings_);
     const RefinedBorders refined = RefineBorders({superpixels.View(),
                                                   lab.View(),
                                                   depth.View(),
-                                                  ratings.View(),
+                                                  flags.View(),
                                                   {80.f, 80.f, 39.5f, 29.5f},
                                                   resolution_},
                                                  labels_,
@@ -242,20 +242,19 @@ TEST_F(RefineBordersTest, TexturedObjectsOffAllPlanesAreNotFattened) {
 
 // What other views confirm stays known.
 TEST_F(RefineBordersTest, DistrustFattenedCoversTheMap) {
-  const uint8_t rating = MeasurementRating::Pack(true, Confirmation::kDistinct);
+  const uint8_t before = MeasurementFlags::Pack(true, Confirmation::kDistinct);
   Image<uint8_t> fattened(4, 3);
   fattened(1, 2) = 1;
-  DeviceImage<uint8_t> ratings(*device_, Image<uint8_t>(8, 6, rating));
-  DistrustFattened(DeviceImage<uint8_t>(*device_, fattened).View(),
-                   ratings.View(),
-                   *device_);
-  const Image<uint8_t> after = ratings.ToHost();
+  DeviceImage<uint8_t> flags(*device_, Image<uint8_t>(8, 6, before));
+  DistrustFattened(
+      DeviceImage<uint8_t>(*device_, fattened).View(), flags.View(), *device_);
+  const Image<uint8_t> after = flags.ToHost();
   for (int y = 0; y < 6; ++y) {
     for (int x = 0; x < 8; ++x) {
       EXPECT_EQ(after(x, y),
                 x / 2 == 1 && y / 2 == 2
-                    ? MeasurementRating::WithoutTrust(rating)
-                    : rating);
+                    ? MeasurementFlags::WithoutTrust(before)
+                    : before);
     }
   }
 }

@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/compose/lay_cylinders.h"
+#include "colmap_tsar/compose/apply_cylinders.h"
 
 #include "colmap_tsar/base/half.h"
-#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,9 +38,9 @@ SeenCylinder MakeCylinder(float distance, float radius) {
   return seen;
 }
 
-class LayCylindersTest : public testing::Test {
+class ApplyCylindersTest : public testing::Test {
  protected:
-  LayCylindersTest() {
+  ApplyCylindersTest() {
     // One pixel of disparity is 1 % of a depth of 2.
     resolution_.error_per_depth = 0.005f;
   }
@@ -48,19 +48,19 @@ class LayCylindersTest : public testing::Test {
   void Lay(const std::vector<SeenCylinder>& cylinders, int num_threads = 1) {
     // They are of the device of the time before.
     composed_ = {};
-    laid_ = {};
+    applied_ = {};
     device_ = Device::CreateCpu(num_threads);
     composed_.map.depth = DeviceImage<float>(*device_, depth_);
     composed_.map.normal = DeviceImage<Vec3f>(
         *device_, Image<Vec3f>(kWidth, kHeight, {0.f, 0.f, -1.f}));
     composed_.provenance = DeviceImage<uint8_t>(*device_, provenance_);
-    const DeviceImage<uint8_t> ratings(*device_, ratings_);
-    laid_ = LayCylinders(cylinders,
-                         ratings.View(),
-                         kIntrinsics,
-                         resolution_,
-                         &composed_,
-                         *device_);
+    const DeviceImage<uint8_t> flags(*device_, ratings_);
+    applied_ = ApplyCylinders(cylinders,
+                              flags.View(),
+                              kIntrinsics,
+                              resolution_,
+                              &composed_,
+                              *device_);
     depth_ = composed_.map.depth.ToHost();
     normal_ = composed_.map.normal.ToHost();
     provenance_ = composed_.provenance.ToHost();
@@ -74,10 +74,10 @@ class LayCylindersTest : public testing::Test {
   Image<uint8_t> ratings_{kWidth, kHeight};
   std::unique_ptr<Device> device_;
   ComposedMap composed_;
-  LaidCylinders laid_;
+  AppliedCylinders applied_;
 };
 
-TEST_F(LayCylindersTest, LaysWhatIsSeenAndLeavesTheRest) {
+TEST_F(ApplyCylindersTest, LaysWhatIsSeenAndLeavesTheRest) {
   Lay({MakeCylinder(2.5f, 0.5f)});
   int num_laid = 0;
   for (int y = 0; y < kHeight; ++y) {
@@ -107,7 +107,7 @@ TEST_F(LayCylindersTest, LaysWhatIsSeenAndLeavesTheRest) {
   EXPECT_GT(num_laid, 150);
 }
 
-TEST_F(LayCylindersTest, KeepsWhatWasMeasuredBeforeIt) {
+TEST_F(ApplyCylindersTest, KeepsWhatWasMeasuredBeforeIt) {
   const auto guessed = static_cast<uint8_t>(Provenance::kGuessed);
   depth_(kBefore, 18) = 1.97f;  // 1.2 u before it are at 1.976.
   depth_(kBefore, 19) = 1.98f;
@@ -124,11 +124,11 @@ TEST_F(LayCylindersTest, KeepsWhatWasMeasuredBeforeIt) {
   }
 }
 
-TEST_F(LayCylindersTest, KeepsWhatOtherViewsConfirmOnDistinctTexture) {
+TEST_F(ApplyCylindersTest, KeepsWhatOtherViewsConfirmOnDistinctTexture) {
   const uint8_t distinct =
-      MeasurementRating::Pack(false, Confirmation::kDistinct);
+      MeasurementFlags::Pack(false, Confirmation::kDistinct);
   ratings_(kBefore, 18) = distinct;
-  ratings_(kBefore, 19) = MeasurementRating::Pack(true, Confirmation::kWeak);
+  ratings_(kBefore, 19) = MeasurementFlags::Pack(true, Confirmation::kWeak);
   // Close to the outline, which is 8 pixels beside the middle.
   ratings_(kBefore + 8, 20) = distinct;
   depth_(kBefore, 21) = 2.02f;
@@ -140,7 +140,7 @@ TEST_F(LayCylindersTest, KeepsWhatOtherViewsConfirmOnDistinctTexture) {
   EXPECT_NEAR(depth_(kBefore, 21), 2.f, 1e-4f);
 }
 
-TEST_F(LayCylindersTest, LaysTheNearestOfTwo) {
+TEST_F(ApplyCylindersTest, LaysTheNearestOfTwo) {
   const SeenCylinder near = MakeCylinder(1.5f, 0.1f);
   const SeenCylinder far = MakeCylinder(3.f, 0.5f);
   const std::vector<std::vector<SeenCylinder>> orders = {{near, far},
@@ -153,12 +153,12 @@ TEST_F(LayCylindersTest, LaysTheNearestOfTwo) {
   }
 }
 
-TEST_F(LayCylindersTest, RatesWhatItLaidAlone) {
+TEST_F(ApplyCylindersTest, SetsTheConfidenceOfWhatItAppliedAlone) {
   SeenCylinder cylinder = MakeCylinder(2.5f, 0.5f);
   cylinder.variances[2] = 0.03f * 0.03f;
   Lay({cylinder});
   DeviceImage<float> confidence(*device_, Image<float>(kWidth, kHeight, 0.25f));
-  RateCylinders(laid_, &confidence, *device_);
+  SetConfidenceOfCylinders(applied_, &confidence, *device_);
   DeviceImage<uint16_t> sigma(
       *device_, Image<uint16_t>(kWidth, kHeight, ToPositiveHalf(1.f)));
   // Dropped in the meantime.
@@ -166,7 +166,7 @@ TEST_F(LayCylindersTest, RatesWhatItLaidAlone) {
   depth(kBefore, 25) = 0.f;
   composed_.map.depth = DeviceImage<float>(*device_, depth);
   SetSigmaOfCylinders(
-      laid_, kIntrinsics, resolution_, composed_.map, {}, &sigma, *device_);
+      applied_, kIntrinsics, resolution_, composed_.map, {}, &sigma, *device_);
   const Image<float> confidences = confidence.ToHost();
   EXPECT_GT(confidences(kBefore, 20), 0.5f);
   EXPECT_LE(confidences(kBefore, 20), 1.f);
@@ -181,15 +181,15 @@ TEST_F(LayCylindersTest, RatesWhatItLaidAlone) {
   EXPECT_GT(HalfToFloat(sigmas(kBefore + 7, 20)), in_the_middle);
 }
 
-TEST_F(LayCylindersTest, DoesNothingWithoutCylinders) {
+TEST_F(ApplyCylindersTest, DoesNothingWithoutCylinders) {
   Lay({});
   EXPECT_EQ(depth_(kBefore, 20), kWall);
   DeviceImage<float> confidence(*device_, Image<float>(kWidth, kHeight, 0.25f));
-  RateCylinders(laid_, &confidence, *device_);
+  SetConfidenceOfCylinders(applied_, &confidence, *device_);
   EXPECT_EQ(confidence.ToHost()(kBefore, 20), 0.25f);
 }
 
-TEST_F(LayCylindersTest, ThreadsDoNotMatter) {
+TEST_F(ApplyCylindersTest, ThreadsDoNotMatter) {
   Lay({MakeCylinder(2.5f, 0.5f), MakeCylinder(1.5f, 0.1f)}, 1);
   const Image<float> one = depth_;
   std::fill(depth_.begin(), depth_.end(), kWall);

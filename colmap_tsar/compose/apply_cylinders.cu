@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/compose/lay_cylinders.h"
+#include "colmap_tsar/compose/apply_cylinders.h"
 
 #include "colmap_tsar/base/half.h"
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/depth_confidence.h"
 
 #include <algorithm>
@@ -19,36 +19,36 @@ namespace {
 
 constexpr size_t kMaxCylinders = 255;
 
-struct LayKernel {
+struct ApplyKernel {
   const SeenCylinder* cylinders;
   int num_cylinders;
-  ImageView<const uint8_t> ratings;
+  ImageView<const uint8_t> flags;
   Intrinsics intrinsics;
   DepthResolution resolution;
   ImageView<float> depth;
   ImageView<Vec3f> normal;
   ImageView<uint8_t> provenance;
-  ImageView<uint8_t> numbers;
+  ImageView<uint8_t> labels;
 
   TSAR_HD void operator()(int x, int y) const {
     const Vec3f ray =
         intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
     Cylinder::Intersection nearest;
-    int number = 0;
+    int label = 0;
     for (int k = 0; k < num_cylinders; ++k) {
       Cylinder::Intersection intersection;
       if (cylinders[k].cylinder.Intersect(ray, &intersection) &&
           cylinders[k].IsSeenAt(intersection.height) &&
-          (number == 0 || intersection.depth < nearest.depth)) {
+          (label == 0 || intersection.depth < nearest.depth)) {
         nearest = intersection;
-        number = k + 1;
+        label = k + 1;
       }
     }
-    if (number > 0 && Stands(x, y, ray, nearest)) {
-      number = 0;
+    if (label > 0 && Stands(x, y, ray, nearest)) {
+      label = 0;
     }
-    numbers(x, y) = static_cast<uint8_t>(number);
-    if (number > 0) {
+    labels(x, y) = static_cast<uint8_t>(label);
+    if (label > 0) {
       depth(x, y) = nearest.depth;
       normal(x, y) = nearest.normal;
       provenance(x, y) = static_cast<uint8_t>(Provenance::kInterpolated);
@@ -70,16 +70,16 @@ struct LayKernel {
     return gap < -kOnSurface ||
            (gap > kOnSurface &&
             SeenCylinder::FacesCamera(on_cylinder.normal, ray) &&
-            MeasurementRating::IsConfirmedDistinctly(ratings(x, y)));
+            MeasurementFlags::IsConfirmedDistinctly(flags(x, y)));
   }
 };
 
-struct RateKernel {
-  ImageView<const uint8_t> numbers;
+struct ConfidenceKernel {
+  ImageView<const uint8_t> labels;
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
-    if (numbers(x, y) > 0) {
+    if (labels(x, y) > 0) {
       confidence(x, y) = kConfidenceOfCylinder;
     }
   }
@@ -89,16 +89,16 @@ struct SigmaOfCylindersKernel {
   const SeenCylinder* cylinders;
   Intrinsics intrinsics;
   DepthResolution resolution;
-  ImageView<const uint8_t> numbers;
+  ImageView<const uint8_t> labels;
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
   ImageView<uint16_t> sigma;
   float on_cylinder;
 
   TSAR_HD void operator()(int x, int y) const {
-    const int number = numbers(x, y);
+    const int label = labels(x, y);
     const float z = depth(x, y);
-    if (number == 0 || !(z > 0.f)) {
+    if (label == 0 || !(z > 0.f)) {
       return;
     }
     const Vec3f ray =
@@ -106,72 +106,72 @@ struct SigmaOfCylindersKernel {
     const float matching = on_cylinder * z * resolution.RelativeDepthError(z);
     sigma(x, y) = ToPositiveHalf(
         sqrtf(matching * matching +
-              cylinders[number - 1].DepthVariance(ray, normal(x, y))));
+              cylinders[label - 1].DepthVariance(ray, normal(x, y))));
   }
 };
 
 }  // namespace
 
-LaidCylinders LayCylinders(const std::vector<SeenCylinder>& cylinders,
-                           ImageView<const uint8_t> ratings,
-                           const Intrinsics& intrinsics,
-                           const DepthResolution& resolution,
-                           ComposedMap* composed,
-                           Device& device) {
-  LaidCylinders laid;
+AppliedCylinders ApplyCylinders(const std::vector<SeenCylinder>& cylinders,
+                                ImageView<const uint8_t> flags,
+                                const Intrinsics& intrinsics,
+                                const DepthResolution& resolution,
+                                ComposedMap* composed,
+                                Device& device) {
+  AppliedCylinders applied;
   if (cylinders.empty()) {
-    return laid;
+    return applied;
   }
   const size_t count = std::min(cylinders.size(), kMaxCylinders);
-  laid.cylinders = Buffer<SeenCylinder>(
+  applied.cylinders = Buffer<SeenCylinder>(
       device,
       std::vector<SeenCylinder>(
           cylinders.begin(),
           cylinders.begin() + static_cast<std::ptrdiff_t>(count)));
   const int width = composed->map.depth.Width();
   const int height = composed->map.depth.Height();
-  laid.numbers = DeviceImage<uint8_t>(device, width, height);
+  applied.labels = DeviceImage<uint8_t>(device, width, height);
   ParallelFor(device,
               width,
               height,
-              LayKernel{laid.cylinders.Data(),
-                        static_cast<int>(count),
-                        ratings,
-                        intrinsics,
-                        resolution,
-                        composed->map.depth.View(),
-                        composed->map.normal.View(),
-                        composed->provenance.View(),
-                        laid.numbers.View()});
-  return laid;
+              ApplyKernel{applied.cylinders.Data(),
+                          static_cast<int>(count),
+                          flags,
+                          intrinsics,
+                          resolution,
+                          composed->map.depth.View(),
+                          composed->map.normal.View(),
+                          composed->provenance.View(),
+                          applied.labels.View()});
+  return applied;
 }
 
-void RateCylinders(const LaidCylinders& laid,
-                   DeviceImage<float>* confidence,
-                   Device& device) {
-  if (!laid.numbers.Empty()) {
+void SetConfidenceOfCylinders(const AppliedCylinders& applied,
+                              DeviceImage<float>* confidence,
+                              Device& device) {
+  if (!applied.labels.Empty()) {
     ParallelFor(device,
-                laid.numbers.Width(),
-                laid.numbers.Height(),
-                RateKernel{laid.numbers.View(), confidence->View()});
+                applied.labels.Width(),
+                applied.labels.Height(),
+                ConfidenceKernel{applied.labels.View(), confidence->View()});
   }
 }
 
-void SetSigmaOfCylinders(const LaidCylinders& laid,
+void SetSigmaOfCylinders(const AppliedCylinders& applied,
                          const Intrinsics& intrinsics,
                          const DepthResolution& resolution,
                          const DepthNormalImages& map,
                          const SceneSigmaOptions& options,
                          DeviceImage<uint16_t>* sigma,
                          Device& device) {
-  if (!laid.numbers.Empty()) {
+  if (!applied.labels.Empty()) {
     ParallelFor(device,
-                laid.numbers.Width(),
-                laid.numbers.Height(),
-                SigmaOfCylindersKernel{laid.cylinders.Data(),
+                applied.labels.Width(),
+                applied.labels.Height(),
+                SigmaOfCylindersKernel{applied.cylinders.Data(),
                                        intrinsics,
                                        resolution,
-                                       laid.numbers.View(),
+                                       applied.labels.View(),
                                        map.depth.View(),
                                        map.normal.View(),
                                        sigma->View(),

@@ -17,33 +17,33 @@
 namespace tsar {
 
 // The pixels of a map that lie on cylinders.
-struct LaidCylinders {
+struct AppliedCylinders {
   Buffer<SeenCylinder> cylinders;
   // 1 + the index of the pixel's cylinder, 0 = none; empty without cylinders.
-  DeviceImage<uint8_t> numbers;
+  DeviceImage<uint8_t> labels;
 };
 
 // Replaces the depths of a composed map by the nearest of the cylinders whose
 // outlines the view shows: it occludes what is behind it and is not occluded
 // there. Measurements in front of it are kept, as are depths off it on distinct
 // texture that another view confirms, except close to the outlines. Replaced
-// pixels have the provenance kInterpolated. ratings: see MeasurementRating;
+// pixels have the provenance kInterpolated. flags: see MeasurementFlags;
 // intrinsics: both of the map. At most the first 255 cylinders are applied.
-LaidCylinders LayCylinders(const std::vector<SeenCylinder>& cylinders,
-                           ImageView<const uint8_t> ratings,
-                           const Intrinsics& intrinsics,
-                           const DepthResolution& resolution,
-                           ComposedMap* composed,
-                           Device& device);
+AppliedCylinders ApplyCylinders(const std::vector<SeenCylinder>& cylinders,
+                                ImageView<const uint8_t> flags,
+                                const Intrinsics& intrinsics,
+                                const DepthResolution& resolution,
+                                ComposedMap* composed,
+                                Device& device);
 
 // Sets the confidence of the depths on cylinders.
-void RateCylinders(const LaidCylinders& laid,
-                   DeviceImage<float>* confidence,
-                   Device& device);
+void SetConfidenceOfCylinders(const AppliedCylinders& applied,
+                              DeviceImage<float>* confidence,
+                              Device& device);
 
 // Sets the standard deviations (RefinedMaps::sigma) of those that still have a
 // depth. intrinsics, resolution: as above.
-void SetSigmaOfCylinders(const LaidCylinders& laid,
+void SetSigmaOfCylinders(const AppliedCylinders& applied,
                          const Intrinsics& intrinsics,
                          const DepthResolution& resolution,
                          const DepthNormalImages& map,

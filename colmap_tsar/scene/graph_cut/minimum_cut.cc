@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/graph_cut/smallest_cut.h"
+#include "colmap_tsar/scene/graph_cut/minimum_cut.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -36,8 +36,8 @@ struct ArcPairs {
 
 }  // namespace
 
-std::vector<uint8_t> FindSmallestCut(const std::vector<int64_t>& to_switch,
-                                     const std::vector<CutEdge>& edges) {
+std::vector<uint8_t> FindMinimumCut(const std::vector<int64_t>& to_switch,
+                                    const std::vector<CutEdge>& edges) {
   const size_t source = to_switch.size();
   const size_t sink = source + 1;
   ArcPairs pairs;
@@ -56,12 +56,12 @@ std::vector<uint8_t> FindSmallestCut(const std::vector<int64_t>& to_switch,
     }
   }
   const size_t num_arcs = pairs.ends.size();
-  std::vector<size_t> numbers(num_arcs);
-  std::iota(numbers.begin(), numbers.end(), size_t{0});
+  std::vector<size_t> indices(num_arcs);
+  std::iota(indices.begin(), indices.end(), size_t{0});
   const Network network(boost::edges_are_unsorted_multi_pass,
                         pairs.ends.begin(),
                         pairs.ends.end(),
-                        numbers.begin(),
+                        indices.begin(),
                         sink + 1);
   const auto arc_index = boost::get(boost::edge_index, network);
   const auto node_index = boost::get(boost::vertex_index, network);
@@ -69,9 +69,9 @@ std::vector<uint8_t> FindSmallestCut(const std::vector<int64_t>& to_switch,
   std::vector<size_t> positions(num_arcs);
   const auto [begin, end] = boost::edges(network);
   for (auto arc = begin; arc != end; ++arc) {
-    const size_t number = network[*arc];
-    arcs[number] = *arc;
-    positions[number] = boost::get(boost::edge_index, network, *arc);
+    const size_t index = network[*arc];
+    arcs[index] = *arc;
+    positions[index] = boost::get(boost::edge_index, network, *arc);
   }
   std::vector<Arc> reverses(num_arcs);
   std::vector<int64_t> capacities(num_arcs, 0);

@@ -22,7 +22,7 @@ struct CutEdge {
 // (Boykov and Kolmogorov, "An Experimental Comparison of Min-Cut/Max-Flow
 // Algorithms for Energy Minimization in Vision", PAMI 2004). No sum may
 // overflow.
-std::vector<uint8_t> FindSmallestCut(const std::vector<int64_t>& to_switch,
-                                     const std::vector<CutEdge>& edges);
+std::vector<uint8_t> FindMinimumCut(const std::vector<int64_t>& to_switch,
+                                    const std::vector<CutEdge>& edges);
 
 }  // namespace tsar

@@ -1,13 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/compose/lift_rating.h"
+#include "colmap_tsar/compose/transfer_flags.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/scene/evidence/measurement_rating.h"
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/square_hypothesis.h"
@@ -22,12 +22,12 @@ namespace {
 constexpr float kToleranceInErrors = 0.5f;
 constexpr float kMinTolerance = 3e-3f;
 
-struct LiftRatingsKernel {
+struct TransferFlagsKernel {
   JudgedHypotheses judged;
   ImageView<const float> depth;
   Intrinsics intrinsics;
   DepthResolution resolution;
-  ImageView<uint8_t> lifted;
+  ImageView<uint8_t> transferred;
 
   // Whether a depth of the map lies on the plane of a reduced pixel's
   // hypothesis.
@@ -47,7 +47,7 @@ struct LiftRatingsKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     const float own = depth(x, y);
-    uint8_t rating = 0;
+    uint8_t flags = 0;
     if (own > 0.f) {
       const float tolerance =
           fmaxf(kToleranceInErrors * resolution.RelativeDepthError(own),
@@ -57,7 +57,7 @@ struct LiftRatingsKernel {
       int nearest = INT_MAX;
       for (int row = y / factor - 1; row <= y / factor + 1; ++row) {
         for (int column = x / factor - 1; column <= x / factor + 1; ++column) {
-          if (!judged.ratings.Contains(column, row)) {
+          if (!judged.flags.Contains(column, row)) {
             continue;
           }
           // The offset from the center of the square, in half pixels; the
@@ -68,22 +68,22 @@ struct LiftRatingsKernel {
           if (distance < nearest &&
               IsOnPlane(column, row, ray, own, tolerance)) {
             nearest = distance;
-            rating = judged.ratings(column, row);
+            flags = judged.flags(column, row);
           }
         }
       }
     }
-    lifted(x, y) = rating;
+    transferred(x, y) = flags;
   }
 };
 
-struct PackRatingsKernel {
+struct PackFlagsKernel {
   ImageView<const uint8_t> trusted;
   ImageView<const uint8_t> confirmations;
-  ImageView<uint8_t> ratings;
+  ImageView<uint8_t> flags;
 
   TSAR_HD void operator()(int x, int y) const {
-    ratings(x, y) = MeasurementRating::Pack(
+    flags(x, y) = MeasurementFlags::Pack(
         trusted(x, y) != 0,
         confirmations.Empty() ? Confirmation::kNone
                               : static_cast<Confirmation>(confirmations(x, y)));
@@ -110,70 +110,70 @@ struct ReduceKernel {
 
 }  // namespace
 
-DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
-                                 ImageView<const float> depth,
-                                 const Intrinsics& intrinsics,
-                                 const DepthResolution& resolution,
-                                 Device& device) {
-  DeviceImage<uint8_t> lifted(device, depth.width, depth.height);
+DeviceImage<uint8_t> TransferFlags(const JudgedHypotheses& judged,
+                                   ImageView<const float> depth,
+                                   const Intrinsics& intrinsics,
+                                   const DepthResolution& resolution,
+                                   Device& device) {
+  DeviceImage<uint8_t> transferred(device, depth.width, depth.height);
   if (judged.factor == 1) {
     Copy(device,
-         judged.ratings.data,
-         judged.ratings.NumPixels(),
-         lifted.View().data);
-    return lifted;
+         judged.flags.data,
+         judged.flags.NumPixels(),
+         transferred.View().data);
+    return transferred;
   }
-  ParallelFor(
-      device,
-      depth.width,
-      depth.height,
-      LiftRatingsKernel{judged, depth, intrinsics, resolution, lifted.View()});
-  return lifted;
+  ParallelFor(device,
+              depth.width,
+              depth.height,
+              TransferFlagsKernel{
+                  judged, depth, intrinsics, resolution, transferred.View()});
+  return transferred;
 }
 
-DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
-                                 const ViewData& reference,
-                                 const DeviceReference& view,
-                                 Device& device) {
+DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
+                                   const ViewData& reference,
+                                   const DeviceReference& view,
+                                   Device& device) {
   const int factor = FactorBetween(view.Width(),
                                    view.Height(),
-                                   evidence.ratings.Width(),
-                                   evidence.ratings.Height());
+                                   evidence.flags.Width(),
+                                   evidence.flags.Height());
   if (factor == 0) {
-    throw Error(
-        ErrorCode::kMismatch,
-        "its evidence rates " + std::to_string(evidence.ratings.Width()) + "x" +
-            std::to_string(evidence.ratings.Height()) +
-            " pixels, which its depth map of " + std::to_string(view.Width()) +
-            "x" + std::to_string(view.Height()) +
-            " does not have at any scale; delete the folder "
-            "stereo/tsar/evidence and run again");
+    throw Error(ErrorCode::kMismatch,
+                "its evidence rates " + std::to_string(evidence.flags.Width()) +
+                    "x" + std::to_string(evidence.flags.Height()) +
+                    " pixels, which its depth map of " +
+                    std::to_string(view.Width()) + "x" +
+                    std::to_string(view.Height()) +
+                    " does not have at any scale; delete the folder "
+                    "stereo/tsar/evidence and run again");
   }
-  DeviceImage<uint8_t> ratings(device, evidence.ratings);
+  DeviceImage<uint8_t> flags(device, evidence.flags);
   if (factor == 1) {
-    return ratings;
+    return flags;
   }
   const DepthNormalImages reduced =
       ReduceHypotheses(view, reference.is_to_refine, factor, device);
-  return LiftRatings({ratings.View(),
-                      {reduced.depth.View(), reduced.normal.View()},
-                      ReduceCamera(view.camera, factor).GetIntrinsics(),
-                      factor},
-                     view.hypotheses.depth.View(),
-                     view.MapIntrinsics(),
-                     evidence.resolution,
-                     device);
+  return TransferFlags({flags.View(),
+                        {reduced.depth.View(), reduced.normal.View()},
+                        ReduceCamera(view.camera, factor).GetIntrinsics(),
+                        factor},
+                       view.hypotheses.depth.View(),
+                       view.MapIntrinsics(),
+                       evidence.resolution,
+                       device);
 }
 
-DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
-                                 ImageView<const uint8_t> confirmations,
-                                 Device& device) {
-  DeviceImage<uint8_t> ratings(device, trusted.width, trusted.height);
+DeviceImage<uint8_t> PackFlags(ImageView<const uint8_t> trusted,
+                               ImageView<const uint8_t> confirmations,
+                               Device& device) {
+  DeviceImage<uint8_t> flags(device, trusted.width, trusted.height);
   ParallelFor(device,
               trusted.width,
               trusted.height,
-              PackRatingsKernel{trusted, confirmations, ratings.View()});
-  return ratings;
+              PackFlagsKernel{trusted, confirmations, flags.View()});
+  return flags;
 }
 
 DepthNormalImages ReduceHypotheses(const DeviceReference& view,

@@ -16,40 +16,40 @@
 
 namespace tsar {
 
-// The hypotheses of a reduced view (ReduceView) and their ratings.
+// The hypotheses of a reduced view (ReduceView) and their flags.
 struct JudgedHypotheses {
-  ImageView<const uint8_t> ratings;  // MeasurementRating
+  ImageView<const uint8_t> flags;  // MeasurementFlags
   DepthNormalViews hypotheses;
   Intrinsics intrinsics;
   int factor = 1;
 };
 
-// Transfers ratings to the pixels of the map: each takes that of the reduced
+// Transfers flags to the pixels of the map: each takes that of the reduced
 // pixel that covers it, if its own depth lies on the plane of the hypothesis
 // judged there; otherwise that of the nearest of the eight pixels around for
 // which this holds, since no depth represents a square across an edge; and 0 if
 // there is none. A depth lies on the plane within half of RelativeDepthError()
 // of the judged map, and within 0.3 % in any case. A factor of 1 leaves the
-// ratings unchanged.
+// flags unchanged.
 // depth, intrinsics: of the map.
-DeviceImage<uint8_t> LiftRatings(const JudgedHypotheses& judged,
-                                 ImageView<const float> depth,
-                                 const Intrinsics& intrinsics,
-                                 const DepthResolution& resolution,
-                                 Device& device);
+DeviceImage<uint8_t> TransferFlags(const JudgedHypotheses& judged,
+                                   ImageView<const float> depth,
+                                   const Intrinsics& intrinsics,
+                                   const DepthResolution& resolution,
+                                   Device& device);
 
-// Transfers ViewEvidence::ratings at any reduction. view: the reference in the
+// Transfers ViewEvidence::flags at any reduction. view: the reference in the
 // device's memory. Throws kMismatch where it is of another map.
-DeviceImage<uint8_t> LiftRatings(const ViewEvidence& evidence,
-                                 const ViewData& reference,
-                                 const DeviceReference& view,
-                                 Device& device);
+DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
+                                   const ViewData& reference,
+                                   const DeviceReference& view,
+                                   Device& device);
 
-// The MeasurementRating of each pixel. trusted: other than 0 where its depth is
+// The MeasurementFlags of each pixel. trusted: other than 0 where its depth is
 // trusted. confirmations: its Confirmation; may be empty.
-DeviceImage<uint8_t> PackRatings(ImageView<const uint8_t> trusted,
-                                 ImageView<const uint8_t> confirmations,
-                                 Device& device);
+DeviceImage<uint8_t> PackFlags(ImageView<const uint8_t> trusted,
+                               ImageView<const uint8_t> confirmations,
+                               Device& device);
 
 // The hypotheses of ReduceView(), of a view in the device's memory.
 // is_to_refine: ViewData::is_to_refine, in host memory. In addition to the

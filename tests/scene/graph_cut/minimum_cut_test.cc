@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/graph_cut/smallest_cut.h"
+#include "colmap_tsar/scene/graph_cut/minimum_cut.h"
 
 #include "colmap_tsar/base/random.h"
 
@@ -45,7 +45,7 @@ uint32_t SmallestBestSet(const std::vector<int64_t>& to_switch,
   return best;
 }
 
-TEST(SmallestCutTest, FindsTheSmallestOfTheBestSets) {
+TEST(MinimumCutTest, FindsTheSmallestOfTheBestSets) {
   Philox random(1, 0, 0);
   int num_switching = 0;
   for (int trial = 0; trial < 500; ++trial) {
@@ -61,7 +61,7 @@ TEST(SmallestCutTest, FindsTheSmallestOfTheBestSets) {
       edges.push_back(
           {first, (first + step) % num_nodes, int64_t{random.NextBelow(4)}});
     }
-    const std::vector<uint8_t> found = FindSmallestCut(to_switch, edges);
+    const std::vector<uint8_t> found = FindMinimumCut(to_switch, edges);
     ASSERT_EQ(found.size(), to_switch.size());
     uint32_t set = 0;
     for (size_t node = 0; node < found.size(); ++node) {
@@ -73,9 +73,9 @@ TEST(SmallestCutTest, FindsTheSmallestOfTheBestSets) {
   EXPECT_GT(num_switching, 500);
 }
 
-TEST(SmallestCutTest, NothingSwitchesForNothing) {
-  EXPECT_TRUE(FindSmallestCut({}, {}).empty());
-  EXPECT_EQ(FindSmallestCut({0, 0}, {{0, 1, 3}}), (std::vector<uint8_t>{0, 0}));
+TEST(MinimumCutTest, NothingSwitchesForNothing) {
+  EXPECT_TRUE(FindMinimumCut({}, {}).empty());
+  EXPECT_EQ(FindMinimumCut({0, 0}, {{0, 1, 3}}), (std::vector<uint8_t>{0, 0}));
 }
 
 }  // namespace

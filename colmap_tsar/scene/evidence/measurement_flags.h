@@ -12,7 +12,7 @@ namespace tsar {
 
 // The reliability of a measured depth, in one byte: whether it is trusted (bit
 // 7), and whether another view confirms it (bit 6) on distinct texture (bit 5).
-struct MeasurementRating {
+struct MeasurementFlags {
   static constexpr int kTrusted = 1 << 7;
   static constexpr int kConfirmed = 1 << 6;
   static constexpr int kDistinctTexture = 1 << 5;
@@ -21,18 +21,18 @@ struct MeasurementRating {
     return static_cast<uint8_t>((is_trusted ? kTrusted : 0) |
                                 BitsOf(confirmation));
   }
-  TSAR_HD static bool IsTrusted(uint8_t rating) {
-    return (rating & kTrusted) != 0;
+  TSAR_HD static bool IsTrusted(uint8_t flags) {
+    return (flags & kTrusted) != 0;
   }
-  TSAR_HD static bool IsConfirmed(uint8_t rating) {
-    return (rating & kConfirmed) != 0;
+  TSAR_HD static bool IsConfirmed(uint8_t flags) {
+    return (flags & kConfirmed) != 0;
   }
-  TSAR_HD static bool IsConfirmedDistinctly(uint8_t rating) {
-    return (rating & BitsOf(Confirmation::kDistinct)) ==
+  TSAR_HD static bool IsConfirmedDistinctly(uint8_t flags) {
+    return (flags & BitsOf(Confirmation::kDistinct)) ==
            BitsOf(Confirmation::kDistinct);
   }
-  TSAR_HD static uint8_t WithoutTrust(uint8_t rating) {
-    return static_cast<uint8_t>(rating & ~kTrusted);
+  TSAR_HD static uint8_t WithoutTrust(uint8_t flags) {
+    return static_cast<uint8_t>(flags & ~kTrusted);
   }
 
  private:

@@ -1,0 +1,210 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/compose/transfer_flags.h"
+
+#include "colmap_tsar/scene/evidence/measurement_flags.h"
+#include "colmap_tsar/view/filter/confirmation.h"
+#include "colmap_tsar/view/reduce_view.h"
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "tests/support/synthetic_views.h"
+#include "tests/support/test_workspace.h"
+#include <gtest/gtest.h>
+
+namespace tsar {
+namespace {
+
+constexpr int kFactor = 3;
+// u(z) is at its lower bound, so that 0.3 % is what counts.
+const DepthResolution kFine = {1e-6f};
+
+class TransferFlagsTest : public testing::Test {
+ protected:
+  TransferFlagsTest() {
+    SyntheticViewsOptions options;
+    options.width = 31;
+    options.height = 24;
+    options.has_bare_part = false;
+    options.noise = 0.f;
+    const SyntheticViews drawn = MakeSyntheticViews(options);
+    view_ = drawn.views[0];
+    Reduce();
+    // A number for each square.
+    ratings_ = Image<uint8_t>(reduced_.depth.Width(), reduced_.depth.Height());
+    for (int y = 0; y < ratings_.Height(); ++y) {
+      for (int x = 0; x < ratings_.Width(); ++x) {
+        ratings_(x, y) = FlagsOf(x, y);
+      }
+    }
+  }
+
+  static uint8_t FlagsOf(int x, int y) {
+    return static_cast<uint8_t>(1 + 11 * y + x);
+  }
+  void Reduce() { reduced_ = ReduceView(view_, kFactor); }
+
+  Image<uint8_t> Transfer(const DepthResolution& resolution = kFine) {
+    const DeviceImage<uint8_t> flags(*device_, ratings_);
+    const DeviceImage<float> judged_depth(*device_, reduced_.depth);
+    const DeviceImage<Vec3f> judged_normal(*device_, reduced_.normal);
+    const DeviceImage<float> depth(*device_, view_.depth);
+    return TransferFlags({flags.View(),
+                          {judged_depth.View(), judged_normal.View()},
+                          reduced_.camera.GetIntrinsics(),
+                          kFactor},
+                         depth.View(),
+                         view_.camera.GetIntrinsics(),
+                         resolution,
+                         *device_)
+        .ToHost();
+  }
+
+  const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
+  ViewData view_;
+  ViewData reduced_;
+  Image<uint8_t> ratings_;
+};
+
+TEST_F(TransferFlagsTest, PixelsOfAPlaneTakeTheirSquaresFlags) {
+  const Image<uint8_t> transferred = Transfer();
+  ASSERT_TRUE(transferred.HasSizeOf(view_.depth));
+  for (int y = 0; y < transferred.Height(); ++y) {
+    for (int x = 0; x < transferred.Width(); ++x) {
+      ASSERT_EQ(transferred(x, y), FlagsOf(x / kFactor, y / kFactor))
+          << x << ", " << y;
+    }
+  }
+}
+
+TEST_F(TransferFlagsTest,
+       PixelsOfASquareAcrossAnEdgeTakeTheirNeighborsFlags) {
+  // A nearer surface over the right third of column 4 of the squares and what
+  // lies right of it: no depth stands for the squares of column 4.
+  for (int y = 0; y < view_.depth.Height(); ++y) {
+    for (int x = 14; x < view_.depth.Width(); ++x) {
+      view_.depth(x, y) *= 0.8f;
+    }
+  }
+  Reduce();
+  ASSERT_EQ(reduced_.depth(4, 3), 0.f);
+  const Image<uint8_t> transferred = Transfer();
+  // The nearest of the column beside is the one in the same row.
+  for (const int y : {9, 10, 11}) {
+    EXPECT_EQ(transferred(12, y), FlagsOf(3, 3));
+    EXPECT_EQ(transferred(13, y), FlagsOf(3, 3));
+    EXPECT_EQ(transferred(14, y), FlagsOf(5, 3));
+    EXPECT_EQ(transferred(15, y), FlagsOf(5, 3));
+  }
+}
+
+TEST_F(TransferFlagsTest, OtherDepthsGetNone) {
+  view_.depth(10, 10) *= 1.05f;
+  view_.depth(20, 10) = 0.f;
+  Reduce();
+  const Image<uint8_t> transferred = Transfer();
+  EXPECT_EQ(transferred(10, 10), 0);
+  EXPECT_EQ(transferred(20, 10), 0);
+  EXPECT_EQ(transferred(11, 10), FlagsOf(3, 3));
+}
+
+TEST_F(TransferFlagsTest, TheToleranceIsHalfOfWhatMatchingCanTell) {
+  view_.depth(10, 10) *= 1.0025f;
+  view_.depth(13, 10) *= 1.0035f;
+  Image<uint8_t> transferred = Transfer();
+  EXPECT_EQ(transferred(10, 10), FlagsOf(3, 3));
+  EXPECT_EQ(transferred(13, 10), 0);
+  // u(z) = 0.008 and more: as precise as that.
+  transferred = Transfer({0.01f / view_.depth(13, 10)});
+  EXPECT_EQ(transferred(13, 10), FlagsOf(4, 3));
+}
+
+TEST_F(TransferFlagsTest, ANormalThatFacesAwayTellsOfNoSlant) {
+  for (Vec3f& normal : reduced_.normal) {
+    normal = {0.f, 0.f, 1.f};
+  }
+  view_.depth(10, 10) = reduced_.depth(3, 3);
+  view_.depth(13, 10) = 1.0035f * reduced_.depth(4, 3);
+  const Image<uint8_t> transferred = Transfer();
+  EXPECT_EQ(transferred(10, 10), FlagsOf(3, 3));
+  EXPECT_NE(transferred(13, 10), FlagsOf(4, 3));
+}
+
+TEST_F(TransferFlagsTest, TheTrustOfAWholeMapStaysAsItIs) {
+  const DeviceReference reference(view_, *device_);
+  ViewEvidence evidence;
+  evidence.flags = Image<uint8_t>(31, 24);
+  for (size_t i = 0; i < evidence.flags.NumPixels(); ++i) {
+    evidence.flags.Data()[i] = static_cast<uint8_t>(i % 256);
+  }
+  view_.depth(3, 3) = 0.f;
+  const Image<uint8_t> transferred =
+      TransferFlags(evidence, view_, reference, *device_).ToHost();
+  ASSERT_TRUE(transferred.HasSizeOf(evidence.flags));
+  for (size_t i = 0; i < transferred.NumPixels(); ++i) {
+    ASSERT_EQ(transferred.Data()[i], evidence.flags.Data()[i]);
+  }
+}
+
+TEST_F(TransferFlagsTest, TheTrustOfAReducedMapIsLifted) {
+  const DeviceReference reference(view_, *device_);
+  ViewEvidence evidence;
+  evidence.resolution = kFine;
+  evidence.flags = ratings_;
+  const Image<uint8_t> transferred =
+      TransferFlags(evidence, view_, reference, *device_).ToHost();
+  const Image<uint8_t> expected = Transfer();
+  for (size_t i = 0; i < transferred.NumPixels(); ++i) {
+    ASSERT_EQ(transferred.Data()[i], expected.Data()[i]);
+  }
+}
+
+TEST_F(TransferFlagsTest, RefusesTheTrustOfAnotherMap) {
+  const DeviceReference reference(view_, *device_);
+  ViewEvidence evidence;
+  evidence.flags = Image<uint8_t>(12, 8);
+  ExpectError(ErrorCode::kMismatch, {"12x8", "31x24", "run again"}, [&] {
+    TransferFlags(evidence, view_, reference, *device_);
+  });
+}
+
+// Trusted in the first row only; columns are not confirmed, weakly and
+// distinctly by turns.
+TEST(PackFlags, KeepTrustAndConfirmation) {
+  constexpr int kCount = 6;
+  Image<uint8_t> trusted(kCount, 2);
+  Image<uint8_t> confirmations(kCount, 2);
+  for (int x = 0; x < kCount; ++x) {
+    confirmations(x, 0) = confirmations(x, 1) = static_cast<uint8_t>(x % 3);
+    trusted(x, 0) = 1;
+  }
+  const std::unique_ptr<Device> device = Device::CreateCpu(1);
+  const auto pack = [&](ImageView<const uint8_t> votes) {
+    return PackFlags(std::as_const(trusted).View(), votes, *device).ToHost();
+  };
+  const Image<uint8_t> flags = pack(std::as_const(confirmations).View());
+  for (int x = 0; x < kCount; ++x) {
+    for (int y = 0; y < 2; ++y) {
+      const uint8_t packed = flags(x, y);
+      EXPECT_EQ(MeasurementFlags::IsTrusted(packed), y == 0) << x;
+      EXPECT_EQ(MeasurementFlags::IsConfirmed(packed), x % 3 > 0) << x;
+      EXPECT_EQ(MeasurementFlags::IsConfirmedDistinctly(packed), x % 3 == 2)
+          << x;
+      const uint8_t distrusted = MeasurementFlags::WithoutTrust(packed);
+      EXPECT_FALSE(MeasurementFlags::IsTrusted(distrusted));
+      EXPECT_EQ(MeasurementFlags::IsConfirmed(distrusted), x % 3 > 0);
+      EXPECT_EQ(MeasurementFlags::IsConfirmedDistinctly(distrusted),
+                x % 3 == 2);
+    }
+  }
+  for (const uint8_t flags : pack({})) {
+    EXPECT_FALSE(MeasurementFlags::IsConfirmed(flags));
+    EXPECT_FALSE(MeasurementFlags::IsConfirmedDistinctly(flags));
+  }
+}
+
+}  // namespace
+}  // namespace tsar
