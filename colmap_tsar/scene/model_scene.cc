@@ -266,7 +266,7 @@ class SceneModeler {
       of_views[view] =
           FindPlaneLines(observed, Renumber(*labels[view], copies), model_, {});
     });
-    const std::vector<SharedLine> lines = JoinPlaneLines(of_views, {});
+    const std::vector<SharedLine> lines = JoinPlaneLines(of_views);
     if (lines.empty() || should_stop_()) {
       return false;
     }
@@ -274,12 +274,12 @@ class SceneModeler {
     std::mutex mutex;
     ForEachEvidence("creases", [&](size_t view, const ObservedView& observed) {
       const std::vector<ViewLineEvidence> of_view = TestPlaneLines(
-          observed, Renumber(*labels[view], copies), lines, model_, {});
+          observed, Renumber(*labels[view], copies), lines, model_);
       const std::lock_guard lock(mutex);
       sum.Add(of_view);
     });
     std::vector<BoundingCrease> creases =
-        FindBoundingCreases(lines, sum.Get(), copies, {}, &model_);
+        FindBoundingCreases(lines, sum.Get(), copies, &model_);
     if (creases.empty()) {
       return false;
     }

@@ -30,10 +30,8 @@ void CylinderSearch::FindOutlines(size_t view, const ObservedView& observed) {
             MakeAxisCamera(observed.camera, axis.frame)) {
       axis.outlines[view] = {
           *camera,
-          FindOutlinePairs(
-              FindEdgesAcross(
-                  observed.evidence->color, observed.camera, *camera),
-              {})};
+          FindOutlinePairs(FindEdgesAcross(
+              observed.evidence->color, observed.camera, *camera))};
     }
   }
 }
@@ -41,7 +39,7 @@ void CylinderSearch::FindOutlines(size_t view, const ObservedView& observed) {
 void CylinderSearch::FindCircles(size_t index, ThreadPool& threads) {
   Axis& axis = axes_[index];
   axis.cylinders =
-      FindCylinders(axis.outlines, neighbors_, axis.frame, {}, threads);
+      FindCylinders(axis.outlines, neighbors_, axis.frame, threads);
   axis.evidence.resize(axis.cylinders.size());
   axis.outlines = {};
 }

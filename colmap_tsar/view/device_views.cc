@@ -96,7 +96,7 @@ DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
   const ImageView<const Rgb> noisy = std::as_const(reduced).View();
   const DeviceImage<float> gray = ComputeGray(noisy, device);
   return Denoise(
-      noisy, gray.View(), EstimateNoise(gray.View(), device), {}, device);
+      noisy, gray.View(), EstimateNoise(gray.View(), device), device);
 }
 
 }  // namespace tsar

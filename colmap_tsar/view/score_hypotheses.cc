@@ -63,7 +63,6 @@ HypothesisScores ScoreHypotheses(const ViewData& reference,
                                            agreement.View(),
                                            is_to_refine.View(),
                                            noise,
-                                           {},
                                            device);
     }
   }

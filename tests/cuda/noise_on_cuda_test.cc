@@ -38,7 +38,7 @@ TEST_F(CudaTest, Denoise) {
         result->Add(
             "gray",
             ComputeGray(
-                Denoise(color, gray.View(), {100.f, 1.f}, {}, device).View(),
+                Denoise(color, gray.View(), {100.f, 1.f}, device).View(),
                 device));
       });
 }

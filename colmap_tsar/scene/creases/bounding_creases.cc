@@ -18,22 +18,48 @@
 namespace tsar {
 namespace {
 
+// The least number of views that show some of the area beyond, from in front
+// of it.
+constexpr int kMinViews = 3;
+// The largest shares of the area beyond that may be measured on the plane, or
+// seen through the plane that begins there: some matches are wrong. The
+// former is also relative to the measurements on this side.
+constexpr double kMaxMeasured = 0.03;
+constexpr double kMaxThrough = 0.03;
+// The least area beyond, summed over views, and the least sum of measurements
+// on this side, in pixels.
+constexpr double kMinArea = 200.0;
+constexpr double kMinMeasured = 100.0;
+// This many parallel lines with this share of the measurements on either side
+// are a pattern, as of tiles and boards: none of the plane's lines is a
+// crease. Only lines with this share of the crease's step count.
+constexpr int kMinPatternLines = 2;
+constexpr double kMinPatternShare = 0.05;
+constexpr float kMinPatternStep = 0.7f;
+// A fall and a rise of brightness that are this close, in pixels, are one
+// dark crease between them.
+constexpr float kMaxCreaseWidth = 14.f;
+// A plane of the model that passes within this many pixels of the crease,
+// almost parallel to the plane that would begin there, replaces it: the one
+// with the largest support, if that is at least this share of the support of
+// the plane that ends.
+constexpr float kMaxOffset = 10.f;
+constexpr double kMinSupport = 0.1;
+
 // A line at which its plane ends.
 struct EndOfPlane {
   SharedLine shared;
   int beyond;  // The side of the line beyond the end.
 };
 
-bool Ends(const LineEvidence& evidence,
-          size_t beyond,
-          const BoundingCreaseOptions& options) {
+bool Ends(const LineEvidence& evidence, size_t beyond) {
   const LineEvidence::Side& side = evidence.sides[beyond];
-  return side.num_views >= options.min_views && side.area > options.min_area &&
+  return side.num_views >= kMinViews && side.area > kMinArea &&
          side.measured <=
-             options.max_measured *
+             kMaxMeasured *
                  std::min(side.area, evidence.sides[1 - beyond].measured) &&
-         side.through <= options.max_through * side.area &&
-         evidence.sides[1 - beyond].measured > options.min_measured;
+         side.through <= kMaxThrough * side.area &&
+         evidence.sides[1 - beyond].measured > kMinMeasured;
 }
 
 class CreaseFinderOfModel {
@@ -41,12 +67,10 @@ class CreaseFinderOfModel {
   CreaseFinderOfModel(const std::vector<SharedLine>& lines,
                       const std::vector<LineEvidence>& evidence,
                       const std::vector<int>& copies,
-                      const BoundingCreaseOptions& options,
                       SceneModel* model)
       : lines_(lines),
         evidence_(evidence),
         copies_(copies),
-        options_(options),
         model_(model),
         first_new_(model->planes.size()) {
     for (size_t i = 0; i < lines.size(); ++i) {
@@ -72,7 +96,7 @@ class CreaseFinderOfModel {
     for (size_t i = 0; i < lines_.size(); ++i) {
       const PlaneLine& line = lines_[i].line;
       for (const int beyond : {0, 1}) {
-        if (tsar::Ends(evidence_[i], static_cast<size_t>(beyond), options_) &&
+        if (tsar::Ends(evidence_[i], static_cast<size_t>(beyond)) &&
             !IsPattern(line)) {
           ends[{line.plane, line.axis, beyond}].push_back({lines_[i], beyond});
         }
@@ -87,12 +111,10 @@ class CreaseFinderOfModel {
       const PlaneLine& line = lines_[i].line;
       const double below = evidence_[i].sides[0].measured;
       const double above = evidence_[i].sides[1].measured;
-      count += std::min(below, above) >
-                   options_.min_pattern_share * (below + above) &&
-               std::abs(line.step) >
-                   options_.min_pattern_step * std::abs(crease.step);
+      count += std::min(below, above) > kMinPatternShare * (below + above) &&
+               std::abs(line.step) > kMinPatternStep * std::abs(crease.step);
     }
-    return count >= options_.min_pattern_lines;
+    return count >= kMinPatternLines;
   }
 
   // The outermost end; if it is one of a fall and a rise side by side, their
@@ -109,7 +131,7 @@ class CreaseFinderOfModel {
       const PlaneLine& other = end.shared.line;
       if (other.step * line.step < 0.f &&
           std::abs(other.position - line.position) <
-              options_.max_crease_width * line.pixel &&
+              kMaxCreaseWidth * line.pixel &&
           (!partner || is_further(end, *partner))) {
         partner = end;
       }
@@ -146,7 +168,7 @@ class CreaseFinderOfModel {
   // another crease; -1 where there is none.
   int FindPlane(const PlaneLine& line, const WorldPlane& limit) const {
     const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
-    const double max_gap = double{options_.max_offset} * line.pixel;
+    const double max_gap = double{kMaxOffset} * line.pixel;
     const Eigen::Vector3d on_line = OnLine(line);
     const auto gap = [&](int plane) {
       return std::abs(
@@ -168,7 +190,7 @@ class CreaseFinderOfModel {
           plane.plane.normal.dot(limit.normal) > kMinCopyCosine &&
           (i >= first_new_ ||
            (copies_[i] == index &&
-            plane.support >= options_.min_support * ending.support)) &&
+            plane.support >= kMinSupport * ending.support)) &&
           gap(index) < max_gap && is_better(index)) {
         best = index;
       }
@@ -221,7 +243,6 @@ class CreaseFinderOfModel {
   const std::vector<SharedLine>& lines_;
   const std::vector<LineEvidence>& evidence_;
   const std::vector<int>& copies_;
-  const BoundingCreaseOptions& options_;
   SceneModel* const model_;
   const size_t first_new_;  // Index of the first new plane.
   // By new plane, for each of its creases the offset of the plane through it
@@ -237,10 +258,9 @@ std::vector<BoundingCrease> FindBoundingCreases(
     const std::vector<SharedLine>& lines,
     const std::vector<LineEvidence>& evidence,
     const std::vector<int>& copies,
-    const BoundingCreaseOptions& options,
     SceneModel* model) {
   std::vector<BoundingCrease> creases =
-      CreaseFinderOfModel(lines, evidence, copies, options, model).Run();
+      CreaseFinderOfModel(lines, evidence, copies, model).Run();
   std::map<int, std::vector<int>> of_originals;
   for (size_t plane = 0; plane < copies.size(); ++plane) {
     if (copies[plane] != static_cast<int>(plane)) {

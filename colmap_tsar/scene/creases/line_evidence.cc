@@ -17,6 +17,16 @@
 namespace tsar {
 namespace {
 
+// The largest residual of a depth on the plane, and the least distance of a
+// depth behind the plane that begins at the line to count as seen through it,
+// in relative depths of one pixel of disparity.
+constexpr float kTolerance = 1.f;
+constexpr float kMinThrough = 3.f;
+// Pixels nearer to the line than this are no evidence.
+constexpr float kMargin = 3.f;
+// The least area for a view to count.
+constexpr double kMinViewArea = 50.0;
+
 // A measured depth on its ray.
 struct Measurement {
   RayDepth sample;
@@ -59,15 +69,13 @@ class LineTest {
   LineTest(const ObservedView& view,
            const std::vector<uint8_t>& is_plane,
            const std::vector<SharedLine>& lines,
-           const SceneModel& model,
-           const LineEvidenceOptions& options)
+           const SceneModel& model)
       : evidence_(*view.evidence),
         camera_(view.camera),
         intrinsics_(view.camera.GetIntrinsics()),
         is_plane_(is_plane),
         lines_(lines),
-        model_(model),
-        options_(options) {}
+        model_(model) {}
 
   // shown: by superpixel, whether it is labeled with the plane.
   ViewLineEvidence Run(size_t first,
@@ -94,10 +102,10 @@ class LineTest {
     std::vector<float> cuts[2];
     for (size_t i = begin; i < end; ++i) {
       const PlaneLine& line = lines_[i].line;
-      cuts[0].push_back(line.position - options_.margin * line.pixel);
+      cuts[0].push_back(line.position - kMargin * line.pixel);
       // Measurements at the limit count as above it.
       cuts[1].push_back(
-          std::nextafter(line.position + options_.margin * line.pixel,
+          std::nextafter(line.position + kMargin * line.pixel,
                          -std::numeric_limits<float>::infinity()));
     }
     std::vector<SumsByPosition> areas = {SumsByPosition(cuts[0]),
@@ -159,7 +167,7 @@ class LineTest {
             std::isnan(position)) {
           continue;
         }
-        const float max_gap = options_.tolerance * sample.z *
+        const float max_gap = kTolerance * sample.z *
                               evidence_.resolution.RelativeDepthError(sample.z);
         result.push_back(
             {sample,
@@ -221,9 +229,9 @@ class LineTest {
       of_side.area = 0.0;
       return;
     }
-    of_side.num_views = of_side.area >= options_.min_view_area;
+    of_side.num_views = of_side.area >= kMinViewArea;
     const Plane plane = ToCameraPlane(limit, camera_);
-    const float margin = options_.margin * line.pixel;
+    const float margin = kMargin * line.pixel;
     for (const Measurement& measurement : measurements) {
       const float height = measurement.position - line.position;
       if ((side == 0 ? -height : height) < margin) {
@@ -235,7 +243,7 @@ class LineTest {
       const float unit = evidence_.resolution.RelativeDepthError(sample.z);
       // The other half of the orthogonal plane is behind the plane that ends.
       if (depth > 0.f && depth < axis.InCamera().Depth(ray) &&
-          sample.z > depth * (1.f + options_.min_through * unit)) {
+          sample.z > depth * (1.f + kMinThrough * unit)) {
         of_side.through += measurement.weight;
       }
     }
@@ -248,7 +256,6 @@ class LineTest {
   const std::vector<uint8_t>& is_plane_;
   const std::vector<SharedLine>& lines_;
   const SceneModel& model_;
-  const LineEvidenceOptions& options_;
 };
 
 void AddTo(const LineEvidence& from, LineEvidence* to) {
@@ -266,8 +273,7 @@ std::vector<ViewLineEvidence> TestPlaneLines(
     const ObservedView& view,
     const std::vector<int>& labels,
     const std::vector<SharedLine>& lines,
-    const SceneModel& model,
-    const LineEvidenceOptions& options) {
+    const SceneModel& model) {
   std::set<int> planes;
   for (const int label : labels) {
     if (label >= 0) {
@@ -293,7 +299,7 @@ std::vector<ViewLineEvidence> TestPlaneLines(
       shown.push_back(label == plane);
       is_plane.push_back(shown.back() != 0 || label < 0);
     }
-    const LineTest test(view, is_plane, lines, model, options);
+    const LineTest test(view, is_plane, lines, model);
     while (first != lines.end() && first->line.plane == plane) {
       const auto last =
           std::find_if(first, lines.end(), [&](const SharedLine& line) {

@@ -29,18 +29,6 @@ struct LineEvidence {
   std::array<Side, 2> sides;
 };
 
-struct LineEvidenceOptions {
-  // The largest residual of a depth on the plane, and the least distance of a
-  // depth behind the plane that begins at the line to count as seen through it,
-  // in relative depths of one pixel of disparity.
-  float tolerance = 1.f;
-  float min_through = 3.f;
-  // Pixels nearer to the line than this are no evidence.
-  float margin = 3.f;
-  // The least area for a view to count.
-  double min_view_area = 50.0;
-};
-
 // The evidence of one view for the lines of one plane along one axis: those
 // from `first` to `last`.
 struct ViewLineEvidence {
@@ -60,8 +48,7 @@ std::vector<ViewLineEvidence> TestPlaneLines(
     const ObservedView& view,
     const std::vector<int>& labels,
     const std::vector<SharedLine>& lines,
-    const SceneModel& model,
-    const LineEvidenceOptions& options);
+    const SceneModel& model);
 
 // The sum of the evidence of all views.
 class LineEvidenceSum {

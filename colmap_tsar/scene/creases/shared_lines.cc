@@ -12,6 +12,12 @@
 namespace tsar {
 namespace {
 
+// The least number of views that must see a line at the same position,
+constexpr int kMinViews = 3;
+// and its largest distance from the middle of theirs, in pixels of the
+// raster.
+constexpr float kMaxGap = 1.5f;
+
 struct LineInView {
   PlaneLine line;
   size_t view;
@@ -71,8 +77,7 @@ SharedLine Average(const std::vector<LineInView>& lines, const Window& window) {
 }  // namespace
 
 std::vector<SharedLine> JoinPlaneLines(
-    const std::vector<std::vector<PlaneLine>>& lines,
-    const SharedLineOptions& options) {
+    const std::vector<std::vector<PlaneLine>>& lines) {
   // Lines by plane, axis, and sign of the step.
   std::map<std::tuple<int, int, bool>, std::vector<LineInView>> groups;
   for (size_t view = 0; view < lines.size(); ++view) {
@@ -87,7 +92,7 @@ std::vector<SharedLine> JoinPlaneLines(
                      [](const LineInView& a, const LineInView& b) {
                        return a.line.position < b.line.position;
                      });
-    std::vector<Window> windows = FindWindows(of_group, options.max_gap);
+    std::vector<Window> windows = FindWindows(of_group, kMaxGap);
     std::stable_sort(
         windows.begin(), windows.end(), [](const Window& a, const Window& b) {
           return a.num_views > b.num_views;
@@ -98,8 +103,7 @@ std::vector<SharedLine> JoinPlaneLines(
           is_taken.begin() + static_cast<std::ptrdiff_t>(window.begin);
       const auto end =
           is_taken.begin() + static_cast<std::ptrdiff_t>(window.end);
-      if (window.num_views >= options.min_views &&
-          std::find(begin, end, 1) == end) {
+      if (window.num_views >= kMinViews && std::find(begin, end, 1) == end) {
         std::fill(begin, end, uint8_t{1});
         shared.push_back(Average(of_group, window));
       }

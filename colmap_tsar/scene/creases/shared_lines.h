@@ -15,18 +15,9 @@ struct SharedLine {
   int num_views = 0;
 };
 
-struct SharedLineOptions {
-  // The least number of views that must see a line at the same position,
-  int min_views = 3;
-  // and its largest distance from the middle of theirs, in pixels of the
-  // raster.
-  float max_gap = 1.5f;
-};
-
 // Joins lines of views; steps of opposite signs are different lines. lines: by
 // view. The result is sorted by plane, axis and position.
 std::vector<SharedLine> JoinPlaneLines(
-    const std::vector<std::vector<PlaneLine>>& lines,
-    const SharedLineOptions& options);
+    const std::vector<std::vector<PlaneLine>>& lines);
 
 }  // namespace tsar

@@ -15,6 +15,23 @@
 namespace tsar {
 namespace {
 
+// Lengths are in pixels of the views' rasters.
+// The least number of views that show both outlines,
+constexpr size_t kMinViews = 4;
+// their largest residual,
+constexpr double kMaxDifference = 1.3;
+// and the largest root mean square of residuals.
+constexpr double kMaxResidual = 0.3;
+// The outlines of a cylinder are different lines of it in each view. Two
+// fixed lines, such as the edges of a board, must have a residual larger by
+// this factor, where residuals below the least are errors of edges.
+constexpr double kMinRatio = 2.0;
+constexpr double kLeastResidual = 0.125;
+// The least median of the widths in views, and the least length along the
+// axis that at least half of the views show.
+constexpr double kMinWidth = 12.0;
+constexpr double kMinLength = 20.0;
+
 constexpr int kFitRounds = 3;
 // The number of hypotheses that are fitted at a time.
 constexpr size_t kFitBatch = 64;
@@ -72,9 +89,8 @@ double Squared(double x) { return x * x; }
 class CylinderFinder {
  public:
   CylinderFinder(const std::vector<OutlineView>& views,
-                 const std::vector<std::vector<size_t>>& neighbors,
-                 const FindCylindersOptions& options)
-      : views_(views), neighbors_(neighbors), options_(options) {}
+                 const std::vector<std::vector<size_t>>& neighbors)
+      : views_(views), neighbors_(neighbors) {}
 
   std::vector<Hypothesis> FindHypotheses(ThreadPool& threads) const {
     std::vector<std::vector<Hypothesis>> of_views(views_.size());
@@ -109,7 +125,7 @@ class CylinderFinder {
     Eigen::Matrix3d covariance;
     for (int round = 0; round < kFitRounds; ++round) {
       supports = FindSupports(circle, hypothesis.heights, around);
-      if (supports.size() < options_.min_views) {
+      if (supports.size() < kMinViews) {
         return {};
       }
       const std::optional<AxisCircle> fitted =
@@ -120,9 +136,8 @@ class CylinderFinder {
       circle = *fitted;
     }
     const std::optional<double> residual = Residual(supports, circle);
-    if (!residual || *residual > options_.max_residual ||
-        !IsRound(supports, *residual) ||
-        MedianWidth(supports) < options_.min_width) {
+    if (!residual || *residual > kMaxResidual ||
+        !IsRound(supports, *residual) || MedianWidth(supports) < kMinWidth) {
       return {};
     }
     ModelCylinder cylinder;
@@ -131,7 +146,7 @@ class CylinderFinder {
         circle.center.x() * frame.across + circle.center.y() * frame.Third();
     cylinder.radius = circle.radius;
     cylinder.covariance =
-        covariance * Squared(std::max(*residual, options_.least_residual));
+        covariance * Squared(std::max(*residual, kLeastResidual));
     std::vector<ModelCylinder> cylinders;
     for (const HeightRange& range : CommonHeights(supports, circle)) {
       cylinder.min_height = range.min;
@@ -174,7 +189,7 @@ class CylinderFinder {
           continue;
         }
         const Supports supports = FindSupports(*circle, *heights, around);
-        if (supports.size() < options_.min_views) {
+        if (supports.size() < kMinViews) {
           continue;
         }
         size_t num_rows = 0;
@@ -194,8 +209,7 @@ class CylinderFinder {
     for (size_t i = 0; i < 2; ++i) {
       const AxisCamera& camera = two[i].view->camera;
       const std::optional<CircleOutline> outline = OutlineOf(circle, camera);
-      if (!outline ||
-          !Agrees(*two[i].pair, *outline, options_.max_difference)) {
+      if (!outline || !Agrees(*two[i].pair, *outline, kMaxDifference)) {
         return std::nullopt;
       }
       heights[i] = HeightsOf(*two[i].pair, camera, *outline);
@@ -216,7 +230,7 @@ class CylinderFinder {
           OutlineOf(circle, views_[i].camera);
       const OutlinePair* best = nullptr;
       for (const OutlinePair& pair : views_[i].pairs) {
-        if (outline && Agrees(pair, *outline, options_.max_difference) &&
+        if (outline && Agrees(pair, *outline, kMaxDifference) &&
             (best == nullptr || pair.rows.size() > best->rows.size()) &&
             HeightsOf(pair, views_[i].camera, *outline).Overlaps(heights)) {
           best = &pair;
@@ -265,8 +279,7 @@ class CylinderFinder {
     }
     const double residual_of_lines =
         std::sqrt(sum / (2.0 * static_cast<double>(supports.size())));
-    return residual_of_lines >=
-           options_.min_ratio * std::max(residual, options_.least_residual);
+    return residual_of_lines >= kMinRatio * std::max(residual, kLeastResidual);
   }
 
   static double MedianWidth(const Supports& supports) {
@@ -299,14 +312,13 @@ class CylinderFinder {
     std::vector<HeightRange> ranges =
         FindCommonHeights(heights, bin, (supports.size() + 1) / 2);
     std::erase_if(ranges, [&](const HeightRange& range) {
-      return range.Length() < options_.min_length * bin;
+      return range.Length() < kMinLength * bin;
     });
     return ranges;
   }
 
   const std::vector<OutlineView>& views_;
   const std::vector<std::vector<size_t>>& neighbors_;
-  const FindCylindersOptions& options_;
 };
 
 // Whether a circle intersects a cylinder, or is inside, at some of these
@@ -325,9 +337,8 @@ std::vector<ModelCylinder> FindCylinders(
     const std::vector<OutlineView>& views,
     const std::vector<std::vector<size_t>>& neighbors,
     const AxisFrame& frame,
-    const FindCylindersOptions& options,
     ThreadPool& threads) {
-  const CylinderFinder finder(views, neighbors, options);
+  const CylinderFinder finder(views, neighbors);
   std::vector<ModelCylinder> cylinders;
   const auto is_taken = [&](const AxisCircle& circle,
                             const HeightRange& heights) {

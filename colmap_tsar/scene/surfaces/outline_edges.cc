@@ -18,6 +18,16 @@ namespace tsar {
 
 namespace {
 
+// Lengths are in pixels.
+constexpr float kMinWidth = 10.f;
+constexpr float kMaxWidth = 400.f;
+constexpr size_t kMinRows = 20;
+// The largest distance of a row's edges from those of the pair.
+constexpr float kTolerance = 1.5f;
+// The upper limit of the strength of edges between the two of a pair,
+// relative to the weaker one.
+constexpr float kMaxBetween = 0.6f;
+
 // The width of the raster's border, in pixels, without valid edges.
 constexpr double kMargin = 4.0;
 
@@ -148,8 +158,7 @@ Bin BinOf(const EdgePair& edges) {
           static_cast<int>(std::lround(edges.right / kBinSize))};
 }
 
-Bins CollectPairs(const std::vector<std::vector<AcrossEdge>>& edges,
-                  const OutlinePairOptions& options) {
+Bins CollectPairs(const std::vector<std::vector<AcrossEdge>>& edges) {
   Bins bins;
   for (size_t row = 0; row < edges.size(); ++row) {
     const std::vector<AcrossEdge>& of_row = edges[row];
@@ -157,12 +166,10 @@ Bins CollectPairs(const std::vector<std::vector<AcrossEdge>>& edges,
       float between = 0.f;  // The strongest edge.
       for (size_t j = i + 1; j < of_row.size(); ++j) {
         const float width = of_row[j].column - of_row[i].column;
-        if (between >= options.max_between * of_row[i].strength ||
-            width > options.max_width) {
+        if (between >= kMaxBetween * of_row[i].strength || width > kMaxWidth) {
           break;
         }
-        if (width >= options.min_width &&
-            between < options.max_between * of_row[j].strength) {
+        if (width >= kMinWidth && between < kMaxBetween * of_row[j].strength) {
           const EdgePair pair = {
               static_cast<int>(row), of_row[i].column, of_row[j].column};
           bins[BinOf(pair)].push_back(pair);
@@ -184,13 +191,12 @@ float Median(const std::vector<EdgePair>& pairs, float EdgePair::*column) {
 
 // Joins the pairs near their median position, one in each row: an edge may be
 // double.
-OutlinePair Join(std::vector<EdgePair> pairs,
-                 const OutlinePairOptions& options) {
+OutlinePair Join(std::vector<EdgePair> pairs) {
   const float left = Median(pairs, &EdgePair::left);
   const float right = Median(pairs, &EdgePair::right);
   std::erase_if(pairs, [&](const EdgePair& pair) {
-    return std::abs(pair.left - left) > options.tolerance ||
-           std::abs(pair.right - right) > options.tolerance;
+    return std::abs(pair.left - left) > kTolerance ||
+           std::abs(pair.right - right) > kTolerance;
   });
   const auto key = [&](const EdgePair& pair) {
     return std::tuple(
@@ -265,9 +271,8 @@ bool IsInRaster(const Camera& camera,
 }
 
 std::vector<OutlinePair> FindOutlinePairs(
-    const std::vector<std::vector<AcrossEdge>>& edges,
-    const OutlinePairOptions& options) {
-  Bins bins = CollectPairs(edges, options);
+    const std::vector<std::vector<AcrossEdge>>& edges) {
+  Bins bins = CollectPairs(edges);
   std::vector<std::pair<size_t, Bin>> by_size;
   for (const auto& [bin, pairs] : bins) {
     by_size.emplace_back(pairs.size(), bin);
@@ -279,7 +284,7 @@ std::vector<OutlinePair> FindOutlinePairs(
   std::vector<OutlinePair> result;
   for (const auto& [size, bin] : by_size) {
     // A pair between bins is spread over up to four of them.
-    if (4 * size < options.min_rows) {
+    if (4 * size < kMinRows) {
       break;
     }
     if (!bins.contains(bin)) {
@@ -296,9 +301,9 @@ std::vector<OutlinePair> FindOutlinePairs(
         }
       }
     }
-    if (around.size() >= options.min_rows) {
-      OutlinePair pair = Join(std::move(around), options);
-      if (pair.rows.size() >= options.min_rows) {
+    if (around.size() >= kMinRows) {
+      OutlinePair pair = Join(std::move(around));
+      if (pair.rows.size() >= kMinRows) {
         result.push_back(std::move(pair));
       }
     }

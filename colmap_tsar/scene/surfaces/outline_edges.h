@@ -43,22 +43,9 @@ struct OutlinePair {
   std::vector<int> rows;  // Rows with both edges, ascending.
 };
 
-// Lengths are in pixels.
-struct OutlinePairOptions {
-  float min_width = 10.f;
-  float max_width = 400.f;
-  size_t min_rows = 20;
-  // The largest distance of a row's edges from those of the pair.
-  float tolerance = 1.5f;
-  // The upper limit of the strength of edges between the two of a pair,
-  // relative to the weaker one.
-  float max_between = 0.6f;
-};
-
 // Finds outline pairs. edges: see FindEdgesAcross. Of pairs that share edges,
 // those with the most rows take precedence.
 std::vector<OutlinePair> FindOutlinePairs(
-    const std::vector<std::vector<AcrossEdge>>& edges,
-    const OutlinePairOptions& options);
+    const std::vector<std::vector<AcrossEdge>>& edges);
 
 }  // namespace tsar

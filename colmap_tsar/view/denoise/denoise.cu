@@ -30,10 +30,9 @@ void DenoiseBands(const Denoising& denoising, Device& device) {
 DeviceImage<Rgb> Denoise(ImageView<const Rgb> color,
                          ImageView<const float> gray,
                          const NoiseCurve& noise,
-                         const DenoiseOptions& options,
                          Device& device) {
   DeviceImage<Rgb> denoised(device, color.width, color.height);
-  const Denoising denoising{color, gray, noise, options, denoised.View()};
+  const Denoising denoising{color, gray, noise, denoised.View()};
   if (device.IsCuda()) {
     ParallelFor(
         device, color.width, color.height, DenoisePixelKernel{denoising});

@@ -11,22 +11,12 @@
 
 namespace tsar {
 
-struct DenoiseOptions {
-  // Largest offset, in rows and columns, of the pixels that are averaged with a
-  // pixel if the patches of 5 x 5 pixels around them are similar.
-  int search_radius = 5;
-  // Patches whose mean squared difference exceeds that of noise by this many
-  // variances of the noise are not similar: their weight is 0.
-  float strength = 4.f;
-};
-
 // Non-local means (Buades et al., CVPR 2005) with weights that follow the
 // noise: where it is weak, little changes, and a step that stands out of the
 // noise stays as sharp as it is. gray: brightness of the same pixels, 0-255.
 DeviceImage<Rgb> Denoise(ImageView<const Rgb> color,
                          ImageView<const float> gray,
                          const NoiseCurve& noise,
-                         const DenoiseOptions& options,
                          Device& device);
 
 }  // namespace tsar

@@ -21,11 +21,16 @@ namespace tsar {
 struct Denoising {
   // Patches are squares of this radius.
   static constexpr int kPatchRadius = 2;
+  // The largest offset, in rows and columns, of the pixels that are averaged
+  // with a pixel if the patches around both are similar.
+  static constexpr int kSearchRadius = 5;
+  // Patches whose mean squared difference exceeds that of noise by this many
+  // variances of the noise are not similar: their weight is 0.
+  static constexpr float kStrength = 4.f;
 
   ImageView<const Rgb> color;
   ImageView<const float> gray;
   NoiseCurve noise;
-  DenoiseOptions options;
   ImageView<Rgb> denoised;
 
   TSAR_HD static int Clamp(int i, int size) {
@@ -48,7 +53,7 @@ struct Denoising {
   // of the noise per pixel, in units of strength.
   TSAR_HD float Scale(int x, int y) const {
     constexpr int kSide = 2 * kPatchRadius + 1;
-    return 1.f / (static_cast<float>(4 * kSide * kSide) * options.strength *
+    return 1.f / (static_cast<float>(4 * kSide * kSide) * kStrength *
                   noise.Variance(gray(x, y)));
   }
   // Two samples of noise differ by twice its variance: patches that differ by
@@ -59,7 +64,7 @@ struct Denoising {
     const float likeness = Positive(1.f - unlikeness);
     return likeness * likeness;
   }
-  TSAR_HD float Expected() const { return 2.f / options.strength; }
+  TSAR_HD float Expected() const { return 2.f / kStrength; }
   // max(value, 0), exactly; from two comparisons in a row, the compiler would
   // make jumps instead of vector instructions.
   TSAR_HD static float Positive(float value) {
@@ -79,7 +84,7 @@ struct DenoisePixelKernel : Denoising {
     float g = 0.f;
     float b = 0.f;
     float sum = 0.f;
-    const int reach = options.search_radius;
+    const int reach = kSearchRadius;
     for (int v = -reach; v <= reach; ++v) {
       for (int u = -reach; u <= reach; ++u) {
         const float weight = Weight(Differences(x, y, u, v), scale, expected);
@@ -113,7 +118,7 @@ class DenoiseBandKernel : Denoising {
 
   explicit DenoiseBandKernel(const Denoising& denoising)
       : Denoising(denoising),
-        margin_(options.search_radius + kPatchRadius),
+        margin_(kSearchRadius + kPatchRadius),
         levels_(PaddedBand()),
         red_(PaddedBand()),
         green_(PaddedBand()),
@@ -127,7 +132,7 @@ class DenoiseBandKernel : Denoising {
 
   void operator()(int begin, int end) {
     Load(begin, end);
-    const int reach = options.search_radius;
+    const int reach = kSearchRadius;
     for (int v = -reach; v <= reach; ++v) {
       for (int u = -reach; u <= reach; ++u) {
         for (int row = 0; row < end - begin; ++row) {

@@ -9,12 +9,18 @@
 namespace tsar {
 namespace {
 
+// The least own texture of a pixel whose depth counts as measured, in
+// variances of the noise. A pixel without texture takes the depth of an edge
+// nearby in all views, which then agree on a wrong depth.
+constexpr float kMinTexture = 2.f;
+// The least own texture of kDistinct, in squared gray levels.
+constexpr float kMinDistinctTexture = kDistinctTexture;
+
 struct ConfirmationKernel {
   ImageView<const float> gray;
   ImageView<const uint8_t> agreement;
   ImageView<const uint8_t> is_candidate;
   NoiseCurve noise;
-  ConfirmationOptions options;
   ImageView<uint8_t> confirmations;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -27,11 +33,11 @@ struct ConfirmationKernel {
       return Confirmation::kNone;
     }
     const float texture = OwnTexture(gray, x, y);
-    if (texture < options.min_texture * noise.Variance(gray(x, y))) {
+    if (texture < kMinTexture * noise.Variance(gray(x, y))) {
       return Confirmation::kNone;
     }
-    return texture < options.min_distinct_texture ? Confirmation::kWeak
-                                                  : Confirmation::kDistinct;
+    return texture < kMinDistinctTexture ? Confirmation::kWeak
+                                         : Confirmation::kDistinct;
   }
 };
 
@@ -41,15 +47,13 @@ DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
                                    ImageView<const uint8_t> agreement,
                                    ImageView<const uint8_t> is_candidate,
                                    const NoiseCurve& noise,
-                                   const ConfirmationOptions& options,
                                    Device& device) {
   DeviceImage<uint8_t> confirmations(device, gray.width, gray.height);
-  ParallelFor(
-      device,
-      gray.width,
-      gray.height,
-      ConfirmationKernel{
-          gray, agreement, is_candidate, noise, options, confirmations.View()});
+  ParallelFor(device,
+              gray.width,
+              gray.height,
+              ConfirmationKernel{
+                  gray, agreement, is_candidate, noise, confirmations.View()});
   return confirmations;
 }
 

@@ -19,15 +19,6 @@ enum class Confirmation : uint8_t {
   kDistinct = 2,  // Confirmed; the pixel's own texture is distinct.
 };
 
-struct ConfirmationOptions {
-  // The least own texture of a pixel whose depth counts as measured, in
-  // variances of the noise. A pixel without texture takes the depth of an edge
-  // nearby in all views, which then agree on a wrong depth.
-  float min_texture = 2.f;
-  // The least own texture of kDistinct, in squared gray levels.
-  float min_distinct_texture = kDistinctTexture;
-};
-
 // The Confirmation of each pixel: other views agree with its depth, and the
 // pixel itself has texture. gray: 0-255, of the map's size. agreement: number
 // of agreeing views. is_candidate: 0 where a depth cannot be confirmed; empty:
@@ -36,7 +27,6 @@ DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
                                    ImageView<const uint8_t> agreement,
                                    ImageView<const uint8_t> is_candidate,
                                    const NoiseCurve& noise,
-                                   const ConfirmationOptions& options,
                                    Device& device);
 
 }  // namespace tsar

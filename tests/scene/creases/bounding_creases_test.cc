@@ -59,7 +59,7 @@ class BoundingCreasesTest : public testing::Test {
       copies.resize(model_.planes.size());
       std::iota(copies.begin(), copies.end(), 0);
     }
-    return FindBoundingCreases(lines_, evidence_, copies, options_, &model_);
+    return FindBoundingCreases(lines_, evidence_, copies, &model_);
   }
 
   // There is one, at this height.
@@ -72,7 +72,6 @@ class BoundingCreasesTest : public testing::Test {
   SceneModel model_;
   std::vector<SharedLine> lines_;
   std::vector<LineEvidence> evidence_;
-  BoundingCreaseOptions options_;
 };
 
 TEST_F(BoundingCreasesTest, ACeilingBeginsWhereAWallEnds) {

@@ -37,11 +37,8 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
     for (size_t i = 0; i < model_.planes.size(); ++i) {
       copies.push_back(static_cast<int>(i));
     }
-    return Sum(TestPlaneLines({&evidence_, camera_},
-                              Renumber(labels_, copies),
-                              {shared},
-                              model_,
-                              {}));
+    return Sum(TestPlaneLines(
+        {&evidence_, camera_}, Renumber(labels_, copies), {shared}, model_));
   }
 
   // These depths below the line and above it; 0: none.
@@ -158,16 +155,14 @@ TEST_F(PlaneLineEvidenceTest, AreasOfOtherPlanesDoNotCount) {
 
 TEST_F(PlaneLineEvidenceTest, AViewWithoutThePlaneTellsNothing) {
   labels_ = AllOn(-1);
-  EXPECT_TRUE(TestPlaneLines({&evidence_, camera_},
-                             Renumber(labels_, {0}),
-                             {SharedLine()},
-                             model_,
-                             {})
-                  .empty());
+  EXPECT_TRUE(
+      TestPlaneLines(
+          {&evidence_, camera_}, Renumber(labels_, {0}), {SharedLine()}, model_)
+          .empty());
   SharedLine of_other;
   of_other.line.plane = 1;
   EXPECT_TRUE(
-      TestPlaneLines({&evidence_, camera_}, AllOn(0), {of_other}, model_, {})
+      TestPlaneLines({&evidence_, camera_}, AllOn(0), {of_other}, model_)
           .empty());
 }
 
@@ -179,7 +174,7 @@ TEST_F(PlaneLineEvidenceTest, CopiesShowThePlane) {
   shared.line = {
       0, 1, static_cast<float>(kLine), static_cast<float>(kPixel), 3.f};
   const LineEvidence found = Sum(TestPlaneLines(
-      {&evidence_, camera_}, Renumber(labels_, {0, 0}), {shared}, model_, {}));
+      {&evidence_, camera_}, Renumber(labels_, {0, 0}), {shared}, model_));
   EXPECT_GT(found.sides[0].area, 0.0);
   EXPECT_EQ(found.sides[0].area, expected.sides[0].area);
 }

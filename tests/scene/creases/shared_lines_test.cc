@@ -24,8 +24,7 @@ TEST(JoinPlaneLines, ThreeViewsMakeALineAndTwoDoNot) {
   const std::vector<SharedLine> lines =
       JoinPlaneLines({{LineAt(-1.f, 1.f), LineAt(0.5f)},
                       {LineAt(-1.02f, 2.f), LineAt(0.5f)},
-                      {LineAt(-0.95f, 6.f)}},
-                     {});
+                      {LineAt(-0.95f, 6.f)}});
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_EQ(lines[0].num_views, 3);
   EXPECT_EQ(lines[0].line.plane, 0);
@@ -37,14 +36,13 @@ TEST(JoinPlaneLines, ThreeViewsMakeALineAndTwoDoNot) {
 
 TEST(JoinPlaneLines, LinesOfOneViewAreOneView) {
   EXPECT_TRUE(
-      JoinPlaneLines({{LineAt(0.f), LineAt(0.01f), LineAt(0.02f)}, {}, {}}, {})
+      JoinPlaneLines({{LineAt(0.f), LineAt(0.01f), LineAt(0.02f)}, {}, {}})
           .empty());
 }
 
 TEST(JoinPlaneLines, LinesAreAtOnePlaceToAPixelAndAHalf) {
   const auto join = [](float gap) {
-    return JoinPlaneLines({{LineAt(0.f)}, {LineAt(gap)}, {LineAt(2.f * gap)}},
-                          {});
+    return JoinPlaneLines({{LineAt(0.f)}, {LineAt(gap)}, {LineAt(2.f * gap)}});
   };
   EXPECT_EQ(join(1.4f * kPixel).size(), 1u);
   EXPECT_TRUE(join(1.6f * kPixel).empty());
@@ -52,22 +50,21 @@ TEST(JoinPlaneLines, LinesAreAtOnePlaceToAPixelAndAHalf) {
 
 TEST(JoinPlaneLines, OtherSignsPlanesAndAxesAreOtherLines) {
   EXPECT_TRUE(
-      JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, -2.f)}}, {})
+      JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, -2.f)}})
           .empty());
   EXPECT_TRUE(
-      JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, 2.f, 1)}}, {})
+      JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, 2.f, 1)}})
           .empty());
-  EXPECT_TRUE(JoinPlaneLines(
-                  {{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, 2.f, 0, 0)}}, {})
-                  .empty());
+  EXPECT_TRUE(
+      JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, 2.f, 0, 0)}})
+          .empty());
 }
 
 TEST(JoinPlaneLines, WhatIsSeenFromNearCountsMore) {
   const std::vector<SharedLine> lines =
       JoinPlaneLines({{LineAt(0.f, 2.f, 0, 1, 0.02f)},
                       {LineAt(0.05f, 2.f, 0, 1, 0.04f)},
-                      {LineAt(0.05f, 2.f, 0, 1, 0.04f)}},
-                     {});
+                      {LineAt(0.05f, 2.f, 0, 1, 0.04f)}});
   ASSERT_EQ(lines.size(), 1u);
   // Weights 4, 1 and 1.
   EXPECT_NEAR(lines[0].line.position, 0.05f * 2.f / 6.f, 1e-6f);
@@ -81,8 +78,7 @@ TEST(JoinPlaneLines, MostViewsComeFirstAndNoLineCountsTwice) {
                       {LineAt(0.f)},
                       {LineAt(0.f), LineAt(0.17f)},
                       {LineAt(0.06f)},
-                      {LineAt(0.14f)}},
-                     {});
+                      {LineAt(0.14f)}});
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_EQ(lines[0].num_views, 4);
 }
@@ -99,8 +95,8 @@ TEST(JoinPlaneLines, AreSortedByPlaneInAnyOrderOfTheLines) {
   for (std::vector<PlaneLine>& of_view : backward) {
     std::reverse(of_view.begin(), of_view.end());
   }
-  const std::vector<SharedLine> a = JoinPlaneLines(forward, {});
-  const std::vector<SharedLine> b = JoinPlaneLines(backward, {});
+  const std::vector<SharedLine> a = JoinPlaneLines(forward);
+  const std::vector<SharedLine> b = JoinPlaneLines(backward);
   ASSERT_EQ(a.size(), 6u);
   ASSERT_EQ(b.size(), 6u);
   for (size_t i = 0; i < a.size(); ++i) {
@@ -113,8 +109,8 @@ TEST(JoinPlaneLines, AreSortedByPlaneInAnyOrderOfTheLines) {
 }
 
 TEST(JoinPlaneLines, NoViewsNoLines) {
-  EXPECT_TRUE(JoinPlaneLines({}, {}).empty());
-  EXPECT_TRUE(JoinPlaneLines({{}, {}, {}}, {}).empty());
+  EXPECT_TRUE(JoinPlaneLines({}).empty());
+  EXPECT_TRUE(JoinPlaneLines({{}, {}, {}}).empty());
 }
 
 }  // namespace

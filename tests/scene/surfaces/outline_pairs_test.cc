@@ -24,7 +24,7 @@ TEST(OutlinePairsTest, FindsTwoEdgesThatStay) {
   edges[10].clear();
   edges[20] = {{50.25f, 20.f}, {70.f, 40.f}, {90.5f, 30.f}};
   edges.insert(edges.begin(), {{20.f, 9.f}});
-  const std::vector<OutlinePair> pairs = FindOutlinePairs(edges, {});
+  const std::vector<OutlinePair> pairs = FindOutlinePairs(edges);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_FLOAT_EQ(pairs[0].left, 50.25f);
   EXPECT_FLOAT_EQ(pairs[0].right, 90.5f);
@@ -41,7 +41,7 @@ TEST(OutlinePairsTest, FollowsEdgesOverABorderOfBins) {
     const float shift = row % 2 == 0 ? -0.4f : 0.4f;
     edges.push_back({{51.f + shift, 20.f}, {91.f + shift, 20.f}});
   }
-  const std::vector<OutlinePair> pairs = FindOutlinePairs(edges, {});
+  const std::vector<OutlinePair> pairs = FindOutlinePairs(edges);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_EQ(pairs[0].rows.size(), 40u);
   EXPECT_NEAR(pairs[0].left, 51.f, 1e-4f);
@@ -55,7 +55,7 @@ TEST(OutlinePairsTest, CountsARowOnce) {
   const std::vector<AcrossEdge> single = {{50.9f, 20.f}, {91.2f, 20.f}};
   Edges edges = Rows(12, single);
   edges.insert(edges.end(), 12, doubled);
-  std::vector<OutlinePair> pairs = FindOutlinePairs(edges, {});
+  std::vector<OutlinePair> pairs = FindOutlinePairs(edges);
   ASSERT_EQ(pairs.size(), 1u);
   std::vector<int> all(24);
   for (int row = 0; row < 24; ++row) {
@@ -65,37 +65,34 @@ TEST(OutlinePairsTest, CountsARowOnce) {
   // The one nearer to where most are.
   EXPECT_FLOAT_EQ(pairs[0].right, 91.2f);
   // Twelve rows twice are not twenty.
-  EXPECT_TRUE(FindOutlinePairs(Rows(12, doubled), {}).empty());
+  EXPECT_TRUE(FindOutlinePairs(Rows(12, doubled)).empty());
 }
 
 TEST(OutlinePairsTest, NeedsEnoughRowsAndAWidthWithinBounds) {
-  EXPECT_EQ(FindOutlinePairs(Rows(20, {{50.f, 20.f}, {60.f, 20.f}}), {}).size(),
+  EXPECT_EQ(FindOutlinePairs(Rows(20, {{50.f, 20.f}, {60.f, 20.f}})).size(),
+            1u);
+  EXPECT_TRUE(FindOutlinePairs(Rows(19, {{50.f, 20.f}, {60.f, 20.f}})).empty());
+  EXPECT_TRUE(FindOutlinePairs(Rows(20, {{50.f, 20.f}, {59.f, 20.f}})).empty());
+  EXPECT_EQ(FindOutlinePairs(Rows(20, {{50.f, 20.f}, {450.f, 20.f}})).size(),
             1u);
   EXPECT_TRUE(
-      FindOutlinePairs(Rows(19, {{50.f, 20.f}, {60.f, 20.f}}), {}).empty());
-  EXPECT_TRUE(
-      FindOutlinePairs(Rows(20, {{50.f, 20.f}, {59.f, 20.f}}), {}).empty());
-  EXPECT_EQ(
-      FindOutlinePairs(Rows(20, {{50.f, 20.f}, {450.f, 20.f}}), {}).size(), 1u);
-  EXPECT_TRUE(
-      FindOutlinePairs(Rows(20, {{50.f, 20.f}, {451.f, 20.f}}), {}).empty());
+      FindOutlinePairs(Rows(20, {{50.f, 20.f}, {451.f, 20.f}})).empty());
 }
 
 TEST(OutlinePairsTest, AllowsNothingAsStrongBetweenThem) {
   const auto with_edge = [](float strength) {
     return FindOutlinePairs(
-        Rows(20, {{50.f, 20.f}, {55.f, strength}, {60.f, 30.f}}), {});
+        Rows(20, {{50.f, 20.f}, {55.f, strength}, {60.f, 30.f}}));
   };
   EXPECT_EQ(with_edge(11.9f).size(), 1u);
   EXPECT_TRUE(with_edge(12.f).empty());
 }
 
 TEST(OutlinePairsTest, FindsNothingInNothing) {
-  EXPECT_TRUE(FindOutlinePairs({}, {}).empty());
-  EXPECT_TRUE(FindOutlinePairs(Rows(30, {}), {}).empty());
-  EXPECT_TRUE(FindOutlinePairs(Rows(30, {{50.f, 20.f}}), {}).empty());
-  EXPECT_TRUE(
-      FindOutlinePairs(Rows(30, {{50.f, 20.f}, {50.f, 20.f}}), {}).empty());
+  EXPECT_TRUE(FindOutlinePairs({}).empty());
+  EXPECT_TRUE(FindOutlinePairs(Rows(30, {})).empty());
+  EXPECT_TRUE(FindOutlinePairs(Rows(30, {{50.f, 20.f}})).empty());
+  EXPECT_TRUE(FindOutlinePairs(Rows(30, {{50.f, 20.f}, {50.f, 20.f}})).empty());
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ Image<Rgb> DenoiseOnCpu(const Image<Rgb>& color,
                         const NoiseCurve& noise,
                         int num_threads) {
   const auto device = Device::CreateCpu(num_threads);
-  return Denoise(color.View(), gray.View(), noise, {}, *device).ToHost();
+  return Denoise(color.View(), gray.View(), noise, *device).ToHost();
 }
 
 // color: gray pixels.
@@ -127,7 +127,7 @@ TEST(Denoise, BothFormsGiveTheSameBitsOnAnyNumberOfThreads) {
     SCOPED_TRACE(testing::Message() << width << " x " << height);
     Image<Rgb> by_pixel(width, height);
     const DenoisePixelKernel kernel{
-        {color.View(), gray.View(), noise, {}, by_pixel.View()}};
+        {color.View(), gray.View(), noise, by_pixel.View()}};
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         kernel(x, y);

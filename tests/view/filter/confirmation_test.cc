@@ -31,12 +31,8 @@ Image<uint8_t> Confirm(const Image<float>& gray,
                        const Image<uint8_t>& is_candidate,
                        const NoiseCurve& noise = kNoise) {
   const std::unique_ptr<Device> device = Device::CreateCpu(2);
-  return ConfirmDepths(gray.View(),
-                       agreement.View(),
-                       is_candidate.View(),
-                       noise,
-                       {},
-                       *device)
+  return ConfirmDepths(
+             gray.View(), agreement.View(), is_candidate.View(), noise, *device)
       .ToHost();
 }
 
