@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/half.h"
 #include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/store/image_maps.h"
 
 #include <cstdio>
 #include <sstream>

@@ -1,10 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/tools/export/export_workspace.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/export/map_levels.h"
 
