@@ -53,6 +53,17 @@ TEST_F(FitPlaneTest, AveragesTheErrorsOfAllViews) {
   EXPECT_LT(AngleBetween(fitted, plane_), 0.3);
 }
 
+TEST_F(FitPlaneTest, DoesNotDependOnTheInitialPlane) {
+  Philox random(7, 0, 0);
+  const std::vector<DepthObservation> noisy = AddNoise(clean_, &random);
+  const WorldPlane fitted = Fit(noisy);
+  const WorldPlane other =
+      FitFrom(Displaced(plane_, middle_, -2.0, -0.06), noisy);
+  // A thousandth of the standard error is 1e-6.
+  EXPECT_NEAR(other.Height(middle_), fitted.Height(middle_), 1e-7);
+  EXPECT_LT((other.normal - fitted.normal).norm(), 1e-7);
+}
+
 TEST_F(FitPlaneTest, IsAtTheMinimumOfTheLoss) {
   // With errors so large that the slopes of the rays matter.
   std::vector<DepthObservation> observations = clean_;
@@ -61,11 +72,7 @@ TEST_F(FitPlaneTest, IsAtTheMinimumOfTheLoss) {
   }
   Philox random(6, 0, 0);
   observations = AddNoise(observations, &random);
-  // Each fit goes a few steps.
-  WorldPlane fitted = initial_;
-  for (int i = 0; i < 20; ++i) {
-    fitted = FitFrom(fitted, observations);
-  }
+  const WorldPlane fitted = Fit(observations);
   const auto loss = [&](double degrees, double other_degrees, double height) {
     // Turned about two axes along the plane, then moved.
     const Eigen::Vector3d axis = fitted.normal.unitOrthogonal();
