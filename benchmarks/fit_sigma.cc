@@ -221,7 +221,7 @@ Scene CollectScene(const std::string& root) {
   scene.name = std::filesystem::path(root).lexically_normal().filename();
   const int num_images = static_cast<int>(workspace.Model().images.size());
   for (int image = 0; image < num_images; ++image) {
-    if (Exists(workspace.SigmaPath(image, workspace.Type()))) {
+    if (Exists(workspace.Paths(image, workspace.Type()).sigma)) {
       CollectView(workspace, image, &scene);
     }
   }

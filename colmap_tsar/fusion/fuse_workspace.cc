@@ -10,8 +10,7 @@
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/fusion/fusion_run.h"
-#include "colmap_tsar/run/store/changed_results.h"
-#include "colmap_tsar/run/store/count_masks.h"
+#include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 
 #include <cstddef>
@@ -81,7 +80,7 @@ FuseSummary FuseWorkspace(Workspace workspace,
       should_stop);
   writer.Commit();
   return {static_cast<int>(plan.order.size()),
-          CountMasks(workspace, plan.order),
+          workspace.CountMasks(plan.order),
           writer.NumPoints(),
           stopwatch.Seconds(),
           run.Description(),

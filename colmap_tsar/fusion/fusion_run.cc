@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/store/for_each_image.h"
+#include "colmap_tsar/run/store/image_maps.h"
 
 #include <algorithm>
 #include <atomic>

@@ -109,9 +109,7 @@ void EvidenceStore::Clear(const Workspace& workspace) {
 
 ContainedPath EvidenceStore::Path(int image) const {
   return GetEvidencePath(
-      workspace_.Root(),
-      workspace_.Model().images[static_cast<size_t>(image)].name,
-      workspace_.Type());
+      workspace_.Root(), workspace_.Name(image), workspace_.Type());
 }
 
 std::string EvidenceStore::Fingerprint(int image) {

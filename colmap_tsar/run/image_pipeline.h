@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/run/bounded_queue.h"
-#include "colmap_tsar/run/pipeline_outcome.h"
+#include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/run/view_cache.h"
 
 #include <atomic>

@@ -3,13 +3,19 @@
 
 #include "colmap_tsar/run/input_fingerprints.h"
 
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/priors/prior_type.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/record.h"
 
+#include <cinttypes>
 #include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <system_error>
 #include <utility>
 
 namespace tsar {
@@ -59,6 +65,52 @@ std::vector<ChangedInput> ChangesOfView(const InputState& before,
 
 }  // namespace
 
+std::string FingerprintOf(const std::string& text) {
+  ContentHash hash;
+  hash.Update(text.data(), text.size());
+  char digits[17];
+  std::snprintf(digits, sizeof(digits), "%016" PRIx64, hash.Value());
+  return digits;
+}
+
+std::string FingerprintOf(const Camera& camera) {
+  TextStream text;
+  text << std::hexfloat << camera.width << " " << camera.height;
+  for (const double value : {camera.fx, camera.fy, camera.cx, camera.cy}) {
+    text << " " << value;
+  }
+  for (const double value : camera.rotation.reshaped()) {
+    text << " " << value;
+  }
+  for (const double value : camera.translation) {
+    text << " " << value;
+  }
+  return FingerprintOf(text.str());
+}
+
+std::string FileState(const std::filesystem::path& path) {
+  std::error_code error;
+  const uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) {
+    return "-";
+  }
+  const auto time = std::filesystem::last_write_time(path, error);
+  return std::to_string(size) + "@" +
+         std::to_string(time.time_since_epoch().count());
+}
+
+std::string DescribeChanges(const std::vector<ChangedInput>& changes) {
+  std::string text;
+  for (size_t i = 0; i < changes.size(); ++i) {
+    const char* separator = i == 0                   ? ""
+                            : i + 1 < changes.size() ? ", "
+                                                     : " and ";
+    text += separator + changes[i].name;
+  }
+  const bool is_plural = changes.size() > 1 || changes.front().is_plural;
+  return text + (is_plural ? " have changed" : " has changed");
+}
+
 std::string FingerprintOfPrior(const Workspace& workspace, int image) {
   const PriorFiles& files = workspace.Priors().FilesOf(image);
   return FingerprintOf(FileState(files.depth) + " " + FileState(files.normals) +
@@ -74,7 +126,7 @@ InputFingerprints::InputFingerprints(const Workspace& workspace)
   for (const StereoProblem& problem : workspace.Problems()) {
     std::string names;
     for (const int source : problem.sources) {
-      names += Name(source) + "\n";  // Names have no line breaks.
+      names += workspace_.Name(source) + "\n";  // Names have no line breaks.
     }
     problems_[static_cast<size_t>(problem.reference)] = &problem;
     source_lists_[static_cast<size_t>(problem.reference)] =
@@ -146,7 +198,7 @@ const InputFingerprints::View& InputFingerprints::Find(int image) {
   View& view = views_[static_cast<size_t>(image)];
   std::call_once(view.flag, [&] {
     view.state = Read(image);
-    std::string text = Name(image);
+    std::string text = workspace_.Name(image);
     for (const auto& [key, value] : view.state) {
       text += "\n" + key + " " + value;
     }
@@ -162,8 +214,7 @@ InputState InputFingerprints::Read(int image) const {
   InputState state = {
       {kMaps, reads_maps ? MapsOf(image) : Get(expected->second, kMaps)}};
   if (state[kMaps] != kNoMaps) {
-    state[kCamera] = FingerprintOf(
-        workspace_.Model().images[static_cast<size_t>(image)].camera);
+    state[kCamera] = FingerprintOf(workspace_.CameraOf(image));
     state[kPhoto] = FingerprintOf(FileState(workspace_.ImagePath(image)));
     if (workspace_.HasMask(image)) {
       state[kMask] = FingerprintOf(FileState(workspace_.MaskPath(image)));
@@ -185,7 +236,7 @@ InputState InputFingerprints::Read(int image) const {
         ChangesOfView(expected->second, state);
     if (!changes.empty()) {
       throw Error(ErrorCode::kMismatch,
-                  Name(image) + ": " + DescribeChanges(changes) +
+                  workspace_.Name(image) + ": " + DescribeChanges(changes) +
                       " since it was observed; run " + OptionName("pass") +
                       " observe of "
                       "all shards again");
@@ -200,18 +251,14 @@ std::string InputFingerprints::MapsOf(int image) const {
     const OriginalMaps originals = FindOriginals(
         workspace_.SourcePaths(image, type), Scrutiny::kTimeAndSamples);
     if (type == workspace_.Type() &&
-        (originals.depth_state == OriginalState::kMissing ||
-         originals.normal_state == OriginalState::kMissing)) {
+        (originals.depth.state == OriginalState::kMissing ||
+         originals.normal.state == OriginalState::kMissing)) {
       return kNoMaps;
     }
-    text +=
-        FileState(originals.depth) + " " + FileState(originals.normal) + " ";
+    text += FileState(originals.depth.path) + " " +
+            FileState(originals.normal.path) + " ";
   }
   return FingerprintOf(text);
-}
-
-const std::string& InputFingerprints::Name(int image) const {
-  return workspace_.Model().images[static_cast<size_t>(image)].name;
 }
 
 }  // namespace tsar

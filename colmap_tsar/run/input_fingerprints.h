@@ -3,15 +3,37 @@
 
 #pragma once
 
-#include "colmap_tsar/run/input_state.h"
+#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/run/store/workspace.h"
 
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <string>
 #include <vector>
 
 namespace tsar {
+
+// The inputs of a result, as fingerprints by input name, from which a later run
+// sees which inputs have changed.
+using InputState = std::map<std::string, std::string>;
+
+// Fingerprints have 16 hexadecimal digits.
+std::string FingerprintOf(const std::string& text);
+std::string FingerprintOf(const Camera& camera);
+
+// Size and time of last change, or "-" where there is no such file. Follows
+// links.
+std::string FileState(const std::filesystem::path& path);
+
+// An input that changed: "its photo", "its maps".
+struct ChangedInput {
+  std::string name;
+  bool is_plural = false;
+};
+
+// "its camera, its photo and its maps have changed"; at least one change.
+std::string DescribeChanges(const std::vector<ChangedInput>& changes);
 
 // Of the files of an image's depth prior and the meaning of their values.
 std::string FingerprintOfPrior(const Workspace& workspace, int image);
@@ -71,7 +93,6 @@ class InputFingerprints {
   const View& Find(int image);
   InputState Read(int image) const;
   std::string MapsOf(int image) const;
-  const std::string& Name(int image) const;
 
   const Workspace& workspace_;
   // By image.

@@ -188,9 +188,8 @@ void HypothesisReader::ReadOwn(size_t first_pixel,
   own_.depth.Read(first_pixel, piece.depth);
   own_.normal.Read(first_pixel, piece.normal);
   RemoveMasked(first_pixel, piece);
-  num_depths_ += std::count_if(piece.depth.begin(),
-                               piece.depth.end(),
-                               [](float depth) { return depth > 0.f; });
+  num_depths_ += std::ranges::count_if(piece.depth,
+                                       [](float depth) { return depth > 0.f; });
   if (own_costs_) {
     ReadCosts(*own_costs_, 0, first_pixel, piece.min_cost);
     ReadCosts(*own_costs_, 1, first_pixel, piece.second_cost);
@@ -287,14 +286,6 @@ HypothesisPiece PieceOf(ViewData* view, size_t first, size_t count) {
   return piece;
 }
 
-Camera CameraOfMaps(const Workspace& workspace,
-                    int image,
-                    int width,
-                    int height) {
-  return workspace.Model().images[static_cast<size_t>(image)].camera.Resized(
-      width, height);
-}
-
 // The depth map to refine.
 Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
   DepthMapReader reader =
@@ -340,7 +331,7 @@ ViewData LoadView(const Workspace& workspace, int image) {
   view.is_unfiltered =
       IsUnfiltered(reader.NumDepths(), reader.NumPixelsInUse());
   view.color = workspace.ReadImage(image, width, height);
-  view.camera = CameraOfMaps(workspace, image, width, height);
+  view.camera = workspace.CameraOf(image).Resized(width, height);
   view.prior = LoadPrior(workspace, image, reader.Mask());
   view.segments = workspace.ReadLabels(image);
   return view;
@@ -354,8 +345,9 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   if (factor == 1) {
     return LoadView(workspace, image);
   }
-  ViewReducer reducer(
-      CameraOfMaps(workspace, image, width, height), factor, reader.HasCosts());
+  ViewReducer reducer(workspace.CameraOf(image).Resized(width, height),
+                      factor,
+                      reader.HasCosts());
   ViewData rows;
   for (int row = 0; row < height; row += factor) {
     const int num_rows = std::min(factor, height - row);
@@ -380,7 +372,7 @@ ViewData LoadDepthAndColor(const Workspace& workspace, int image) {
   const int height = view.depth.Height();
   ClearMasked(workspace.ReadMask(image, {width, height}), &view.depth);
   view.color = workspace.ReadImage(image, width, height);
-  view.camera = CameraOfMaps(workspace, image, width, height);
+  view.camera = workspace.CameraOf(image).Resized(width, height);
   return view;
 }
 

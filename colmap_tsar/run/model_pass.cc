@@ -6,6 +6,7 @@
 #include "colmap_tsar/run/neighbor_order.h"
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -15,24 +16,22 @@ namespace {
 
 // The views with current evidence, in the order of neighbors.
 std::vector<SceneView> FindViews(const ModelPassInputs& inputs) {
-  const std::vector<SparseModel::ModelImage>& images =
-      inputs.workspace.Model().images;
   std::vector<size_t> indices;
-  std::vector<std::optional<size_t>> places(images.size());
+  std::map<int, size_t> places;  // By image: its index in the result.
   for (const size_t index : OrderByNeighbors(inputs.workspace)) {
     const int image = inputs.plan.Reference(index);
     if (inputs.plan.CanRefine(index) && inputs.evidence.IsCurrent(image)) {
-      places[static_cast<size_t>(image)] = indices.size();
+      places[image] = indices.size();
       indices.push_back(index);
     }
   }
   std::vector<SceneView> views;
   for (const size_t index : indices) {
     const int image = inputs.plan.Reference(index);
-    SceneView view{image, images[static_cast<size_t>(image)].camera, {}};
+    SceneView view{image, inputs.workspace.CameraOf(image), {}};
     for (const int source : inputs.plan.Sources(index)) {
-      if (source != image && places[static_cast<size_t>(source)]) {
-        view.sources.push_back(*places[static_cast<size_t>(source)]);
+      if (source != image && places.contains(source)) {
+        view.sources.push_back(places[source]);
       }
     }
     views.push_back(std::move(view));

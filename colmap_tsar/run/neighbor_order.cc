@@ -4,11 +4,37 @@
 #include "colmap_tsar/run/neighbor_order.h"
 
 #include <algorithm>
+#include <numeric>
+#include <span>
 #include <string>
 #include <utility>
 
 namespace tsar {
 namespace {
+
+// For each image, in ascending order, its sources and the images that use it.
+std::vector<std::vector<size_t>> FindNeighbors(const Workspace& workspace) {
+  const std::vector<StereoProblem>& problems = workspace.Problems();
+  std::vector<int> index_of(workspace.Model().images.size(), -1);
+  for (size_t i = 0; i < problems.size(); ++i) {
+    index_of[static_cast<size_t>(problems[i].reference)] = static_cast<int>(i);
+  }
+  std::vector<std::vector<size_t>> neighbors(problems.size());
+  for (size_t i = 0; i < problems.size(); ++i) {
+    for (const int source : problems[i].sources) {
+      const int other = index_of[static_cast<size_t>(source)];
+      if (other >= 0 && other != static_cast<int>(i)) {
+        neighbors[i].push_back(static_cast<size_t>(other));
+        neighbors[static_cast<size_t>(other)].push_back(i);
+      }
+    }
+  }
+  for (std::vector<size_t>& images : neighbors) {
+    std::ranges::sort(images);
+    images.erase(std::unique(images.begin(), images.end()), images.end());
+  }
+  return neighbors;
+}
 
 class NeighborOrder {
  public:
@@ -16,26 +42,19 @@ class NeighborOrder {
       : neighbors_(FindNeighbors(workspace)),
         is_taken_(neighbors_.size(), false) {
     for (const StereoProblem& problem : workspace.Problems()) {
-      names_.push_back(workspace.Model()
-                           .images[static_cast<size_t>(problem.reference)]
-                           .name);
+      names_.push_back(workspace.Name(problem.reference));
     }
   }
 
   std::vector<size_t> Find() {
     std::vector<size_t> by_name(neighbors_.size());
-    for (size_t i = 0; i < by_name.size(); ++i) {
-      by_name[i] = i;
-    }
-    std::sort(by_name.begin(), by_name.end(), [&](size_t a, size_t b) {
-      return names_[a] < names_[b];
-    });
+    std::iota(by_name.begin(), by_name.end(), size_t{0});
+    std::ranges::sort(by_name, {}, [&](size_t image) { return names_[image]; });
     std::vector<size_t> order;
     for (const size_t image : by_name) {
       if (!is_taken_[image]) {
-        const std::vector<size_t> component = Walk(FindEnd(image));
-        order.insert(order.end(), component.begin(), component.end());
-        for (const size_t taken : component) {
+        for (const size_t taken : Walk(FindEnd(image))) {
+          order.push_back(taken);
           is_taken_[taken] = true;
         }
       }
@@ -57,12 +76,10 @@ class NeighborOrder {
           order.push_back(other);
         }
       }
-      std::sort(order.begin() + static_cast<std::ptrdiff_t>(first_new),
-                order.end(),
-                [&](size_t a, size_t b) {
-                  return std::pair(neighbors_[a].size(), names_[a]) <
-                         std::pair(neighbors_[b].size(), names_[b]);
-                });
+      std::ranges::sort(
+          std::span(order).subspan(first_new), {}, [&](size_t image) {
+            return std::pair(neighbors_[image].size(), names_[image]);
+          });
     }
     return order;
   }
@@ -77,29 +94,6 @@ class NeighborOrder {
 };
 
 }  // namespace
-
-std::vector<std::vector<size_t>> FindNeighbors(const Workspace& workspace) {
-  const std::vector<StereoProblem>& problems = workspace.Problems();
-  std::vector<int> index_of(workspace.Model().images.size(), -1);
-  for (size_t i = 0; i < problems.size(); ++i) {
-    index_of[static_cast<size_t>(problems[i].reference)] = static_cast<int>(i);
-  }
-  std::vector<std::vector<size_t>> neighbors(problems.size());
-  for (size_t i = 0; i < problems.size(); ++i) {
-    for (const int source : problems[i].sources) {
-      const int other = index_of[static_cast<size_t>(source)];
-      if (other >= 0 && other != static_cast<int>(i)) {
-        neighbors[i].push_back(static_cast<size_t>(other));
-        neighbors[static_cast<size_t>(other)].push_back(i);
-      }
-    }
-  }
-  for (std::vector<size_t>& images : neighbors) {
-    std::sort(images.begin(), images.end());
-    images.erase(std::unique(images.begin(), images.end()), images.end());
-  }
-  return neighbors;
-}
 
 std::vector<size_t> OrderByNeighbors(const Workspace& workspace) {
   return NeighborOrder(workspace).Find();

@@ -10,15 +10,11 @@
 
 namespace tsar {
 
-// Images of a run are given by their indices in Workspace::Problems() here.
-
-// For each image, in ascending order, its sources and the images that use it.
-std::vector<std::vector<size_t>> FindNeighbors(const Workspace& workspace);
-
-// A Cuthill-McKee order of all images, in which neighbors are close to each
-// other: images far from the first come late, those with few neighbors before
-// others. Images that are connected by no chain of neighbors are not mixed. The
-// order depends only on the neighbors and the images' names.
+// A Cuthill-McKee order of all images, given by their indices in
+// Workspace::Problems(), in which neighbors are close to each other: images far
+// from the first come late, those with few neighbors before others. Images that
+// are connected by no chain of neighbors are not mixed. The order depends only
+// on the neighbors and the images' names.
 std::vector<size_t> OrderByNeighbors(const Workspace& workspace);
 
 }  // namespace tsar

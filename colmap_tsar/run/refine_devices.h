@@ -45,6 +45,13 @@ struct RefineDevices {
   // Main memory for views, and for all rasters.
   size_t cache_num_bytes = 0;
   size_t raster_num_bytes = 0;
+
+  // The number of images with workers, and of those whose scenes are found
+  // ahead.
+  size_t NumScenes() const {
+    return workers.size() +
+           (finds_scenes_ahead ? static_cast<size_t>(sizes.num_loaders) : 0);
+  }
 };
 
 // Each GPU gets one image before one gets a second at a time, and CPU threads

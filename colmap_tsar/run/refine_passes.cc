@@ -11,8 +11,9 @@
 #include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/device/scoped_synchronization.h"
 #include "colmap_tsar/run/load_view.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/view/reduce_view.h"
-#include "colmap_tsar/view/refine_option_list.h"
+#include "colmap_tsar/view/stage_timer.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -20,6 +21,23 @@
 
 namespace tsar {
 namespace {
+
+// The model's labels of the image. Throws kMismatch where none fit.
+const ViewLabels& LabelsOf(const RefineRun& run,
+                           const SceneModel& model,
+                           int image,
+                           const ViewEvidence& evidence) {
+  const auto labels = model.views.find(image);
+  if (labels == model.views.end() ||
+      labels->second.planes.size() != evidence.weights.size()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      GetSceneModelPath(run.workspace.Root()).string(),
+                      "the planes of the scene were not found in this image as "
+                      "it was observed",
+                      "remove the file and run the same command again");
+  }
+  return labels->second;
+}
 
 void AddSeconds(const StageSeconds& seconds, StageSeconds* sums) {
   for (const auto& [stage, value] : seconds) {
@@ -119,6 +137,37 @@ RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
 
 }  // namespace
 
+std::unique_ptr<ImageScene> FindImageScene(const RefineRun& run,
+                                           const SceneModel& model,
+                                           size_t index,
+                                           Device& device) {
+  const int reference = run.plan.Reference(index);
+  auto scene = std::make_unique<ImageScene>();
+  std::vector<const ViewLabels*> labels;
+  const auto add = [&](int image, const ViewEvidence& evidence) {
+    scene->views.push_back(
+        MakeObservedView(evidence, run.workspace.CameraOf(image)));
+    labels.push_back(&LabelsOf(run, model, image, evidence));
+  };
+  scene->own = run.evidence.ReadAll(reference);
+  add(reference, scene->own);
+  for (const int source : run.plan.Sources(index)) {
+    if (source == reference) {
+      continue;
+    }
+    if (EvidenceStore::Evidence evidence = run.evidence.Get(source)) {
+      add(source, *evidence);
+      scene->others.push_back(std::move(evidence));
+    }
+  }
+  scene->found =
+      FindScene(scene->views, model.planes, labels, run.refine_options, device);
+  StageTimer timer(device, &scene->found.seconds);
+  scene->found.cylinders = FindSeenCylinders(scene->views[0], model.cylinders);
+  timer.Finish("columns and pipes");
+  return scene;
+}
+
 ObservePass::ObservePass(const RefineRun& run,
                          std::vector<StageSeconds>& seconds)
     : run_(run),
@@ -169,11 +218,7 @@ ComposePass::ComposePass(const RefineRun& run,
                          std::vector<StageSeconds> seconds)
     : run_(run),
       seconds_(std::move(seconds)),
-      writer_(run.workspace,
-              run.inputs,
-              run.loader,
-              HashRefineOptions(run.refine_options),
-              run.HasScenePlanes() ? run.model.PlanesFingerprint() : ""),
+      writer_(run),
       model_(run.HasScenePlanes() && run.IsAnyNeeded() ? run.model.Read()
                                                        : SceneModel()),
       scenes_(run.plan.NumImages()) {}
@@ -307,7 +352,7 @@ std::vector<int> ComposePass::ComparedSources(size_t index) const {
     }
   }
   // A fixed order gives the same result for the same sources in any ranking.
-  std::sort(sources.begin(), sources.end());
+  std::ranges::sort(sources);
   return sources;
 }
 

@@ -7,11 +7,13 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/io/image_list.h"
 #include "colmap_tsar/run/store/write_back.h"
 
 #include <algorithm>
 #include <iterator>
 #include <optional>
+#include <unordered_map>
 #include <utility>
 
 namespace tsar {
@@ -27,6 +29,33 @@ std::optional<ImageRecord> ReadRecordOfDone(const Workspace& workspace,
 }
 
 }  // namespace
+
+std::vector<bool> FindListedImages(const Workspace& workspace,
+                                   const std::filesystem::path& list) {
+  const std::vector<StereoProblem>& problems = workspace.Problems();
+  if (list.empty()) {
+    return std::vector<bool>(problems.size(), true);
+  }
+  std::unordered_map<int, size_t> places;
+  for (size_t i = 0; i < problems.size(); ++i) {
+    places.emplace(problems[i].reference, i);
+  }
+  std::vector<bool> is_listed(problems.size());
+  for (const ListedImage& listed :
+       ReadImageList(list, workspace.Model(), OptionName("image_list_path"))) {
+    const auto place = places.find(listed.image);
+    if (place == places.end()) {
+      throw Error::File(ErrorCode::kMismatch,
+                        list.string(),
+                        "line " + std::to_string(listed.line) + " names " +
+                            workspace.Name(listed.image) +
+                            ", which stereo/patch-match.cfg gives no sources",
+                        "correct the line");
+    }
+    is_listed[place->second] = true;
+  }
+  return is_listed;
+}
 
 RefinePlan::RefinePlan(const Workspace& workspace,
                        InputFingerprints& inputs,
@@ -54,16 +83,11 @@ RefinePlan::RefinePlan(const Workspace& workspace,
   }
 }
 
-const std::string& RefinePlan::Name(size_t index) const {
-  return workspace_.Model().images[static_cast<size_t>(Reference(index))].name;
-}
-
 std::vector<int> RefinePlan::Sources(size_t index) const {
   std::vector<int> sources;
-  std::copy_if(Problem(index).sources.begin(),
-               Problem(index).sources.end(),
-               std::back_inserter(sources),
-               [&](int source) { return HasMaps(source); });
+  std::ranges::copy_if(Problem(index).sources,
+                       std::back_inserter(sources),
+                       [&](int source) { return HasMaps(source); });
   return sources;
 }
 
@@ -78,8 +102,7 @@ bool RefinePlan::CanRefine(size_t index) const {
 }
 
 size_t RefinePlan::NumListed() const {
-  return static_cast<size_t>(
-      std::count(is_listed_.begin(), is_listed_.end(), true));
+  return static_cast<size_t>(std::ranges::count(is_listed_, true));
 }
 
 bool RefinePlan::IsCurrent(int image) {
@@ -103,9 +126,8 @@ bool RefinePlan::IsToBeRefined(size_t index) {
 bool RefinePlan::IsNeeded(size_t index) {
   const std::vector<size_t>& users =
       users_[static_cast<size_t>(Reference(index))];
-  return std::any_of(users.begin(), users.end(), [&](size_t other) {
-    return IsToBeRefined(other);
-  });
+  return std::ranges::any_of(
+      users, [&](size_t other) { return IsToBeRefined(other); });
 }
 
 bool RefinePlan::IsAnyNeeded() {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/run/input_fingerprints.h"
-#include "colmap_tsar/run/pipeline_outcome.h"
+#include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <cstddef>
@@ -15,6 +15,13 @@
 #include <vector>
 
 namespace tsar {
+
+// For each of Problems(), whether a file of image names lists its reference,
+// see ReadImageList; the file may list an image several times. All are listed
+// where the path is empty. Throws Error: what ReadImageList throws, and
+// kMismatch where an image has no sources in patch-match.cfg.
+std::vector<bool> FindListedImages(const Workspace& workspace,
+                                   const std::filesystem::path& list);
 
 // What a run is to do for which image: the images by their indices in
 // Workspace::Problems(), the maps that they have, and whether they are to be
@@ -43,7 +50,9 @@ class RefinePlan {
     return workspace_.Problems()[index];
   }
   int Reference(size_t index) const { return Problem(index).reference; }
-  const std::string& Name(size_t index) const;
+  const std::string& Name(size_t index) const {
+    return workspace_.Name(Reference(index));
+  }
   bool HasMaps(int image) const {
     return has_maps_[static_cast<size_t>(image)];
   }

@@ -9,7 +9,6 @@
 #include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/scene_model_store.h"
-#include "colmap_tsar/run/store/count_masks.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/run/view_loader.h"
 #include "colmap_tsar/run/workspace_check.h"
@@ -46,17 +45,16 @@ struct RefineRun {
   }
   // Whether some image of the run has yet to be refined and can be.
   bool IsAnyNeeded() const {
-    return std::any_of(Images().begin(), Images().end(), [&](size_t index) {
-      return plan.IsToBeRefined(index);
-    });
+    return std::ranges::any_of(
+        Images(), [&](size_t index) { return plan.IsToBeRefined(index); });
   }
   // The number of the run's images with a mask; nothing without masks.
   std::optional<int64_t> NumMasks() const {
-    return CountMasks(workspace, ReferencesOf(workspace, Images()));
+    return workspace.CountMasks(workspace.ReferencesOf(Images()));
   }
   // The number of the run's images with a depth prior; nothing without priors.
   std::optional<int64_t> NumPriors() const {
-    return workspace.Priors().Count(ReferencesOf(workspace, Images()));
+    return workspace.Priors().Count(workspace.ReferencesOf(Images()));
   }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
 };

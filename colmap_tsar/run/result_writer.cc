@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/run/store/write_back.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <algorithm>
 #include <array>
@@ -17,11 +18,6 @@
 namespace tsar {
 namespace {
 
-int64_t CountDepths(const Image<float>& depth) {
-  return std::count_if(
-      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
-}
-
 // Adds the pixel counts of the maps to the image's counts.
 void CountPixels(const RefinedMaps& maps,
                  std::map<std::string, int64_t>* counts) {
@@ -29,18 +25,15 @@ void CountPixels(const RefinedMaps& maps,
   for (const uint8_t provenance : maps.provenance) {
     ++histogram[provenance];
   }
-  const auto from = [&](Provenance provenance) {
-    return histogram[static_cast<size_t>(provenance)];
-  };
   (*counts)["pixels"] = static_cast<int64_t>(maps.depth.NumPixels());
-  (*counts)["depth_after"] = CountDepths(maps.depth);
-  (*counts)["measured"] = from(Provenance::kMeasured);
-  (*counts)["superpixel_plane"] = from(Provenance::kSuperpixelPlane);
-  (*counts)["interpolated"] = from(Provenance::kInterpolated);
-  (*counts)["region_plane"] = from(Provenance::kRegionPlane);
-  (*counts)["other_views"] = from(Provenance::kOtherViews);
-  (*counts)["guessed"] = from(Provenance::kGuessed);
-  (*counts)["prior"] = from(Provenance::kPrior);
+  (*counts)["depth_after"] =
+      std::ranges::count_if(maps.depth, [](float z) { return z > 0.f; });
+  for (size_t provenance = 1; provenance < kProvenanceNames.size();
+       ++provenance) {
+    std::string name = kProvenanceNames[provenance];
+    std::ranges::replace(name, ' ', '_');
+    (*counts)[name] = histogram[provenance];
+  }
 }
 
 void ClearMasked(const Image<uint8_t>& mask, RefinedMaps* maps) {
@@ -54,20 +47,14 @@ void ClearMasked(const Image<uint8_t>& mask, RefinedMaps* maps) {
 
 }  // namespace
 
-ResultWriter::ResultWriter(const Workspace& workspace,
-                           InputFingerprints& inputs,
-                           ViewLoader& loader,
-                           std::string options_hash,
-                           std::string planes)
-    : workspace_(workspace),
-      inputs_(inputs),
-      loader_(loader),
-      options_hash_(std::move(options_hash)),
-      planes_(std::move(planes)) {}
+ResultWriter::ResultWriter(const RefineRun& run)
+    : run_(run),
+      options_hash_(HashRefineOptions(run.refine_options)),
+      planes_(run.HasScenePlanes() ? run.model.PlanesFingerprint() : "") {}
 
 void ResultWriter::Write(int image, RefinedMaps maps, ImageReport* report) {
   ClearMasked(
-      workspace_.ReadMask(image, {maps.depth.Width(), maps.depth.Height()}),
+      run_.workspace.ReadMask(image, {maps.depth.Width(), maps.depth.Height()}),
       &maps);
   CountPixels(maps, &report->counts);
   if (report->prior.verdict != PriorVerdict::kNone) {
@@ -77,14 +64,14 @@ void ResultWriter::Write(int image, RefinedMaps maps, ImageReport* report) {
   ImageRecord record;
   record.note = Describe(report->prior);
   record.options_hash = options_hash_;
-  record.inputs = inputs_.OfResult(image, planes_);
+  record.inputs = run_.inputs.OfResult(image, planes_);
   record.counts = report->counts;
   record.seconds = report->seconds;
   const Stopwatch writing;
-  WriteBack write_back(workspace_, image, std::move(record));
+  WriteBack write_back(run_.workspace, image, std::move(record));
   write_back.PrepareFiles(maps);
   {
-    const std::unique_lock<std::mutex> lock = loader_.Lock(image);
+    const std::unique_lock<std::mutex> lock = run_.loader.Lock(image);
     write_back.Commit();
   }
   report->seconds["write"] = writing.Seconds();
@@ -100,8 +87,8 @@ void ResultWriter::Keep(int image,
   record.options_hash = options_hash_;
   record.note = reason;
   record.counts = report->counts;
-  const std::unique_lock<std::mutex> lock = loader_.Lock(image);
-  KeepImage(workspace_, image, std::move(record));
+  const std::unique_lock<std::mutex> lock = run_.loader.Lock(image);
+  KeepImage(run_.workspace, image, std::move(record));
 }
 
 }  // namespace tsar

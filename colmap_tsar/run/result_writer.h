@@ -3,10 +3,8 @@
 
 #pragma once
 
-#include "colmap_tsar/run/input_fingerprints.h"
-#include "colmap_tsar/run/pipeline_outcome.h"
-#include "colmap_tsar/run/store/workspace.h"
-#include "colmap_tsar/run/view_loader.h"
+#include "colmap_tsar/run/refine_run.h"
+#include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <string>
@@ -17,14 +15,8 @@ namespace tsar {
 // their records. Can be used from several threads for different images.
 class ResultWriter {
  public:
-  // All references must outlive this object. loader: reads the views while
-  // results are written. options_hash, planes: see RefinePlan; those that the
-  // results are made with.
-  ResultWriter(const Workspace& workspace,
-               InputFingerprints& inputs,
-               ViewLoader& loader,
-               std::string options_hash,
-               std::string planes);
+  // run must outlive this object.
+  explicit ResultWriter(const RefineRun& run);
 
   // Replaces the maps by the refined ones, without masked pixels, and records
   // the counts and times of the report.
@@ -33,11 +25,9 @@ class ResultWriter {
   void Keep(int image, const std::string& reason, ImageReport* report);
 
  private:
-  const Workspace& workspace_;
-  InputFingerprints& inputs_;
-  ViewLoader& loader_;
+  const RefineRun& run_;
   const std::string options_hash_;
-  const std::string planes_;
+  const std::string planes_;  // As in RefinePlan.
 };
 
 }  // namespace tsar

@@ -6,9 +6,19 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/run/shard_entries.h"
+#include "colmap_tsar/run/store/manifest.h"
 #include "colmap_tsar/run/store/output_workspace.h"
+#include "colmap_tsar/run/store/shard_record.h"
 #include "colmap_tsar/run/store/write_back.h"
 #include "colmap_tsar/view/refine_option_list.h"
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -22,8 +32,7 @@ bool WasRefinedBefore(RefinePlan& plan, size_t index) {
   }
 }
 
-}  // namespace
-
+// The runtime settings of a run, by name; no result depends on them.
 std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
                                                const RefineDevices& devices) {
   TextStream cache_size;
@@ -41,6 +50,8 @@ std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
   return text;
 }
 
+// Throws the first failure or, where images are left to be done, kInterrupted
+// with the number of images done, out of num_wanted.
 void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted) {
   outcome.RethrowFailure();
   if (!outcome.IsComplete()) {
@@ -56,6 +67,23 @@ void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted) {
         "interrupted after " + done + "; run the same command again to go on");
   }
 }
+
+// The account of a run over all images: stereo/tsar/manifest.json. When all
+// images are done, the files that only an unfinished run needs are removed, and
+// the links of output workspaces made from this one are renewed.
+class ManifestAccount : public RunAccount {
+ public:
+  explicit ManifestAccount(const RefineRun& run) : run_(run) {}
+
+  void Begin() override;
+  void End(const PipelineOutcome& outcome) override;
+
+ private:
+  Manifest Build() const;
+  void MarkFailures(const PipelineOutcome& outcome, Manifest* manifest) const;
+
+  const RefineRun& run_;
+};
 
 void ManifestAccount::Begin() { WriteManifest(run_.workspace, Build()); }
 
@@ -93,8 +121,7 @@ Manifest ManifestAccount::Build() const {
   if (!run_.options.image_list_path.empty()) {
     manifest.runtime["listed_images"] = std::to_string(run_.plan.NumListed());
   }
-  NoteMasks(run_.NumMasks(), &manifest);
-  NotePriors(run_.NumPriors(), &manifest);
+  NoteMasksAndPriors(run_.NumMasks(), run_.NumPriors(), &manifest);
   return manifest;
 }
 
@@ -116,6 +143,56 @@ void ManifestAccount::MarkFailures(const PipelineOutcome& outcome,
 }
 
 using State = ShardRecord::State;
+
+std::string HostName() {
+  char name[256] = "";
+  gethostname(name, sizeof(name) - 1);
+  return name;
+}
+
+// The runtime settings of a shard, and its machine.
+std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
+                                                const RefineDevices& devices) {
+  std::map<std::string, std::string> runtime = RuntimeText(options, devices);
+  runtime["host"] = HostName();
+  runtime["process"] = std::to_string(getpid());
+  return runtime;
+}
+
+// Writes the failures of images, in the record's order, into the record.
+// Returns whether there are any.
+bool NoteFailures(const std::vector<std::exception_ptr>& failures,
+                  ShardRecord* record) {
+  bool has_failure = false;
+  for (size_t i = 0; i < failures.size(); ++i) {
+    if (failures[i]) {
+      has_failure = true;
+      record->images[i].note = FailureText(failures[i]);
+    }
+  }
+  return has_failure;
+}
+
+// The account of a shard in one pass: its ShardRecord. A pass begins only if
+// the records of other shards belong to the same work and, for composing, if
+// all shards have been observed.
+class ShardAccount : public RunAccount {
+ public:
+  explicit ShardAccount(const RefineRun& run) : run_(run) {}
+
+  void Begin() override;
+  void BeforeObserving() override;
+  void BeforeComposing() override;
+  void End(const PipelineOutcome& outcome) override;
+
+ private:
+  bool IsObserving() const { return run_.options.pass == RefinePass::kObserve; }
+  State ObservedState(size_t index) const;
+
+  const RefineRun& run_;
+  ShardRecord record_;
+  ObservedShards observed_;  // Only where this pass composes.
+};
 
 void ShardAccount::Begin() {
   record_ = DescribeShard(run_.workspace,
@@ -198,6 +275,15 @@ State ShardAccount::ObservedState(size_t index) const {
   }
   return run_.evidence.IsCurrent(run_.plan.Reference(index)) ? State::kObserved
                                                              : State::kNothing;
+}
+
+}  // namespace
+
+std::unique_ptr<RunAccount> MakeRunAccount(const RefineRun& run) {
+  if (run.options.pass == RefinePass::kAll) {
+    return std::make_unique<ManifestAccount>(run);
+  }
+  return std::make_unique<ShardAccount>(run);
 }
 
 }  // namespace tsar

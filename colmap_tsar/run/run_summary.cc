@@ -3,7 +3,29 @@
 
 #include "colmap_tsar/run/run_summary.h"
 
+#include <algorithm>
+
 namespace tsar {
+
+int PipelineOutcome::NumDone() const {
+  return static_cast<int>(
+      std::ranges::count_if(reports, [](const ImageReport& report) {
+        return report.outcome != ImageReport::Outcome::kNotDone &&
+               report.outcome != ImageReport::Outcome::kNotListed;
+      }));
+}
+
+bool PipelineOutcome::IsComplete() const {
+  return std::ranges::find(reports,
+                           ImageReport::Outcome::kNotDone,
+                           &ImageReport::outcome) == reports.end();
+}
+
+void PipelineOutcome::RethrowFailure() const {
+  if (first_failure) {
+    std::rethrow_exception(first_failure);
+  }
+}
 
 void RunSummary::Add(const std::string& image, const ImageReport& report) {
   num_sources_without_maps += report.num_sources_without_maps;

@@ -53,8 +53,7 @@ Error Refused(const std::string& what) {
 std::vector<int64_t> FindWork(const Workspace& workspace) {
   std::vector<int64_t> work;
   for (const StereoProblem& problem : workspace.Problems()) {
-    const Camera& camera =
-        workspace.Model().images[static_cast<size_t>(problem.reference)].camera;
+    const Camera& camera = workspace.CameraOf(problem.reference);
     work.push_back(static_cast<int64_t>(camera.width) * camera.height *
                    static_cast<int64_t>(problem.sources.size() + 1));
   }
@@ -117,10 +116,7 @@ std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
     return {std::move(all)};
   }
   const std::vector<int64_t> work = FindWork(workspace);
-  int64_t total = 0;
-  for (const int64_t value : work) {
-    total += value;
-  }
+  const int64_t total = std::accumulate(work.begin(), work.end(), int64_t{0});
   std::vector<std::vector<size_t>> shards(static_cast<size_t>(count));
   int64_t before = 0;
   for (const size_t image : OrderByNeighbors(workspace)) {
@@ -133,7 +129,7 @@ std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
     before += work[image];
   }
   for (std::vector<size_t>& shard : shards) {
-    std::sort(shard.begin(), shard.end());
+    std::ranges::sort(shard);
   }
   return shards;
 }

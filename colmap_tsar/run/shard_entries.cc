@@ -5,18 +5,13 @@
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/run/run_account.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <optional>
-#include <system_error>
 #include <utility>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -30,8 +25,7 @@ std::string ObserveAgain() {
 std::string HashImages(const Workspace& workspace) {
   ContentHash hash;
   const auto add = [&](int image) {
-    const std::string& name =
-        workspace.Model().images[static_cast<size_t>(image)].name;
+    const std::string& name = workspace.Name(image);
     hash.Update(name.c_str(), name.size() + 1);
   };
   for (const StereoProblem& problem : workspace.Problems()) {
@@ -42,12 +36,6 @@ std::string HashImages(const Workspace& workspace) {
     hash.Update("", 1);
   }
   return std::to_string(hash.Value());
-}
-
-std::string HostName() {
-  char name[256] = "";
-  gethostname(name, sizeof(name) - 1);
-  return name;
 }
 
 void RequireNoOtherWork(const std::filesystem::path& root,
@@ -88,10 +76,6 @@ std::string FirstNote(const ShardRecord& record) {
   return "";
 }
 
-const std::string& Name(const Workspace& workspace, int image) {
-  return workspace.Model().images[static_cast<size_t>(image)].name;
-}
-
 }  // namespace
 
 ShardRecord DescribeShard(const Workspace& workspace,
@@ -120,14 +104,6 @@ int CountShards(const Workspace& workspace,
         DescribeShard(workspace, options, pass, {0, count}), record, path);
   }
   return count;
-}
-
-std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
-                                                const RefineDevices& devices) {
-  std::map<std::string, std::string> runtime = RuntimeText(options, devices);
-  runtime["host"] = HostName();
-  runtime["process"] = std::to_string(getpid());
-  return runtime;
 }
 
 void BeginShard(const std::filesystem::path& root, const ShardRecord& own) {
@@ -235,24 +211,11 @@ void RequireObserved(const Workspace& workspace,
   if (found != observed.states.end() &&
       found->second == ShardRecord::State::kNotNeeded) {
     throw Error(ErrorCode::kNotFound,
-                Name(workspace, image) +
+                workspace.Name(image) +
                     ": nobody needed what is observed in it, but now another "
                     "image has to be refined again; " +
                     ObserveAgain());
   }
-}
-
-bool NoteFailures(const std::vector<std::exception_ptr>& failures,
-                  ShardRecord* record) {
-  bool has_failure = false;
-  for (size_t i = 0; i < failures.size(); ++i) {
-    if (!failures[i]) {
-      continue;
-    }
-    has_failure = true;
-    record->images[i].note = FailureText(failures[i]);
-  }
-  return has_failure;
 }
 
 }  // namespace tsar

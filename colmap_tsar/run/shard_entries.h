@@ -3,16 +3,13 @@
 
 #pragma once
 
-#include "colmap_tsar/run/device_options.h"
-#include "colmap_tsar/run/input_state.h"
-#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/shard.h"
 #include "colmap_tsar/run/store/shard_record.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/view/refine_options.h"
 
 #include <cstddef>
-#include <exception>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -35,10 +32,6 @@ ShardRecord DescribeShard(const Workspace& workspace,
 int CountShards(const Workspace& workspace,
                 const RefineOptions& options,
                 RefinePass pass);
-
-// The runtime settings of a shard, and its machine.
-std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
-                                                const RefineDevices& devices);
 
 // Writes that the shard has begun. Throws what RequireSameWork throws, and
 // leaves no trace, where there are shards of other work. A shard that is
@@ -71,10 +64,5 @@ ObservedShards ReadObservedShards(
 void RequireObserved(const Workspace& workspace,
                      int image,
                      const ObservedShards& observed);
-
-// Writes the failures of images, in the record's order, into the record.
-// Returns whether there are any.
-bool NoteFailures(const std::vector<std::exception_ptr>& failures,
-                  ShardRecord* record);
 
 }  // namespace tsar

@@ -10,10 +10,8 @@
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/input_fingerprints.h"
-#include "colmap_tsar/run/listed_images.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/model_pass.h"
-#include "colmap_tsar/run/open_workspace.h"
 #include "colmap_tsar/run/refine_devices.h"
 #include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/scene_model_store.h"
@@ -188,8 +186,7 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
       SumOfShards(shards, &ShardRecord::num_priors);
   if (!shards.empty()) {
     manifest.runtime = RuntimeOfShards(shards);
-    NoteMasks(num_masks, &manifest);
-    NotePriors(num_priors, &manifest);
+    NoteMasksAndPriors(num_masks, num_priors, &manifest);
     WriteManifest(workspace, manifest);
   }
   EvidenceStore::Clear(workspace);

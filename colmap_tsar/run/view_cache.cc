@@ -46,7 +46,7 @@ ViewCache::ViewCache(size_t max_num_bytes, size_t num_view_bytes, Loader loader)
       loader_(std::move(loader)) {}
 
 ViewCache::Lease ViewCache::Reserve(std::vector<int> images) {
-  std::sort(images.begin(), images.end());
+  std::ranges::sort(images);
   images.erase(std::unique(images.begin(), images.end()), images.end());
   // The lease releases its views where claiming the rest fails.
   Lease lease(this, {});
@@ -143,10 +143,10 @@ bool ViewCache::LoadAll(const std::vector<int>& images,
     const auto is_free = [&](int image) {
       return is_missing(image) && !entries_.at(image).is_loading;
     };
-    const auto next = std::find_if(images.begin(), images.end(), is_free);
+    const auto next = std::ranges::find_if(images, is_free);
     if (next != images.end()) {
       LoadOne(*next, &lock);
-    } else if (std::any_of(images.begin(), images.end(), is_missing)) {
+    } else if (std::ranges::any_of(images, is_missing)) {
       changed_.wait(lock);
     } else {
       return true;

@@ -49,10 +49,8 @@ ViewCache::View ViewLoader::LoadReduced(int image) {
 
 void ViewLoader::DropUnmatchedDepths(int image, ViewData* view) {
   const std::vector<StereoProblem>& problems = workspace_.Problems();
-  const auto problem = std::find_if(
-      problems.begin(), problems.end(), [&](const StereoProblem& candidate) {
-        return candidate.reference == image;
-      });
+  const auto problem =
+      std::ranges::find(problems, image, &StereoProblem::reference);
   if (problem == problems.end()) {
     return;
   }

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/photo.h"
@@ -15,14 +16,12 @@
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 
-#include <algorithm>
 #include <filesystem>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <system_error>
-#include <vector>
 
 namespace tsar {
 namespace {
@@ -61,7 +60,8 @@ int64_t RequirePossibleSize(const std::filesystem::path& path,
   return num_pixels;
 }
 
-MapSize RequireMap(const SparseModel::ModelImage& image,
+MapSize RequireMap(const Workspace& workspace,
+                   int image,
                    const std::filesystem::path& path,
                    int num_channels) {
   const MapSize size = ReadMapSize(path);
@@ -73,25 +73,22 @@ MapSize RequireMap(const SparseModel::ModelImage& image,
                           std::to_string(num_channels),
                       kAgain);
   }
-  RequireShape(path,
-               {size.width, size.height},
-               {image.camera.width, image.camera.height},
-               "the image " + image.name,
-               kAgain);
+  workspace.RequireShapeOfImage(image, path, {size.width, size.height});
   return size;
 }
 
 // The size of an image's map, or nothing where there is none. Where its
 // original is kept elsewhere, both are checked, since either may be the one to
 // read.
-std::optional<MapSize> CheckMap(const SparseModel::ModelImage& image,
+std::optional<MapSize> CheckMap(const Workspace& workspace,
+                                int image,
                                 const std::filesystem::path& current,
                                 const std::filesystem::path& stored,
                                 int num_channels) {
   std::optional<MapSize> size;
   if (Exists(stored)) {
     try {
-      size = RequireMap(image, stored, num_channels);
+      size = RequireMap(workspace, image, stored, num_channels);
     } catch (const Error&) {
       // The original may be outdated: CheckOriginals() tells whether it
       // matters. Or a shard that keeps the image's maps has put it back.
@@ -102,7 +99,7 @@ std::optional<MapSize> CheckMap(const SparseModel::ModelImage& image,
   }
   if (Exists(current)) {
     try {
-      size = RequireMap(image, current, num_channels);
+      size = RequireMap(workspace, image, current, num_channels);
     } catch (const Error& error) {
       if (!size || error.Code() != ErrorCode::kCorrupt) {
         throw;
@@ -116,13 +113,11 @@ std::optional<MapSize> CheckMaps(const Workspace& workspace,
                                  int image,
                                  MapType type) {
   const MapPaths paths = workspace.SourcePaths(image, type);
-  const SparseModel::ModelImage& model_image =
-      workspace.Model().images[static_cast<size_t>(image)];
   RequireNoStrayResults(paths);
   const auto depth =
-      CheckMap(model_image, paths.depth, paths.original_depth, 1);
+      CheckMap(workspace, image, paths.depth, paths.original_depth, 1);
   const auto normal =
-      CheckMap(model_image, paths.normal, paths.original_normal, 3);
+      CheckMap(workspace, image, paths.normal, paths.original_normal, 3);
   if (depth.has_value() != normal.has_value()) {
     throw Error::File(
         ErrorCode::kNotFound,
@@ -143,8 +138,7 @@ void CheckCosts(const Workspace& workspace,
                 const MapSize& depth_size,
                 WorkspaceOverview* overview) {
   const std::filesystem::path path = workspace.CostPath(image, type);
-  const std::optional<MapSize> size = CheckMap(
-      workspace.Model().images[static_cast<size_t>(image)], path, {}, 2);
+  const std::optional<MapSize> size = CheckMap(workspace, image, path, {}, 2);
   if (size) {
     RequireSameSize(path, *size, depth_size);
     overview->has_costs = true;
@@ -187,8 +181,7 @@ bool CheckImage(const Workspace& workspace,
         workspace.SourcePaths(image, other).depth, *other_size, *size);
     CheckCosts(workspace, image, other, *size, overview);
   }
-  const Camera& camera =
-      workspace.Model().images[static_cast<size_t>(image)].camera;
+  const Camera& camera = workspace.CameraOf(image);
   const int side = std::max(size->width, size->height);
   overview->map_sides[static_cast<size_t>(image)] = side;
   overview->max_side = std::max(overview->max_side, side);
@@ -243,11 +236,8 @@ void RequireMapsOfTheirOwn(const Workspace& workspace,
                            const std::set<int>& images) {
   std::map<std::string, int> first_of_name;
   for (const int image : images) {
-    const auto name_of = [&](int index) -> const std::string& {
-      return workspace.Model().images[static_cast<size_t>(index)].name;
-    };
     const auto [other, is_new] =
-        first_of_name.emplace(FoldedCase(name_of(image)), image);
+        first_of_name.emplace(FoldedCase(workspace.Name(image)), image);
     std::error_code error;
     const std::filesystem::path path =
         workspace.DepthPath(image, workspace.Type());
@@ -257,8 +247,8 @@ void RequireMapsOfTheirOwn(const Workspace& workspace,
                        error)) {
       throw Error::File(ErrorCode::kUnsupported,
                         path.string(),
-                        "is the map of both " + name_of(other->second) +
-                            " and " + name_of(image) +
+                        "is the map of both " + workspace.Name(other->second) +
+                            " and " + workspace.Name(image) +
                             ", since this file system does not tell upper from "
                             "lower case",
                         "rename one of them, or move the workspace");
@@ -266,18 +256,29 @@ void RequireMapsOfTheirOwn(const Workspace& workspace,
   }
 }
 
-}  // namespace
-
+// Whether an image of patch-match.cfg has a depth or a normal map of this type.
 bool HasAnyMap(const Workspace& workspace, MapType type) {
-  return std::any_of(
-      workspace.Problems().begin(),
-      workspace.Problems().end(),
-      [&](const StereoProblem& problem) {
+  return std::ranges::any_of(
+      workspace.Problems(), [&](const StereoProblem& problem) {
         const MapPaths paths = workspace.SourcePaths(problem.reference, type);
         return Exists(paths.depth) || Exists(paths.normal) ||
                Exists(paths.original_depth) || Exists(paths.original_normal);
       });
 }
+
+Workspace OpenMapsOf(const WorkspaceRefineOptions& options) {
+  Workspace workspace(options.workspace_path,
+                      options.input_type.value_or(MapType::kGeometric));
+  if (!options.input_type && !HasAnyMap(workspace, MapType::kGeometric) &&
+      HasAnyMap(workspace, MapType::kPhotometric)) {
+    Warn(options.workspace_path.string() +
+         ": there are no geometric maps; refining the photometric ones");
+    return Workspace(options.workspace_path, MapType::kPhotometric);
+  }
+  return workspace;
+}
+
+}  // namespace
 
 void CheckOriginals(const Workspace& workspace) {
   for (const int image : ImagesOfProblems(workspace)) {
@@ -307,8 +308,8 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
       continue;
     }
     any_reference = true;
-    const auto num_sources = std::count_if(
-        problem.sources.begin(), problem.sources.end(), [&](int source) {
+    const auto num_sources =
+        std::ranges::count_if(problem.sources, [&](int source) {
           return overview.has_maps[static_cast<size_t>(source)];
         });
     overview.max_num_sources =
@@ -318,6 +319,16 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
     throw NoMaps(workspace);
   }
   return overview;
+}
+
+Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
+  Workspace workspace = OpenMapsOf(options);
+  workspace.WarnOfSourcesLeftOut();
+  workspace.UseMasks(options.mask_path);
+  workspace.UsePriors(options.prior_path, options.prior_type);
+  workspace.Priors().WarnOfStrayFiles();
+  workspace.UseLabelImages(options.region_path);
+  return workspace;
 }
 
 }  // namespace tsar

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <algorithm>
@@ -34,9 +35,6 @@ struct WorkspaceOverview {
   }
 };
 
-// Whether an image of patch-match.cfg has a depth or a normal map of this type.
-bool HasAnyMap(const Workspace& workspace, MapType type);
-
 // Checks the files of all images that refinement will read, without reading
 // their pixels, so that a run does not fail half way for a reason that can be
 // seen at its start. Images without maps are no error. Throws Error: kNotFound
@@ -51,5 +49,8 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 // FindOriginals() end a run before anything is changed. Reads maps that have
 // changed since they were written. Nobody may be changing maps meanwhile.
 void CheckOriginals(const Workspace& workspace);
+
+// Opens the workspace with the requested type of maps, or the type that it has.
+Workspace OpenWorkspace(const WorkspaceRefineOptions& options);
 
 }  // namespace tsar

@@ -26,7 +26,7 @@ std::vector<std::string> MakeRecordSeeds() {
   record.status = ImageStatus::kDone;
   record.options_hash = "0123456789abcdef";
   record.inputs.emplace("photo", "fedcba9876543210");
-  record.written_depth = {{1, 2, {0, ~uint32_t{0}}}, {~uint64_t{0}, -1, {}}};
+  record.depth.written = {{1, 2, {0, ~uint32_t{0}}}, {~uint64_t{0}, -1, {}}};
   record.written_normal = {{2, 0, {}}};
   record.counts["measured"] = 12;
   record.seconds["read"] = 0.5;

@@ -9,31 +9,23 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
-#include <utility>
 #include <vector>
 
 namespace tsar {
 namespace {
 
-// If the size is the sum of the fields' sizes, there is no padding.
-static_assert(sizeof(Observation) == 16 &&
-              std::is_trivially_copyable_v<Observation>);
-static_assert(sizeof(RayDepth) == 12 && std::is_trivially_copyable_v<RayDepth>);
-static_assert(sizeof(SuperpixelBorder) == 28 &&
-              std::is_trivially_copyable_v<SuperpixelBorder>);
-static_assert(sizeof(Plane) == 16 && std::is_trivially_copyable_v<Plane>);
-static_assert(sizeof(Vec3f) == 12 && std::is_trivially_copyable_v<Vec3f>);
-static_assert(sizeof(Rgb) == 3 && std::is_trivially_copyable_v<Rgb>);
-static_assert(sizeof(Intrinsics) == 16 &&
-              std::is_trivially_copyable_v<Intrinsics>);
+// If the sizes are the sums of the fields' sizes, there is no padding.
+static_assert(sizeof(Observation) == 16 && sizeof(RayDepth) == 12 &&
+              sizeof(SuperpixelBorder) == 28 && sizeof(Plane) == 16 &&
+              sizeof(Vec3f) == 12 && sizeof(Rgb) == 3 &&
+              sizeof(Intrinsics) == 16);
 
 struct Header {
   StateFileStart start;
   int32_t width = 0;
   int32_t height = 0;
-  int32_t ratings_width = 0;
-  int32_t ratings_height = 0;
+  int32_t flags_width = 0;
+  int32_t flags_height = 0;
   Intrinsics intrinsics;
   float error_per_depth = 0.f;
   float noise = 0.f;
@@ -60,13 +52,14 @@ struct Header {
   }
   // The sizes in the order of NeighborArrays() and OwnArrays().
   std::vector<StateFileArray> Arrays() const {
-    if (width < 1 || height < 1 || ratings_width < 1 || ratings_height < 1) {
+    if (width < 1 || height < 1 || flags_width < 1 || flags_height < 1) {
       return {};
     }
-    const uint64_t num_pixels =
-        static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
-    const uint64_t num_ratings = static_cast<uint64_t>(ratings_width) *
-                                 static_cast<uint64_t>(ratings_height);
+    const auto area = [](int32_t columns, int32_t rows) {
+      return static_cast<uint64_t>(columns) * static_cast<uint64_t>(rows);
+    };
+    const uint64_t num_pixels = area(width, height);
+    const uint64_t num_flags = area(flags_width, flags_height);
     const uint64_t num_prior_pixels = HasPriorDepth() ? num_pixels : 0;
     return {{num_pixels, sizeof(uint16_t)},
             {num_pixels, sizeof(float)},
@@ -86,7 +79,7 @@ struct Header {
             {num_confirmed, sizeof(RayDepth)},
             {num_superpixels, sizeof(int)},
             {num_borders, sizeof(SuperpixelBorder)},
-            {num_ratings, sizeof(uint8_t)}};
+            {num_flags, sizeof(uint8_t)}};
   }
 };
 static_assert(sizeof(Header) == 160);
@@ -173,20 +166,19 @@ void WriteEvidence(const ContainedPath& path,
   Header header;
   header.width = evidence.width;
   header.height = evidence.height;
-  header.ratings_width = evidence.flags.Width();
-  header.ratings_height = evidence.flags.Height();
+  header.flags_width = evidence.flags.Width();
+  header.flags_height = evidence.flags.Height();
   header.intrinsics = evidence.intrinsics;
   header.error_per_depth = evidence.resolution.error_per_depth;
   header.noise = evidence.noise;
+  const PriorAssessment& assessment = evidence.prior.assessment;
   header.prior_outlier_share = evidence.prior.outlier_share;
-  header.prior_skill = evidence.prior.assessment.skill;
-  header.normal_sigma = evidence.prior.assessment.normal_sigma;
+  header.prior_skill = assessment.skill;
+  header.normal_sigma = assessment.normal_sigma;
   header.normal_outlier_share = evidence.prior.normal_outlier_share;
-  header.prior_verdict =
-      static_cast<uint16_t>(evidence.prior.assessment.verdict);
-  header.normal_verdict =
-      static_cast<uint16_t>(evidence.prior.assessment.of_normals);
-  header.prior_type = static_cast<uint32_t>(evidence.prior.assessment.type);
+  header.prior_verdict = static_cast<uint16_t>(assessment.verdict);
+  header.normal_verdict = static_cast<uint16_t>(assessment.of_normals);
+  header.prior_type = static_cast<uint32_t>(assessment.type);
   header.num_superpixels = evidence.weights.size();
   header.num_errors = evidence.errors.size();
   header.num_observations = evidence.observations.size();
@@ -235,8 +227,8 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
     evidence.confirmed.resize(header.num_confirmed);
     evidence.confirmed_pixels.resize(header.num_superpixels);
     evidence.borders.resize(header.num_borders);
-    evidence.flags = Image<uint8_t>::Uninitialized(header.ratings_width,
-                                                   header.ratings_height);
+    evidence.flags =
+        Image<uint8_t>::Uninitialized(header.flags_width, header.flags_height);
     reader.Read(OwnArrays(evidence), header.own_fingerprint);
   }
   if (const auto fault = FindEvidenceFault(evidence, parts)) {

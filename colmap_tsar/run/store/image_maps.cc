@@ -3,14 +3,17 @@
 
 #include "colmap_tsar/run/store/image_maps.h"
 
+#include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/io/gray_png.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/sigma_map.h"
 
-#include <filesystem>
+#include <algorithm>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace tsar {
@@ -33,15 +36,9 @@ Image<uint8_t> MaskOf(const Workspace& workspace,
 
 // Reads a depth map including masked pixels.
 Image<float> ReadWholeDepth(const Workspace& workspace, int image) {
-  const MapPaths paths = workspace.Paths(image, workspace.Type());
-  const SparseModel::ModelImage& model_image =
-      workspace.Model().images.at(static_cast<size_t>(image));
-  Image<float> depth = ReadDepthMap(paths.depth);
-  RequireShape(paths.depth,
-               {depth.Width(), depth.Height()},
-               {model_image.camera.width, model_image.camera.height},
-               "the image " + model_image.name,
-               "run patch_match_stereo again for this image");
+  const ContainedPath path = workspace.Paths(image, workspace.Type()).depth;
+  Image<float> depth = ReadDepthMap(path);
+  workspace.RequireShapeOfImage(image, path, {depth.Width(), depth.Height()});
   return depth;
 }
 
@@ -53,12 +50,40 @@ Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
   return RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
 }
 
+void ClearMaskedPixels(const Workspace& workspace, int image, ImageMaps* maps) {
+  const Image<uint8_t> mask = MaskOf(workspace, image, maps->depth);
+  ClearMasked(mask, &maps->depth);
+  ClearMasked(mask, &maps->normal);
+  ClearMasked(mask, &maps->confidence);
+  ClearMasked(mask, &maps->sigma);
+  ClearMasked(mask, &maps->provenance);
+  ClearMasked(mask, &maps->planes);
+}
+
+int NumThreads(const Workspace& workspace,
+               const std::vector<int>& images,
+               int num_threads) {
+  // The memory of an image's maps and of the results.
+  constexpr int64_t kBytesPerPixel = 60;
+  int64_t num_pixels = 1;
+  for (const int image : images) {
+    const Camera& camera = workspace.CameraOf(image);
+    num_pixels = std::max(num_pixels,
+                          static_cast<int64_t>(camera.width) * camera.height);
+  }
+  const int64_t room = MainMemoryBytes() / 2 / (kBytesPerPixel * num_pixels);
+  const int64_t wanted =
+      num_threads > 0
+          ? num_threads
+          : static_cast<int64_t>(std::thread::hardware_concurrency());
+  return static_cast<int>(std::max<int64_t>(1, std::min(wanted, room)));
+}
+
 }  // namespace
 
 std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
   std::vector<int> images;
-  const int num_images = static_cast<int>(workspace.Model().images.size());
-  for (int image = 0; image < num_images; ++image) {
+  for (int image = 0; image < workspace.NumImages(); ++image) {
     const MapPaths paths = workspace.Paths(image, workspace.Type());
     if (Exists(paths.depth) && Exists(paths.normal)) {
       images.push_back(image);
@@ -70,10 +95,9 @@ std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
 std::vector<int> FindRefinedImages(const Workspace& workspace) {
   const MapType type = workspace.Type();
   std::vector<int> refined;
-  const int num_images = static_cast<int>(workspace.Model().images.size());
-  for (int image = 0; image < num_images; ++image) {
+  for (int image = 0; image < workspace.NumImages(); ++image) {
     if (workspace.HasMaps(image, type) &&
-        Exists(workspace.ProvenancePath(image, type))) {
+        Exists(workspace.Paths(image, type).provenance)) {
       refined.push_back(image);
     }
   }
@@ -117,13 +141,7 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
   maps.sigma = ReadIfThere(maps.depth, paths.sigma, &ReadSigmaMap);
   maps.provenance = ReadIfThere(maps.depth, paths.provenance, &ReadGrayPng);
   maps.planes = ReadIfThere(maps.depth, paths.planes, &ReadGray16Png);
-  const Image<uint8_t> mask = MaskOf(workspace, image, maps.depth);
-  ClearMasked(mask, &maps.depth);
-  ClearMasked(mask, &maps.normal);
-  ClearMasked(mask, &maps.confidence);
-  ClearMasked(mask, &maps.sigma);
-  ClearMasked(mask, &maps.provenance);
-  ClearMasked(mask, &maps.planes);
+  ClearMaskedPixels(workspace, image, &maps);
   return maps;
 }
 
@@ -132,10 +150,16 @@ ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image) {
   ImageMaps maps;
   maps.depth = std::move(original.depth);
   maps.normal = std::move(original.normal);
-  const Image<uint8_t> mask = MaskOf(workspace, image, maps.depth);
-  ClearMasked(mask, &maps.depth);
-  ClearMasked(mask, &maps.normal);
+  ClearMaskedPixels(workspace, image, &maps);
   return maps;
+}
+
+void ForEachImage(const Workspace& workspace,
+                  const std::vector<int>& images,
+                  int num_threads,
+                  const std::function<void(size_t)>& function) {
+  ThreadPool threads(NumThreads(workspace, images, num_threads));
+  threads.ForEach(images.size(), function);
 }
 
 }  // namespace tsar

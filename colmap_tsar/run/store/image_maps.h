@@ -7,8 +7,10 @@
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/run/store/workspace.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -54,5 +56,14 @@ Image<float> ReadImageDepth(const Workspace& workspace, int image);
 Image<Vec3f> ReadImageNormal(const Workspace& workspace,
                              int image,
                              const Image<float>& depth);
+
+// Calls function(i) for each index i in `images`, from several threads;
+// rethrows the first exception. For work that holds all maps of an image.
+// num_threads: -1 for one per core; fewer where the images are so large that
+// half of the main memory would not suffice.
+void ForEachImage(const Workspace& workspace,
+                  const std::vector<int>& images,
+                  int num_threads,
+                  const std::function<void(size_t)>& function);
 
 }  // namespace tsar

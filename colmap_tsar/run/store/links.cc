@@ -57,11 +57,9 @@ void ReplaceByLink(const std::filesystem::path& target,
   RenameFile(link.Parent() / temporary, link);
 }
 
-void LinkMap(OriginalState state,
-             const std::filesystem::path& original,
-             const ContainedPath& link) {
-  if (state != OriginalState::kMissing) {
-    ReplaceByLink(original, link);
+void LinkMap(const OriginalMap& original, const ContainedPath& link) {
+  if (original.state != OriginalState::kMissing) {
+    ReplaceByLink(original.path, link);
   } else {
     RemoveFile(link);
   }

@@ -17,9 +17,7 @@ void ReplaceByLink(const std::filesystem::path& target,
 
 // Links one map of an output workspace to its original; where the input has no
 // such map, removes an existing one.
-void LinkMap(OriginalState state,
-             const std::filesystem::path& original,
-             const ContainedPath& link);
+void LinkMap(const OriginalMap& original, const ContainedPath& link);
 
 // Throws Error kUnsupported where a folder of `stereo`, or `stereo` itself, is
 // a link that leads out of the workspace: files there belong to somebody else.

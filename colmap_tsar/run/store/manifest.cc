@@ -14,10 +14,7 @@
 namespace tsar {
 
 int Manifest::NumImages(ImageStatus status) const {
-  return static_cast<int>(
-      std::count_if(images.begin(), images.end(), [&](const Entry& entry) {
-        return entry.status == status;
-      }));
+  return static_cast<int>(std::ranges::count(images, status, &Entry::status));
 }
 
 Manifest BuildManifest(const Workspace& workspace,
@@ -29,8 +26,7 @@ Manifest BuildManifest(const Workspace& workspace,
   manifest.options = options;
   for (const StereoProblem& problem : workspace.Problems()) {
     Manifest::Entry entry;
-    entry.image =
-        workspace.Model().images[static_cast<size_t>(problem.reference)].name;
+    entry.image = workspace.Name(problem.reference);
     const std::optional<ImageRecord> record =
         ReadRecord(workspace.Paths(problem.reference, workspace.Type()).record);
     if (record && record->options_hash == options_hash) {
@@ -50,13 +46,12 @@ Manifest BuildManifest(const Workspace& workspace,
   return manifest;
 }
 
-void NoteMasks(const std::optional<int64_t>& num_masks, Manifest* manifest) {
+void NoteMasksAndPriors(const std::optional<int64_t>& num_masks,
+                        const std::optional<int64_t>& num_priors,
+                        Manifest* manifest) {
   if (num_masks) {
     manifest->runtime["masks"] = std::to_string(*num_masks);
   }
-}
-
-void NotePriors(const std::optional<int64_t>& num_priors, Manifest* manifest) {
   if (num_priors) {
     manifest->runtime["depth_priors"] = std::to_string(*num_priors);
   }

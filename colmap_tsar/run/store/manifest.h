@@ -45,8 +45,9 @@ Manifest BuildManifest(const Workspace& workspace,
 
 // Writes to the manifest for how many images masks and depth priors were used;
 // nothing where none were given.
-void NoteMasks(const std::optional<int64_t>& num_masks, Manifest* manifest);
-void NotePriors(const std::optional<int64_t>& num_priors, Manifest* manifest);
+void NoteMasksAndPriors(const std::optional<int64_t>& num_masks,
+                        const std::optional<int64_t>& num_priors,
+                        Manifest* manifest);
 
 // Writes the manifest atomically.
 void WriteManifest(const Workspace& workspace, const Manifest& manifest);

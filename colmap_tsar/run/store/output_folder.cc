@@ -60,6 +60,10 @@ bool IsThere(const fs::path& path) {
   return TypeOf(path) != fs::file_type::not_found;
 }
 
+std::string TemporaryMarker(const OutputFolderKind& kind) {
+  return std::string(kind.unfinished_file) + AtomicFile::kTemporarySuffix;
+}
+
 // Whether it is an unfinished folder of this program: one that is empty, holds
 // only the marker's temporary file, or is marked.
 bool IsUnfinished(const OutputFolderKind& kind, const fs::path& path) {
@@ -67,17 +71,14 @@ bool IsUnfinished(const OutputFolderKind& kind, const fs::path& path) {
     return false;
   }
   const std::vector<Folder::Entry> entries = Folder(UserPath(path)).List();
-  const std::string marker = kind.unfinished_file;
-  return std::all_of(entries.begin(),
-                     entries.end(),
-                     [&](const Folder::Entry& entry) {
-                       return entry.name ==
-                              marker + AtomicFile::kTemporarySuffix;
-                     }) ||
-         std::any_of(
-             entries.begin(), entries.end(), [&](const Folder::Entry& entry) {
-               return entry.name == marker && !entry.is_folder;
-             });
+  const auto is_temporary = [&](const Folder::Entry& entry) {
+    return entry.name == TemporaryMarker(kind);
+  };
+  const auto is_marker = [&](const Folder::Entry& entry) {
+    return entry.name == kind.unfinished_file && !entry.is_folder;
+  };
+  return std::ranges::all_of(entries, is_temporary) ||
+         std::ranges::any_of(entries, is_marker);
 }
 
 void Mark(const OutputFolderKind& kind, const fs::path& folder) {
@@ -155,7 +156,7 @@ std::optional<std::set<std::string>> ReadList(const OutputFolderKind& kind,
   while (std::getline(file, name)) {
     names.insert(name);
   }
-  return names.count(kind.list_file) != 0 ? std::optional(names) : std::nullopt;
+  return names.contains(kind.list_file) ? std::optional(names) : std::nullopt;
 }
 
 // Throws where the folder holds anything that is not listed.
@@ -177,16 +178,15 @@ void CheckHoldsNothingElse(const OutputFolderKind& kind, const fs::path& path) {
     }
   }
   const ContainedPath folder = UserPath(path);
-  const std::string marker = kind.unfinished_file;
   const std::vector<TreeEntry> tree = ListTree(folder);
   const TreeEntry* foreign = nullptr;  // A file rather than the folder above.
   for (const TreeEntry& entry : tree) {
     const std::string name = NameIn(folder, entry);
     const bool is_known =
-        entry.is_folder
-            ? folders.count(name) != 0
-            : !entry.is_link && (files->count(name) != 0 || name == marker ||
-                                 name == marker + AtomicFile::kTemporarySuffix);
+        entry.is_folder ? folders.contains(name)
+                        : !entry.is_link && (files->contains(name) ||
+                                             name == kind.unfinished_file ||
+                                             name == TemporaryMarker(kind));
     if (!is_known &&
         (foreign == nullptr || (foreign->is_folder && !entry.is_folder))) {
       foreign = &entry;

@@ -64,10 +64,10 @@ bool IsEmptyOrBegun(const std::filesystem::path& output) {
   const ContainedPath marker =
       GetTsarFolder(output) /
       (std::string(kMarkerName) + AtomicFile::kTemporarySuffix);
-  const std::vector<TreeEntry> tree = ListTree({output, {}});
-  return std::all_of(tree.begin(), tree.end(), [&](const TreeEntry& entry) {
-    return IsWithin(marker.Path(), entry.path.Path());
-  });
+  return std::ranges::all_of(
+      ListTree({output, {}}), [&](const TreeEntry& entry) {
+        return IsWithin(marker.Path(), entry.path.Path());
+      });
 }
 
 void RequireEmptyOrOutputOf(const std::filesystem::path& input,
@@ -160,12 +160,10 @@ bool RelinkOutput(const std::filesystem::path& input,
 }
 
 // Links to the original, unless the map has been refined there.
-void LinkUnlessRefined(OriginalState state,
-                       const std::filesystem::path& original,
-                       const ContainedPath& map) {
+void LinkUnlessRefined(const OriginalMap& original, const ContainedPath& map) {
   const auto status = std::filesystem::symlink_status(map.Path());
   if (!std::filesystem::is_regular_file(status)) {
-    LinkMap(state, original, map);
+    LinkMap(original, map);
   }
 }
 
@@ -175,19 +173,16 @@ bool LinkMaps(const Workspace& input, const std::filesystem::path& output) {
     CreateFolders({output, std::filesystem::path("stereo") / folder});
   }
   bool has_stored = false;
-  const int num_images = static_cast<int>(input.Model().images.size());
-  for (int image = 0; image < num_images; ++image) {
-    const std::string& name =
-        input.Model().images[static_cast<size_t>(image)].name;
+  for (int image = 0; image < input.NumImages(); ++image) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const OriginalMaps originals =
           FindOriginals(input.SourcePaths(image, type));
-      const MapPaths paths = GetMapPaths(output, name, type);
-      LinkUnlessRefined(originals.depth_state, originals.depth, paths.depth);
-      LinkUnlessRefined(originals.normal_state, originals.normal, paths.normal);
+      const MapPaths paths = GetMapPaths(output, input.Name(image), type);
+      LinkUnlessRefined(originals.depth, paths.depth);
+      LinkUnlessRefined(originals.normal, paths.normal);
       has_stored = has_stored ||
-                   originals.depth_state == OriginalState::kStored ||
-                   originals.normal_state == OriginalState::kStored;
+                   originals.depth.state == OriginalState::kStored ||
+                   originals.normal.state == OriginalState::kStored;
     }
   }
   return has_stored;

@@ -16,6 +16,15 @@
 #include <nlohmann/json.hpp>
 
 namespace tsar {
+
+// The conversions that nlohmann::json looks for.
+static void to_json(nlohmann::json& json, const WrittenMap& map) {
+  json = ToText(map);
+}
+static void from_json(const nlohmann::json& json, WrittenMap& map) {
+  map = WrittenMapFromText(json.get<std::string>());
+}
+
 namespace {
 
 constexpr std::array kStatusNames = {
@@ -27,7 +36,7 @@ constexpr std::array kStatusNames = {
 };
 
 Error CorruptRecord(const std::filesystem::path& path,
-                    const std::string& what = "not a record of this program") {
+                    const std::string& what) {
   return Error::File(ErrorCode::kCorrupt,
                      path.string(),
                      what,
@@ -42,22 +51,6 @@ bool IsRecordOf(const ImageRecord& record, const std::filesystem::path& path) {
          path.generic_string().ends_with(end);
 }
 
-nlohmann::json ToJson(const std::vector<WrittenMap>& maps) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const WrittenMap& map : maps) {
-    list.push_back(ToText(map));
-  }
-  return list;
-}
-
-std::vector<WrittenMap> WrittenFromJson(const nlohmann::json& list) {
-  std::vector<WrittenMap> maps;
-  for (const nlohmann::json& entry : list) {
-    maps.push_back(WrittenMapFromText(entry.get<std::string>()));
-  }
-  return maps;
-}
-
 std::string OriginalToText(const std::optional<WrittenMap>& map) {
   return map ? ToText(*map) : "";
 }
@@ -65,23 +58,6 @@ std::string OriginalToText(const std::optional<WrittenMap>& map) {
 std::optional<WrittenMap> OriginalFromJson(const nlohmann::json& json) {
   const std::string text = json.get<std::string>();
   return text.empty() ? std::nullopt : std::optional(WrittenMapFromText(text));
-}
-
-nlohmann::json ToJson(const std::map<std::string, WrittenMap>& files) {
-  nlohmann::json json = nlohmann::json::object();
-  for (const auto& [name, file] : files) {
-    json[name] = ToText(file);
-  }
-  return json;
-}
-
-std::map<std::string, WrittenMap> ResultsFromJson(const nlohmann::json& json) {
-  std::map<std::string, WrittenMap> files;
-  for (const auto& [name, text] :
-       json.get<std::map<std::string, std::string>>()) {
-    files[name] = WrittenMapFromText(text);
-  }
-  return files;
 }
 
 }  // namespace
@@ -111,11 +87,14 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
         EnumValue(kStatusNames, json.at("status").get<std::string>());
     record.options_hash = json.at("options_hash").get<std::string>();
     record.inputs = json.at("inputs").get<std::map<std::string, std::string>>();
-    record.written_depth = WrittenFromJson(json.at("written_depth"));
-    record.written_normal = WrittenFromJson(json.at("written_normal"));
-    record.results = ResultsFromJson(json.at("results"));
-    record.original_depth = OriginalFromJson(json.at("original_depth"));
-    record.original_normal = OriginalFromJson(json.at("original_normal"));
+    record.depth.written =
+        json.at("written_depth").get<std::vector<WrittenMap>>();
+    record.normal.written =
+        json.at("written_normal").get<std::vector<WrittenMap>>();
+    record.results =
+        json.at("results").get<std::map<std::string, WrittenMap>>();
+    record.depth.original = OriginalFromJson(json.at("original_depth"));
+    record.normal.original = OriginalFromJson(json.at("original_normal"));
     record.counts = json.at("counts").get<std::map<std::string, int64_t>>();
     record.seconds = json.at("seconds").get<std::map<std::string, double>>();
     record.note = json.at("note").get<std::string>();
@@ -125,11 +104,10 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
     }
     return record;
   } catch (const nlohmann::json::exception&) {
-    throw CorruptRecord(path);
   } catch (const std::logic_error&) {
     // An invalid status or fingerprint.
-    throw CorruptRecord(path);
   }
+  throw CorruptRecord(path, "not a record of this program");
 }
 
 std::optional<ImageRecord> ReadRecordIfValid(
@@ -153,11 +131,11 @@ void WriteRecord(const ContainedPath& path, const ImageRecord& record) {
       {"status", ToString(record.status)},
       {"options_hash", record.options_hash},
       {"inputs", record.inputs},
-      {"written_depth", ToJson(record.written_depth)},
-      {"written_normal", ToJson(record.written_normal)},
-      {"results", ToJson(record.results)},
-      {"original_depth", OriginalToText(record.original_depth)},
-      {"original_normal", OriginalToText(record.original_normal)},
+      {"written_depth", record.depth.written},
+      {"written_normal", record.normal.written},
+      {"results", record.results},
+      {"original_depth", OriginalToText(record.depth.original)},
+      {"original_normal", OriginalToText(record.normal.original)},
       {"counts", record.counts},
       {"seconds", record.seconds},
       {"note", record.note},

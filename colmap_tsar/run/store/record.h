@@ -25,6 +25,16 @@ enum class ImageStatus {
 
 std::string ToString(ImageStatus status);
 
+// The record of a depth or normal map.
+struct MapRecord {
+  // The maps of this program that may be in place, the latest first. More than
+  // one only while maps are being replaced.
+  std::vector<WrittenMap> written;
+  // The original that the map was made from, to recognize one that was put back
+  // or whose stored file was changed. Nothing in output workspaces.
+  std::optional<WrittenMap> original;
+};
+
 // The record of one image's maps of one type, stored as
 // stereo/tsar/records/NAME.TYPE.json. The caller of WriteBack fills in
 // options_hash, inputs, counts, seconds and note, WriteBack the rest.
@@ -39,17 +49,10 @@ struct ImageRecord {
   // The input with the fingerprint of the planes of the scene; empty where
   // there were none.
   static constexpr const char* kPlanes = "planes";
-  // The maps of this program that may be in place, the latest first. More than
-  // one only while maps are being replaced.
-  std::vector<WrittenMap> written_depth;
-  std::vector<WrittenMap> written_normal;
+  MapRecord depth;
+  MapRecord normal;
   // The files that belong to the maps, by their names in ResultFiles().
   std::map<std::string, WrittenMap> results;
-  // The originals that the maps were made from, to recognize an original that
-  // was put back or whose stored file was changed. Nothing in output
-  // workspaces.
-  std::optional<WrittenMap> original_depth;
-  std::optional<WrittenMap> original_normal;
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;
   std::string note;

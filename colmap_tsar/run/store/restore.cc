@@ -4,22 +4,23 @@
 #include "colmap_tsar/run/store/restore.h"
 
 #include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/run/store/map_state.h"
+#include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/run/store/result_files.h"
-#include "colmap_tsar/run/store/superseded.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 
-#include <algorithm>
+#include <array>
 #include <optional>
 #include <set>
+#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -28,6 +29,12 @@ namespace {
 // The folders of stereo/tsar that stay after a restoration, if not empty.
 constexpr const char* kOriginals = "original";
 constexpr const char* kRecords = "records";
+
+constexpr std::array kConflictNames = {
+    std::pair(RestoreConflicts::kReport, "report"),
+    std::pair(RestoreConflicts::kKeep, "keep"),
+    std::pair(RestoreConflicts::kOriginal, "original"),
+};
 
 // The restoration of one image's maps of one type.
 class ImageRestorer {
@@ -42,25 +49,26 @@ class ImageRestorer {
         record_(ReadRecordIfValid(paths.record)),
         depth_(Inspect(paths.depth,
                        paths.original_depth,
-                       record_ ? &record_->written_depth : nullptr)),
+                       record_ ? &record_->depth.written : nullptr)),
         normal_(Inspect(paths.normal,
                         paths.original_normal,
-                        record_ ? &record_->written_normal : nullptr)),
+                        record_ ? &record_->normal.written : nullptr)),
         is_changed_(
             IsStoredChanged(depth_,
                             paths.original_depth,
-                            record_ ? record_->original_depth : std::nullopt) ||
+                            record_ ? record_->depth.original : std::nullopt) ||
             IsStoredChanged(
                 normal_,
                 paths.original_normal,
-                record_ ? record_->original_normal : std::nullopt)) {
+                record_ ? record_->normal.original : std::nullopt)) {
     for (const ResultFile& result : ResultFiles(paths_)) {
       RequireNoFolder(result.path->Path());
     }
   }
 
   void Run() {
-    if (record_ && IsAnyRefinedWithoutOriginal()) {
+    if (record_ && ((!depth_ && IsRefined(paths_.depth, &record_->depth)) ||
+                    (!normal_ && IsRefined(paths_.normal, &record_->normal)))) {
       // Without its record, a refined map would count as an original.
       result_->lost.push_back(paths_.depth.Path());
       return;
@@ -102,24 +110,6 @@ class ImageRestorer {
     return std::filesystem::exists(status)
                ? std::optional(InspectMap(current, stored, written))
                : std::nullopt;
-  }
-
-  bool IsAnyRefinedWithoutOriginal() const {
-    return (!depth_ && IsRefined(paths_.depth,
-                                 record_->written_depth,
-                                 record_->original_depth)) ||
-           (!normal_ && IsRefined(paths_.normal,
-                                  record_->written_normal,
-                                  record_->original_normal));
-  }
-
-  // Whether a map without a stored original is a refined one.
-  static bool IsRefined(const ContainedPath& current,
-                        const std::vector<WrittenMap>& written,
-                        const std::optional<WrittenMap>& original) {
-    const MapState state =
-        InspectMapWithoutOriginal(current, &written, original);
-    return state == MapState::kWritten || state == MapState::kEdited;
   }
 
   void PutBack() {
@@ -201,14 +191,8 @@ bool HasRunState(const std::filesystem::path& root) {
 }
 
 RestoreConflicts ParseRestoreConflicts(const std::string& text) {
-  if (text == "report") {
-    return RestoreConflicts::kReport;
-  }
-  if (text == "keep") {
-    return RestoreConflicts::kKeep;
-  }
-  if (text == "original") {
-    return RestoreConflicts::kOriginal;
+  if (const auto conflicts = FindEnumValue(kConflictNames, text)) {
+    return *conflicts;
   }
   throw Error(ErrorCode::kBadOption,
               OptionName("restore_conflicts") + ": '" + text +

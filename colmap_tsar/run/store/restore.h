@@ -47,7 +47,7 @@ struct RestoreResult {
 // Puts the originals of all types back under their names, and removes the files
 // of this program: confidence, provenance and plane maps and stereo/tsar. An
 // original is only removed by being put back; maps that another program wrote
-// in its place are never removed (see superseded.h). Depth and normals of an
+// in its place are never removed (see Supersede). Depth and normals of an
 // image always come from one source. The stored originals of an image whose
 // maps were kept stay in stereo/tsar.
 //

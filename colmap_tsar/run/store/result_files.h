@@ -4,8 +4,11 @@
 #pragma once
 
 #include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <array>
+#include <string>
+#include <vector>
 
 namespace tsar {
 
@@ -24,5 +27,13 @@ std::array<ResultFile, 4> ResultFiles(const MapPaths& paths);
 
 // Removes the result files.
 void RemoveResults(const MapPaths& paths);
+
+// For programs that read the files that refinement writes beside the maps, of
+// the workspace's type: gives one warning about files that are missing or
+// differ from their images' records. names: of ResultFiles(); empty: all.
+// Throws what ReadRecord and HashFile throw, except for corrupt records, which
+// are another warning.
+void WarnOfChangedResults(const Workspace& workspace,
+                          const std::vector<std::string>& names = {});
 
 }  // namespace tsar

@@ -15,8 +15,7 @@
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 
-#include <optional>
-#include <string>
+#include <algorithm>
 #include <system_error>
 
 #include <opencv2/core.hpp>
@@ -54,12 +53,10 @@ auto OpenStoredOrCurrent(const std::filesystem::path& stored,
   return open(current);
 }
 
-void RequireMap(OriginalState state,
-                const std::filesystem::path& path,
-                const char* kind) {
-  if (state == OriginalState::kMissing) {
+void RequireMap(const OriginalMap& map, const char* kind) {
+  if (map.state == OriginalState::kMissing) {
     throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
+                      map.path.string(),
                       std::string("the image has no ") + kind + " map",
                       "run patch_match_stereo for this image");
   }
@@ -105,13 +102,31 @@ void Workspace::WarnOfSourcesLeftOut() const {
   tsar::WarnOfSourcesLeftOut(ConfigPath(root_), problems_);
 }
 
+std::vector<int> Workspace::ReferencesOf(
+    const std::vector<size_t>& problems) const {
+  std::vector<int> references;
+  for (const size_t index : problems) {
+    references.push_back(problems_[index].reference);
+  }
+  return references;
+}
+
+void Workspace::RequireShapeOfImage(int image,
+                                    const std::filesystem::path& map,
+                                    const RasterSize& size) const {
+  RequireShape(map,
+               size,
+               SizeOfImage(image),
+               "the image " + Name(image),
+               "run patch_match_stereo again for this image");
+}
+
 std::filesystem::path Workspace::ImagePath(int image) const {
-  return root_ / "images" / model_.images.at(static_cast<size_t>(image)).name;
+  return root_ / "images" / Name(image);
 }
 
 MapPaths Workspace::Paths(int image, MapType type) const {
-  return GetMapPaths(
-      root_, model_.images.at(static_cast<size_t>(image)).name, type);
+  return GetMapPaths(root_, Name(image), type);
 }
 
 std::filesystem::path Workspace::DepthPath(int image, MapType type) const {
@@ -122,25 +137,8 @@ std::filesystem::path Workspace::CostPath(int image, MapType type) const {
   return Paths(image, type).cost;
 }
 
-std::filesystem::path Workspace::ConfidencePath(int image, MapType type) const {
-  return Paths(image, type).confidence;
-}
-
-std::filesystem::path Workspace::SigmaPath(int image, MapType type) const {
-  return Paths(image, type).sigma;
-}
-
-std::filesystem::path Workspace::ProvenancePath(int image, MapType type) const {
-  return Paths(image, type).provenance;
-}
-
-std::filesystem::path Workspace::PlanesPath(int image, MapType type) const {
-  return Paths(image, type).planes;
-}
-
 MapPaths Workspace::SourcePaths(int image, MapType type) const {
-  return GetMapPaths(
-      source_root_, model_.images.at(static_cast<size_t>(image)).name, type);
+  return GetMapPaths(source_root_, Name(image), type);
 }
 
 void Workspace::TrustStoredOriginals() {
@@ -166,8 +164,7 @@ std::filesystem::path Workspace::MaskPath(int image) const {
 }
 
 RasterSize Workspace::SizeOfImage(int image) const {
-  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
-  return {camera.width, camera.height};
+  return {CameraOf(image).width, CameraOf(image).height};
 }
 
 MaskSizes Workspace::SizesOfMask(int image, const RasterSize& maps) const {
@@ -193,6 +190,16 @@ void Workspace::CheckMask(int image, const RasterSize& maps) const {
   if (HasMask(image)) {
     CheckImageMask(MaskPath(image), SizesOfMask(image, maps));
   }
+}
+
+std::optional<int64_t> Workspace::CountMasks(
+    const std::vector<int>& images) const {
+  // A folder of masks is refused if it holds none of the images'.
+  if (masks_.empty()) {
+    return std::nullopt;
+  }
+  return std::ranges::count_if(images,
+                               [&](int image) { return HasMask(image); });
 }
 
 void Workspace::UsePriors(const std::filesystem::path& folder, PriorType type) {
@@ -250,15 +257,14 @@ bool Workspace::HasMaps(int image, MapType type) const {
 
 Image<Rgb> Workspace::ReadImage(int image, int width, int height) const {
   const std::filesystem::path path = ImagePath(image);
-  const Camera& camera = model_.images.at(static_cast<size_t>(image)).camera;
+  const RasterSize size = SizeOfImage(image);
   Image<Rgb> photo = ReadPhoto(path);
-  if (photo.Width() != camera.width || photo.Height() != camera.height) {
+  if (photo.Width() != size.width || photo.Height() != size.height) {
     throw Error::File(ErrorCode::kMismatch,
                       path.string(),
                       "the image has " +
                           ToString(RasterSize{photo.Width(), photo.Height()}) +
-                          " pixels, its camera " +
-                          ToString(RasterSize{camera.width, camera.height}),
+                          " pixels, its camera " + ToString(size),
                       "make the workspace again with image_undistorter");
   }
   if (photo.Width() == width && photo.Height() == height) {
@@ -288,13 +294,7 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
   const MapPaths paths = SourcePaths(image, type);
   const auto open = [&]<typename Reader>(const std::filesystem::path& path) {
     Reader map(path);
-    const SparseModel::ModelImage& model_image =
-        model_.images[static_cast<size_t>(image)];
-    RequireShape(path,
-                 {map.Size().width, map.Size().height},
-                 {model_image.camera.width, model_image.camera.height},
-                 "the image " + model_image.name,
-                 "run patch_match_stereo again for this image");
+    RequireShapeOfImage(image, path, {map.Size().width, map.Size().height});
     return map;
   };
   const auto open_depth = [&](const std::filesystem::path& path) {
@@ -313,9 +313,10 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
     }
     const OriginalMaps originals =
         FindOriginals(paths, Scrutiny::kTimeAndSamples);
-    RequireMap(originals.depth_state, originals.depth, "depth");
-    RequireMap(originals.normal_state, originals.normal, "normal");
-    return {open_depth(originals.depth), open_normal(originals.normal)};
+    RequireMap(originals.depth, "depth");
+    RequireMap(originals.normal, "normal");
+    return {open_depth(originals.depth.path),
+            open_normal(originals.normal.path)};
   };
   DepthNormalReader maps = open_both();
   const MapSize& normal = maps.normal.Size();

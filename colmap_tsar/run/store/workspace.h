@@ -8,14 +8,18 @@
 #include "colmap_tsar/io/image_mask.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/io/map_reader.h"
+#include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/patch_match_config.h"
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/priors/prior_folder.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace tsar {
@@ -60,6 +64,21 @@ class Workspace {
   const std::vector<StereoProblem>& Problems() const { return problems_; }
   // Warns in one line of sources of these problems that were left out.
   void WarnOfSourcesLeftOut() const;
+  // The references of the problems with these indices.
+  std::vector<int> ReferencesOf(const std::vector<size_t>& problems) const;
+
+  int NumImages() const { return static_cast<int>(model_.images.size()); }
+  const std::string& Name(int image) const {
+    return model_.images.at(static_cast<size_t>(image)).name;
+  }
+  // Its size is that of the image.
+  const Camera& CameraOf(int image) const {
+    return model_.images.at(static_cast<size_t>(image)).camera;
+  }
+  // Throws kMismatch where a map of this size is not of the image's shape.
+  void RequireShapeOfImage(int image,
+                           const std::filesystem::path& map,
+                           const RasterSize& size) const;
 
   // The workspace that holds the originals: another one if this one was made by
   // CreateOutputWorkspace, otherwise this one.
@@ -72,10 +91,6 @@ class Workspace {
   MapPaths SourcePaths(int image, MapType type) const;
   std::filesystem::path DepthPath(int image, MapType type) const;
   std::filesystem::path CostPath(int image, MapType type) const;
-  std::filesystem::path ConfidencePath(int image, MapType type) const;
-  std::filesystem::path SigmaPath(int image, MapType type) const;
-  std::filesystem::path ProvenancePath(int image, MapType type) const;
-  std::filesystem::path PlanesPath(int image, MapType type) const;
 
   // From now on, ReadOriginalMaps() takes the stored maps of references and
   // this type, if any, without a record: other programs may be at work on these
@@ -95,6 +110,8 @@ class Workspace {
   Image<uint8_t> ReadMaskOfImage(int image, const RasterSize& maps) const;
   // Checks the mask of an image without reading it, see CheckImageMask.
   void CheckMask(int image, const RasterSize& maps) const;
+  // The number of these images that have a mask; nothing without masks.
+  std::optional<int64_t> CountMasks(const std::vector<int>& images) const;
 
   // From now on, images have the depth priors in this folder, see
   // priors/prior_folder.h; none where it is empty. Throws Error: what

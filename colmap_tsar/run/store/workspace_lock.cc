@@ -99,7 +99,7 @@ int LockOnce(int descriptor, Mode mode) {
   return reason;
 }
 
-int Lock(int descriptor, Mode mode) {
+int LockMode(int descriptor, Mode mode) {
   // A program that leaves holds the lock exclusively for a moment, and two that
   // come at once may both give way.
   constexpr int kMaxAttempts = 20;
@@ -189,68 +189,77 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
   if (!IsReader(mode)) {
     RequireFoldersInside(root);
   }
-  // Some folders can never be made.
-  constexpr int kMaxMissing = 100;
-  int num_missing = 0;
   do {
     if (descriptor_ >= 0) {
       close(std::exchange(descriptor_, -1));
     }
-    Opened opened;
-    try {
-      opened = OpenFile(path_, mode != Mode::kSharedIfThere);
-    } catch (const Error& failure) {
-      if (!IsReader(mode)) {
-        throw;
+  } while (Open() && Lock(shard) && !StillHasName());
+}
+
+bool WorkspaceLock::Open() {
+  // Some folders can never be made.
+  constexpr int kMaxMissing = 100;
+  Opened opened;
+  try {
+    // A former holder may have just removed the folder.
+    for (int i = 0; i < kMaxMissing; ++i) {
+      opened = OpenFile(path_, mode_ != Mode::kSharedIfThere);
+      if (opened.error != ENOENT || mode_ == Mode::kSharedIfThere) {
+        break;
       }
-      Warn(std::string(failure.what()) +
-           "; do not change this workspace while it is read");
-      return;
     }
-    descriptor_ = opened.descriptor;
-    if (opened.error == ENOENT && mode == Mode::kSharedIfThere) {
-      return;
+  } catch (const Error& failure) {
+    if (!IsReader(mode_)) {
+      throw;
     }
-    if (opened.error == ENOENT && ++num_missing < kMaxMissing) {
-      continue;  // The former holder has just removed the folder.
-    }
-    if (opened.error != 0 && IsReader(mode)) {
-      Warn(path_.string() + ": the file cannot be written (" +
-           ReasonText(opened.error) +
-           "); do not change this workspace while it is read");
-      return;
-    }
-    if (opened.error != 0) {
-      throw Error::File(
-          ErrorCode::kIo,
-          path_.string(),
-          "cannot be written (" + ReasonText(opened.error) + ")",
-          "check the permissions there, and remove what is no file");
-    }
-    int reason = Lock(descriptor_, ForLocks(mode));
-    if (reason == EAGAIN) {
-      close(descriptor_);
-      throw InUse(path_, mode);
-    }
-    if (reason == 0 && shard) {
-      reason =
-          Control(descriptor_, F_OFD_SETLK, F_WRLCK, {kFirstShard + *shard, 1});
-    }
-    if (reason == EAGAIN) {
-      close(descriptor_);
-      throw Error::File(ErrorCode::kUnsupported,
-                        path_.string(),
-                        "another program is working on shard " +
-                            std::to_string(*shard) + " of this workspace",
-                        "wait until it has ended");
-    }
-    if (reason != 0) {
-      Warn(path_.string() + ": the file cannot be locked (" +
-           std::strerror(reason) +
-           "); do not start a second program on this workspace");
-      return;
-    }
-  } while (!StillHasName());
+    Warn(std::string(failure.what()) +
+         "; do not change this workspace while it is read");
+    return false;
+  }
+  descriptor_ = opened.descriptor;
+  if (opened.error == ENOENT && mode_ == Mode::kSharedIfThere) {
+    return false;
+  }
+  if (opened.error != 0 && IsReader(mode_)) {
+    Warn(path_.string() + ": the file cannot be written (" +
+         ReasonText(opened.error) +
+         "); do not change this workspace while it is read");
+    return false;
+  }
+  if (opened.error != 0) {
+    throw Error::File(
+        ErrorCode::kIo,
+        path_.string(),
+        "cannot be written (" + ReasonText(opened.error) + ")",
+        "check the permissions there, and remove what is no file");
+  }
+  return true;
+}
+
+bool WorkspaceLock::Lock(std::optional<int> shard) {
+  int reason = LockMode(descriptor_, ForLocks(mode_));
+  if (reason == EAGAIN) {
+    close(descriptor_);
+    throw InUse(path_, mode_);
+  }
+  if (reason == 0 && shard) {
+    reason =
+        Control(descriptor_, F_OFD_SETLK, F_WRLCK, {kFirstShard + *shard, 1});
+  }
+  if (reason == EAGAIN) {
+    close(descriptor_);
+    throw Error::File(ErrorCode::kUnsupported,
+                      path_.string(),
+                      "another program is working on shard " +
+                          std::to_string(*shard) + " of this workspace",
+                      "wait until it has ended");
+  }
+  if (reason != 0) {
+    Warn(path_.string() + ": the file cannot be locked (" +
+         std::strerror(reason) +
+         "); do not start a second program on this workspace");
+  }
+  return reason == 0;
 }
 
 bool WorkspaceLock::StillHasName() {

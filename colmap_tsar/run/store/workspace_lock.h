@@ -47,6 +47,10 @@ class WorkspaceLock {
   WorkspaceLock& operator=(const WorkspaceLock&) = delete;
 
  private:
+  // These return whether the lock can be had; where it cannot, a warning says
+  // so, unless the mode is kSharedIfThere and there is no file.
+  bool Open();
+  bool Lock(std::optional<int> shard);
   bool StillHasName();
   void Release();
 

@@ -16,7 +16,6 @@
 #include "colmap_tsar/run/store/links.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/result_files.h"
-#include "colmap_tsar/run/store/superseded.h"
 
 #include <algorithm>
 #include <optional>
@@ -42,8 +41,7 @@ void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
 
 Image<uint8_t> ToLevels(const Image<float>& confidence) {
   Image<uint8_t> levels(confidence.Width(), confidence.Height());
-  std::transform(
-      confidence.begin(), confidence.end(), levels.begin(), &ToConfidenceLevel);
+  std::ranges::transform(confidence, levels.begin(), &ToConfidenceLevel);
   return levels;
 }
 
@@ -76,32 +74,28 @@ void SupersedeOriginal(const ContainedPath& current,
 void KeepOriginal(OriginalState state,
                   const ContainedPath& current,
                   const ContainedPath& stored) {
-  switch (state) {
-    case OriginalState::kMissing:
-      throw Error::File(ErrorCode::kNotFound,
-                        current.string(),
-                        "there is no map to refine",
-                        "run patch_match_stereo for this image");
-    case OriginalState::kInPlace:
-    case OriginalState::kReplaced:
-      LinkOrCopyFile(current, stored);
-      break;
-    case OriginalState::kStored:
-      break;
+  if (state == OriginalState::kMissing) {
+    throw Error::File(ErrorCode::kNotFound,
+                      current.string(),
+                      "there is no map to refine",
+                      "run patch_match_stereo for this image");
+  }
+  if (state != OriginalState::kStored) {
+    LinkOrCopyFile(current, stored);
   }
 }
 
 void KeepBoth(const OriginalMaps& originals, const MapPaths& paths) {
   // Both former originals go first, so that at every instant the stored maps
   // are both former or both current.
-  if (originals.depth_state == OriginalState::kReplaced) {
+  if (originals.depth.state == OriginalState::kReplaced) {
     SupersedeOriginal(paths.depth, paths.original_depth);
   }
-  if (originals.normal_state == OriginalState::kReplaced) {
+  if (originals.normal.state == OriginalState::kReplaced) {
     SupersedeOriginal(paths.normal, paths.original_normal);
   }
-  KeepOriginal(originals.depth_state, paths.depth, paths.original_depth);
-  KeepOriginal(originals.normal_state, paths.normal, paths.original_normal);
+  KeepOriginal(originals.depth.state, paths.depth, paths.original_depth);
+  KeepOriginal(originals.normal.state, paths.normal, paths.original_normal);
 }
 
 // The inverse of KeepOriginal.
@@ -117,7 +111,7 @@ void PutOriginalBack(OriginalState state,
 
 void FillIn(const Workspace& workspace, int image, ImageRecord* record) {
   record->version = TSAR_VERSION;
-  record->image = workspace.Model().images.at(static_cast<size_t>(image)).name;
+  record->image = workspace.Name(image);
   record->type = ToString(workspace.Type());
 }
 
@@ -151,13 +145,11 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   }
   // An earlier refinement may still be in place until the files are renamed.
   const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
-  record_.original_depth = earlier.original_depth;
-  record_.original_normal = earlier.original_normal;
-  record_.written_depth = earlier.written_depth;
-  record_.written_normal = earlier.written_normal;
-  record_.written_depth.insert(record_.written_depth.begin(),
+  record_.depth = earlier.depth;
+  record_.normal = earlier.normal;
+  record_.depth.written.insert(record_.depth.written.begin(),
                                PutDepthMap(maps.depth, &files_[0]));
-  record_.written_normal.insert(record_.written_normal.begin(),
+  record_.normal.written.insert(record_.normal.written.begin(),
                                 PutNormalMap(maps.normal, &files_[1]));
   PutPng(ToLevels(maps.confidence), paths_.confidence, &files_[2]);
   PutPng(maps.provenance, paths_.provenance, &files_[3]);
@@ -170,8 +162,8 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   for (AtomicFile& file : files_) {
     file.Prepare();
   }
-  record_.written_depth.front().time = files_[0].Time();
-  record_.written_normal.front().time = files_[1].Time();
+  record_.depth.written.front().time = files_[0].Time();
+  record_.normal.written.front().time = files_[1].Time();
 }
 
 void WriteBack::Commit() {
@@ -195,10 +187,10 @@ void WriteBack::KeepOriginals() {
       }
     };
     describe(
-        originals.depth_state, paths_.original_depth, &record_.original_depth);
-    describe(originals.normal_state,
+        originals.depth.state, paths_.original_depth, &record_.depth.original);
+    describe(originals.normal.state,
              paths_.original_normal,
-             &record_.original_normal);
+             &record_.normal.original);
   }
 }
 
@@ -222,8 +214,8 @@ void WriteBack::RenameFiles() {
 
 void WriteBack::RecordDone() {
   record_.status = ImageStatus::kDone;
-  record_.written_depth.resize(1);
-  record_.written_normal.resize(1);
+  record_.depth.written.resize(1);
+  record_.normal.written.resize(1);
   for (const ResultFile& file : ResultFiles(paths_)) {
     if (IsFile(*file.path)) {
       record_.results[file.name] = {
@@ -238,18 +230,18 @@ void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
   const OriginalMaps originals =
       FindOriginals(workspace.SourcePaths(image, workspace.Type()));
   if (workspace.IsOutput()) {
-    LinkMap(originals.depth_state, originals.depth, paths.depth);
-    LinkMap(originals.normal_state, originals.normal, paths.normal);
+    LinkMap(originals.depth, paths.depth);
+    LinkMap(originals.normal, paths.normal);
   } else {
-    PutOriginalBack(originals.depth_state, paths.depth, paths.original_depth);
+    PutOriginalBack(originals.depth.state, paths.depth, paths.original_depth);
     PutOriginalBack(
-        originals.normal_state, paths.normal, paths.original_normal);
+        originals.normal.state, paths.normal, paths.original_normal);
   }
   RemoveResults(paths);
   FillIn(workspace, image, &record);
   record.status = ImageStatus::kKept;
-  record.written_depth.clear();
-  record.written_normal.clear();
+  record.depth.written.clear();
+  record.normal.written.clear();
   WriteRecord(paths.record, record);
 }
 
@@ -281,10 +273,9 @@ bool IsDone(const Workspace& workspace,
                            const std::vector<WrittenMap>& written) {
     return IsFile(path) && IsAnyOf(path, written, Scrutiny::kTimeAndSamples);
   };
-  const auto results = ResultFiles(paths);
-  return is_there(paths.depth, record->written_depth) &&
-         is_there(paths.normal, record->written_normal) &&
-         std::all_of(results.begin(), results.end(), [&](const auto& file) {
+  return is_there(paths.depth, record->depth.written) &&
+         is_there(paths.normal, record->normal.written) &&
+         std::ranges::all_of(ResultFiles(paths), [&](const ResultFile& file) {
            const auto written = record->results.find(file.name);
            return written == record->results.end() ||
                   is_there(*file.path, {written->second});

@@ -6,13 +6,11 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/run/store/changed_results.h"
-#include "colmap_tsar/run/store/count_masks.h"
-#include "colmap_tsar/run/store/for_each_image.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/json_file.h"
 #include "colmap_tsar/run/store/output_folder.h"
+#include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/export/gaussian_splatting_exporter.h"
 #include "colmap_tsar/tools/export/image_exporter.h"
@@ -75,7 +73,7 @@ Json ImageJson(const Workspace& workspace,
       model_image.camera.Resized(exported.width, exported.height));
   json["world_to_camera"] = MatrixJson(WorldToCamera(model_image.camera));
   json["camera_to_world"] = MatrixJson(CameraToWorld(model_image.camera));
-  json["refined"] = Exists(workspace.ProvenancePath(image, workspace.Type()));
+  json["refined"] = Exists(workspace.Paths(image, workspace.Type()).provenance);
   json["num_depths"] = exported.depth.num_depths;
   json["num_out_of_range"] = exported.num_out_of_range;
   json["files"] = exported.files;
@@ -271,7 +269,7 @@ ExportSummary ExportWorkspace(Workspace workspace,
                                       exported));
   folder.Commit();
   ExportSummary summary = Summarize(exported);
-  summary.num_masks = CountMasks(workspace, images);
+  summary.num_masks = workspace.CountMasks(images);
   return summary;
 }
 

@@ -12,10 +12,9 @@
 #include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/store/map_state.h"
+#include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/restore.h"
-#include "colmap_tsar/run/store/superseded.h"
 #include "colmap_tsar/tools/import/import_record.h"
 
 #include <algorithm>

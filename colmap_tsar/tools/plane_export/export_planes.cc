@@ -23,7 +23,7 @@ namespace {
 bool IsRefined(const Workspace& workspace) {
   const int num_images = static_cast<int>(workspace.Model().images.size());
   for (int image = 0; image < num_images; ++image) {
-    if (Exists(workspace.ProvenancePath(image, workspace.Type()))) {
+    if (Exists(workspace.Paths(image, workspace.Type()).provenance)) {
       return true;
     }
   }

@@ -8,7 +8,7 @@
 #include "colmap_tsar/io/gray_png.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
-#include "colmap_tsar/run/store/changed_results.h"
+#include "colmap_tsar/run/store/result_files.h"
 
 #include <algorithm>
 #include <string>
@@ -33,7 +33,7 @@ std::vector<int> FindPlaneViews(const Workspace& workspace) {
   std::vector<int> images;
   const int num_images = static_cast<int>(workspace.Model().images.size());
   for (int image = 0; image < num_images; ++image) {
-    if (Exists(workspace.PlanesPath(image, workspace.Type()))) {
+    if (Exists(workspace.Paths(image, workspace.Type()).planes)) {
       images.push_back(image);
     }
   }

@@ -48,7 +48,7 @@ int64_t CountValid(const Image<float>& depth) {
 Image<float> ReadConfidence(const Workspace& workspace,
                             int image,
                             const Image<float>& depth) {
-  const fs::path path = workspace.ConfidencePath(image, workspace.Type());
+  const fs::path path = workspace.Paths(image, workspace.Type()).confidence;
   const Image<uint8_t> levels =
       RequireSizeOf(depth, "the depth map", path, ReadGrayPng(path));
   Image<float> confidence(depth.Width(), depth.Height());
@@ -173,14 +173,14 @@ ImagePage WriteImagePage(const Workspace& workspace,
   write("normals_after", ColorizeNormals(row.normals_after));
   write("provenance", provenance);
   write("confidence", ColorizeValues(confidence, 1.f, &row.after));
-  const fs::path sigma_map = workspace.SigmaPath(image, workspace.Type());
+  const fs::path sigma_map = workspace.Paths(image, workspace.Type()).sigma;
   if (Exists(sigma_map)) {
     write("sigma",
           ColorizeValues(
               ReadRelativeSigma(sigma_map, row.after), kMaxSigma, &row.after));
     page.has_sigma = true;
   }
-  const fs::path plane_map = workspace.PlanesPath(image, workspace.Type());
+  const fs::path plane_map = workspace.Paths(image, workspace.Type()).planes;
   if (options.show_planes && Exists(plane_map)) {
     write("planes", DrawPlanes(plane_map, row.after));
     page.has_planes = true;

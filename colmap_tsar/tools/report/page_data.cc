@@ -207,8 +207,9 @@ Gain<DepthEvaluation> EvaluateDepthGain(
   options.find_map = [&](const std::string& name) {
     const int image = workspace.Model().IndexOf(name);
     const MapType type = workspace.Type();
-    return image < 0 ? GetMapPaths(workspace.Root(), name, type).depth
-                     : FindOriginals(workspace.SourcePaths(image, type)).depth;
+    return image < 0
+               ? GetMapPaths(workspace.Root(), name, type).depth
+               : FindOriginals(workspace.SourcePaths(image, type)).depth.path;
   };
   gain.before = EvaluateDepthMaps(workspace.Root(), options);
   return gain;

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/compose/depth_interval.h"
-#include "colmap_tsar/run/input_state.h"
+#include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
 

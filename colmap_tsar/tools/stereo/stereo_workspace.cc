@@ -9,10 +9,9 @@
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/io/photo.h"
 #include "colmap_tsar/run/image_pipeline.h"
-#include "colmap_tsar/run/listed_images.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/refine_devices.h"
-#include "colmap_tsar/run/store/count_masks.h"
+#include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/store/links.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
@@ -190,8 +189,8 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   const std::vector<std::vector<size_t>> images =
       FindImagesOfPasses(workspace, options, passes.NumPasses(), is_listed);
   summary.num_images = static_cast<int>(images.back().size());
-  const std::vector<int> references = ReferencesOf(workspace, images.back());
-  summary.num_masks = CountMasks(workspace, references);
+  const std::vector<int> references = workspace.ReferencesOf(images.back());
+  summary.num_masks = workspace.CountMasks(references);
   summary.num_priors = workspace.Priors().Count(references);
   if (overview.max_num_sources == 0) {
     throw Error::File(

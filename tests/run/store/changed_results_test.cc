@@ -1,8 +1,6 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/store/changed_results.h"
-
 #include "colmap_tsar/run/store/result_files.h"
 
 #include "tests/run/store/write_back_testing.h"

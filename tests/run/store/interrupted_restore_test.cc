@@ -99,8 +99,8 @@ TEST_F(InterruptedRestoreTest, LeavesOriginalsThatCanBeRefined) {
   Begin({.depth = false, .normal = true});
   PutBackNormal();
   const OriginalMaps originals = FindOriginals(Paths());
-  EXPECT_EQ(originals.depth_state, OriginalState::kStored);
-  EXPECT_EQ(originals.normal_state, OriginalState::kInPlace);
+  EXPECT_EQ(originals.depth.state, OriginalState::kStored);
+  EXPECT_EQ(originals.normal.state, OriginalState::kInPlace);
   Refine({.depth = false, .normal = false});
   EXPECT_EQ(ReadText(Paths().original_depth), original_depth_);
   EXPECT_EQ(ReadText(Paths().original_normal), original_normal_);

@@ -135,9 +135,9 @@ TEST_F(RestoreTest, LosesNothingWhateverBecameOfTheMaps) {
         EXPECT_TRUE(KeepsOriginals());
         // They are the originals of the next refinement.
         const OriginalMaps originals = FindOriginals(Paths());
-        EXPECT_EQ(originals.depth_state, OriginalState::kReplaced);
-        EXPECT_EQ(originals.depth, Paths().depth.Path());
-        EXPECT_EQ(originals.normal, Paths().normal.Path());
+        EXPECT_EQ(originals.depth.state, OriginalState::kReplaced);
+        EXPECT_EQ(originals.depth.path, Paths().depth.Path());
+        EXPECT_EQ(originals.normal.path, Paths().normal.Path());
       } else if (depth == Fate::kAnew || normal == Fate::kAnew) {
         EXPECT_EQ(result.num_restored, 0);
         EXPECT_THAT(result.conflicts,

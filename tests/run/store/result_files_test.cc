@@ -23,7 +23,7 @@ namespace {
 TEST_F(WriteBackTest, WritesSigmaWhereItIsAskedFor) {
   const auto clean = Snapshot(root_);
   const std::filesystem::path path =
-      workspace().SigmaPath(1, MapType::kGeometric);
+      workspace().Paths(1, MapType::kGeometric).sigma;
   EXPECT_EQ(path, root_ / "stereo/sigma_maps/left/b.png.geometric.npy");
   RefinedMaps maps = MakeRefinedMaps(42.f);
   maps.sigma = Image<uint16_t>(4, 3, ToPositiveHalf(0.25f));

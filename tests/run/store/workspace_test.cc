@@ -45,9 +45,9 @@ TEST_F(WorkspaceTest, ReadsModelAndProblems) {
             root_ / "stereo/normal_maps/a.png.photometric.bin");
   EXPECT_EQ(workspace.CostPath(0, kPhotometric),
             root_ / "stereo/cost_maps/a.png.photometric.bin");
-  EXPECT_EQ(workspace.ConfidencePath(0, kPhotometric),
+  EXPECT_EQ(workspace.Paths(0, kPhotometric).confidence.Path(),
             root_ / "stereo/confidence_maps/a.png.photometric.png");
-  EXPECT_EQ(workspace.ProvenancePath(0, kPhotometric),
+  EXPECT_EQ(workspace.Paths(0, kPhotometric).provenance.Path(),
             root_ / "stereo/provenance_maps/a.png.photometric.png");
 }
 

@@ -28,13 +28,15 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
   WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), record);
   EXPECT_EQ(CurrentDepth(1), 42.f);
   EXPECT_EQ(OriginalDepth(1), 4.f);
-  const cv::Mat confidence = cv::imread(
-      workspace().ConfidencePath(1, kGeometric).string(), cv::IMREAD_UNCHANGED);
+  const cv::Mat confidence =
+      cv::imread(workspace().Paths(1, kGeometric).confidence.string(),
+                 cv::IMREAD_UNCHANGED);
   ASSERT_EQ(confidence.type(), CV_8UC1);
   EXPECT_EQ(confidence.size(), cv::Size(4, 3));
   EXPECT_EQ(confidence.at<uint8_t>(2, 3), 128);
-  const cv::Mat provenance = cv::imread(
-      workspace().ProvenancePath(1, kGeometric).string(), cv::IMREAD_UNCHANGED);
+  const cv::Mat provenance =
+      cv::imread(workspace().Paths(1, kGeometric).provenance.string(),
+                 cv::IMREAD_UNCHANGED);
   ASSERT_EQ(provenance.type(), CV_8UC1);
   EXPECT_EQ(provenance.cols, 4);
   EXPECT_EQ(provenance.rows, 3);
@@ -51,13 +53,13 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
   EXPECT_EQ(written->note, "fine");
   EXPECT_FALSE(written->version.empty());
   EXPECT_THAT(
-      written->written_depth,
+      written->depth.written,
       testing::ElementsAre(testing::Field(
           &WrittenMap::hash, HashFile(workspace().DepthPath(1, kGeometric)))));
 }
 
 TEST_F(WriteBackTest, WritesPlanesWhereThereAreSome) {
-  const std::filesystem::path path = workspace().PlanesPath(1, kGeometric);
+  const std::filesystem::path path = workspace().Paths(1, kGeometric).planes;
   EXPECT_EQ(path, root_ / "stereo/plane_maps/left/b.png.geometric.png");
   RefinedMaps maps = MakeRefinedMaps(42.f);
   WriteRefined(workspace(), 1, maps, Record());
@@ -89,7 +91,7 @@ TEST_F(WriteBackTest, KnowsWhatIsDone) {
   EXPECT_FALSE(IsDone(workspace(), 1, "options", {}));
   EXPECT_FALSE(
       IsDone(Workspace(root_, MapType::kPhotometric), 0, "options", {}));
-  std::filesystem::remove(workspace().ConfidencePath(0, kGeometric));
+  std::filesystem::remove(workspace().Paths(0, kGeometric).confidence);
   EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
   WriteNormalMap(UserPath(workspace().Paths(0, kGeometric).normal),

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/store/superseded.h"
+#include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/tools/import/import_record.h"
 #include "colmap_tsar/tools/import/undo_import.h"
 
