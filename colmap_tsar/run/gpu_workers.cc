@@ -67,6 +67,33 @@ std::optional<Error> Attempt(Function function) {
   return std::nullopt;
 }
 
+// The number of workers of a GPU: kMaxGpuWorkers, or as many as fit. Throws
+// kDevice where not even one fits.
+int NumGpuWorkers(const MemoryPlan& plan,
+                  int64_t free_bytes,
+                  const std::string& gpu) {
+  const auto needed = [&](int num_workers) {
+    return DeviceBytes(plan, num_workers) + num_workers * kDriverBytes;
+  };
+  if (needed(1) > free_bytes) {
+    throw Error(
+        ErrorCode::kDevice,
+        gpu + ": an image of this workspace needs " + Gigabytes(needed(1)) +
+            " of GPU memory and " + Gigabytes(free_bytes) +
+            " are free; close other programs that use the GPU, choose another "
+            "one with " +
+            OptionName("gpu_index") +
+            ", run patch_match_stereo with a "
+            "smaller --PatchMatchStereo.max_image_size, or pass " +
+            OptionName("device") + " cpu");
+  }
+  int num_workers = kMaxGpuWorkers;
+  while (needed(num_workers) > free_bytes) {
+    --num_workers;
+  }
+  return num_workers;
+}
+
 // Opens GPUs, each with one device, until there is one for each image.
 class GpuOpener {
  public:
@@ -199,31 +226,6 @@ GpuSystem GpuSystem::Cuda() {
   return {&Device::NumCudaDevices,
           &Device::CreateCuda,
           &Device::PrepareCudaDevices};
-}
-
-int NumGpuWorkers(const MemoryPlan& plan,
-                  int64_t free_bytes,
-                  const std::string& gpu) {
-  const auto needed = [&](int num_workers) {
-    return DeviceBytes(plan, num_workers) + num_workers * kDriverBytes;
-  };
-  if (needed(1) > free_bytes) {
-    throw Error(
-        ErrorCode::kDevice,
-        gpu + ": an image of this workspace needs " + Gigabytes(needed(1)) +
-            " of GPU memory and " + Gigabytes(free_bytes) +
-            " are free; close other programs that use the GPU, choose another "
-            "one with " +
-            OptionName("gpu_index") +
-            ", run patch_match_stereo with a "
-            "smaller --PatchMatchStereo.max_image_size, or pass " +
-            OptionName("device") + " cpu");
-  }
-  int num_workers = kMaxGpuWorkers;
-  while (needed(num_workers) > free_bytes) {
-    --num_workers;
-  }
-  return num_workers;
 }
 
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,

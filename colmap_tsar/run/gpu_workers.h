@@ -15,7 +15,8 @@
 
 namespace tsar {
 
-// One image is copied while another is computed.
+// The images that a GPU works on at a time: one is copied while another is
+// computed.
 constexpr int kMaxGpuWorkers = 2;
 
 // The GPUs of the machine, for tests to replace.
@@ -39,13 +40,6 @@ struct GpuWorkers {
   // The share of each device in the memory that was free.
   int64_t bytes_per_device = 0;
 };
-
-// The number of workers of a GPU: kMaxGpuWorkers, or as many as fit. Throws
-// kDevice, with advice for the user, where not even one fits. gpu: its name in
-// the message.
-int NumGpuWorkers(const MemoryPlan& plan,
-                  int64_t free_bytes,
-                  const std::string& gpu);
 
 // The GPUs to work with, each of which gets at least one image; none where the
 // CPU is to be used. CreateRefineDevices describes which GPUs are left out, the

@@ -35,7 +35,7 @@ struct ChangedInput {
 // "its camera, its photo and its maps have changed"; at least one change.
 std::string DescribeChanges(const std::vector<ChangedInput>& changes);
 
-// Of the files of an image's depth prior and the meaning of their values.
+// The fingerprint of the files of an image's depth prior, and of their meaning.
 std::string FingerprintOfPrior(const Workspace& workspace, int image);
 
 // Fingerprints of all inputs of the images' results, beside the options and the

@@ -39,6 +39,38 @@ const ViewLabels& LabelsOf(const RefineRun& run,
   return labels->second;
 }
 
+// Reads the evidence of an image and its neighbors, and finds their scene.
+std::unique_ptr<ImageScene> FindImageScene(const RefineRun& run,
+                                           const SceneModel& model,
+                                           size_t index,
+                                           Device& device) {
+  const int reference = run.plan.Reference(index);
+  auto scene = std::make_unique<ImageScene>();
+  std::vector<const ViewLabels*> labels;
+  const auto add = [&](int image, const ViewEvidence& evidence) {
+    scene->views.push_back(
+        MakeObservedView(evidence, run.workspace.CameraOf(image)));
+    labels.push_back(&LabelsOf(run, model, image, evidence));
+  };
+  scene->own = run.evidence.ReadAll(reference);
+  add(reference, scene->own);
+  for (const int source : run.plan.Sources(index)) {
+    if (source == reference) {
+      continue;
+    }
+    if (EvidenceStore::Evidence evidence = run.evidence.Get(source)) {
+      add(source, *evidence);
+      scene->others.push_back(std::move(evidence));
+    }
+  }
+  scene->found =
+      FindScene(scene->views, model.planes, labels, run.refine_options, device);
+  StageTimer timer(device, &scene->found.seconds);
+  scene->found.cylinders = FindSeenCylinders(scene->views[0], model.cylinders);
+  timer.Finish("columns and pipes");
+  return scene;
+}
+
 void AddSeconds(const StageSeconds& seconds, StageSeconds* sums) {
   for (const auto& [stage, value] : seconds) {
     (*sums)[stage] += value;
@@ -136,37 +168,6 @@ RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
 }
 
 }  // namespace
-
-std::unique_ptr<ImageScene> FindImageScene(const RefineRun& run,
-                                           const SceneModel& model,
-                                           size_t index,
-                                           Device& device) {
-  const int reference = run.plan.Reference(index);
-  auto scene = std::make_unique<ImageScene>();
-  std::vector<const ViewLabels*> labels;
-  const auto add = [&](int image, const ViewEvidence& evidence) {
-    scene->views.push_back(
-        MakeObservedView(evidence, run.workspace.CameraOf(image)));
-    labels.push_back(&LabelsOf(run, model, image, evidence));
-  };
-  scene->own = run.evidence.ReadAll(reference);
-  add(reference, scene->own);
-  for (const int source : run.plan.Sources(index)) {
-    if (source == reference) {
-      continue;
-    }
-    if (EvidenceStore::Evidence evidence = run.evidence.Get(source)) {
-      add(source, *evidence);
-      scene->others.push_back(std::move(evidence));
-    }
-  }
-  scene->found =
-      FindScene(scene->views, model.planes, labels, run.refine_options, device);
-  StageTimer timer(device, &scene->found.seconds);
-  scene->found.cylinders = FindSeenCylinders(scene->views[0], model.cylinders);
-  timer.Finish("columns and pipes");
-  return scene;
-}
 
 ObservePass::ObservePass(const RefineRun& run,
                          std::vector<StageSeconds>& seconds)

@@ -28,13 +28,6 @@ struct ImageScene {
   FoundScene found;
 };
 
-// Reads the evidence and finds the scene of the image with this index in the
-// run's plan. Throws kMismatch where the model's labels do not fit.
-std::unique_ptr<ImageScene> FindImageScene(const RefineRun& run,
-                                           const SceneModel& model,
-                                           size_t index,
-                                           Device& device);
-
 using StageSeconds = std::map<std::string, double>;
 
 // Pass 1 of 3: writes the evidence of each image to the store. Unless

@@ -98,8 +98,8 @@ struct RunSummary {
   std::optional<int64_t> num_priors;
   std::vector<KeptImage> kept;  // In the order of patch-match.cfg.
   int64_t num_sources_without_maps = 0;
-  std::map<std::string, int64_t>
-      counts;  // Sums over all refined images, also of earlier runs.
+  // Sums over all refined images, also of earlier runs.
+  std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;
   double wall_seconds = 0.0;
   std::vector<GpuMemory> peak_gpu_memory;

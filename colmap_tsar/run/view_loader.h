@@ -23,7 +23,7 @@ class ViewLoader {
              bool distrust_unmatched);
 
   ViewCache::View Load(int image);
-  // The view at the size at which it is judged.
+  // The view reduced to the size at which depths are judged, see reduce_view.h.
   ViewCache::View LoadReduced(int image);
 
   // While the lock is held, nobody reads the files of the image. A thread that

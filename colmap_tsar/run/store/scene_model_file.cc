@@ -75,10 +75,11 @@ struct LabelArrays {
   std::vector<LabelQuality> qualities;
 };
 
-template <typename Matrix, size_t kSize>
-void Store(const Matrix& matrix, std::array<double, kSize>* values) {
-  static_assert(Matrix::SizeAtCompileTime == kSize);
-  Eigen::Map<Matrix>(values->data()) = matrix;
+template <typename Matrix>
+auto Stored(const Matrix& matrix) {
+  std::array<double, Matrix::SizeAtCompileTime> values;
+  Eigen::Map<Matrix>(values.data()) = matrix;
+  return values;
 }
 
 template <typename Matrix, size_t kSize>
@@ -88,18 +89,17 @@ void Load(const std::array<double, kSize>& values, Matrix* matrix) {
 }
 
 StoredPlane ToStored(const ModelPlane& plane) {
-  StoredPlane stored = {};
-  Store(plane.plane.normal, &stored.normal);
-  stored.offset = plane.plane.offset;
-  Store(plane.center, &stored.center);
-  Store(plane.axis_s, &stored.axis_s);
-  Store(plane.axis_t, &stored.axis_t);
-  Store(plane.covariance, &stored.covariance);
-  stored.support = plane.support;
-  stored.component = plane.component;
-  stored.frame = plane.frame;
-  stored.axis = plane.axis;
-  return stored;
+  return {.normal = Stored(plane.plane.normal),
+          .offset = plane.plane.offset,
+          .center = Stored(plane.center),
+          .axis_s = Stored(plane.axis_s),
+          .axis_t = Stored(plane.axis_t),
+          .covariance = Stored(plane.covariance),
+          .support = plane.support,
+          .component = plane.component,
+          .frame = plane.frame,
+          .axis = plane.axis,
+          .unused = 0};
 }
 
 ModelPlane FromStored(const StoredPlane& stored) {
@@ -118,15 +118,13 @@ ModelPlane FromStored(const StoredPlane& stored) {
 }
 
 StoredCylinder ToStored(const ModelCylinder& cylinder) {
-  StoredCylinder stored = {};
-  Store(cylinder.point, &stored.point);
-  Store(cylinder.frame.along, &stored.along);
-  Store(cylinder.frame.across, &stored.across);
-  stored.radius = cylinder.radius;
-  stored.min_height = cylinder.min_height;
-  stored.max_height = cylinder.max_height;
-  Store(cylinder.covariance, &stored.covariance);
-  return stored;
+  return {.point = Stored(cylinder.point),
+          .along = Stored(cylinder.frame.along),
+          .across = Stored(cylinder.frame.across),
+          .radius = cylinder.radius,
+          .min_height = cylinder.min_height,
+          .max_height = cylinder.max_height,
+          .covariance = Stored(cylinder.covariance)};
 }
 
 ModelCylinder FromStored(const StoredCylinder& stored) {
@@ -147,7 +145,7 @@ PlaneArrays ToPlaneArrays(const SceneModel& model) {
     arrays.planes.push_back(ToStored(plane));
   }
   for (const Eigen::Matrix3d& frame : model.frames) {
-    Store(frame, &arrays.frames.emplace_back());
+    arrays.frames.push_back(Stored(frame));
   }
   for (const ModelCylinder& cylinder : model.cylinders) {
     arrays.cylinders.push_back(ToStored(cylinder));
