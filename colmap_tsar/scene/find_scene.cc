@@ -13,7 +13,7 @@
 #include "colmap_tsar/view/stage_timer.h"
 
 #include <algorithm>
-#include <iterator>
+#include <set>
 #include <utility>
 
 namespace tsar {
@@ -36,9 +36,8 @@ std::vector<int> MeasuredPlanes(const std::vector<ModeledView>& views,
     for (size_t s = 0; s < view.assignment->size(); ++s) {
       const int plane = (*view.assignment)[s];
       if (plane >= 0) {
-        measured[static_cast<size_t>(plane)] +=
-            std::min(max_weight,
-                     static_cast<double>(view.observed.evidence->weights[s]));
+        measured[plane] +=
+            std::min<double>(max_weight, view.observed.evidence->weights[s]);
       }
     }
   }
@@ -56,18 +55,25 @@ std::vector<int> MeasuredPlanes(const std::vector<ModeledView>& views,
 std::vector<BoundingCrease> BoundingCreasesOf(
     const std::vector<BoundingCrease>& creases, std::vector<int>* indices) {
   std::vector<BoundingCrease> result;
-  std::copy_if(creases.begin(),
-               creases.end(),
-               std::back_inserter(result),
-               [&](const BoundingCrease& crease) {
-                 return std::binary_search(
-                     indices->begin(), indices->end(), crease.plane);
-               });
-  for (const BoundingCrease& crease : result) {
-    indices->push_back(crease.beyond);
+  std::set<int> all(indices->begin(), indices->end());
+  for (const BoundingCrease& crease : creases) {
+    if (std::ranges::binary_search(*indices, crease.plane)) {
+      result.push_back(crease);
+      all.insert(crease.beyond);
+    }
   }
-  std::sort(indices->begin(), indices->end());
-  indices->erase(std::unique(indices->begin(), indices->end()), indices->end());
+  indices->assign(all.begin(), all.end());
+  return result;
+}
+
+// The planes with these indices, in the camera's frame.
+std::vector<Plane> ToCameraPlanes(const std::vector<ModelPlane>& planes,
+                                  const std::vector<int>& indices,
+                                  const Camera& camera) {
+  std::vector<Plane> result;
+  for (const int index : indices) {
+    result.push_back(ToCameraPlane(planes[index].plane, camera));
+  }
   return result;
 }
 
@@ -79,7 +85,7 @@ PlaneSupport FindSupport(const std::vector<ModeledView>& views,
                          const PlaneSupportOptions& options) {
   DiscoveredPlanes near;
   for (const int index : indices) {
-    const ModelPlane& plane = planes[static_cast<size_t>(index)];
+    const ModelPlane& plane = planes[index];
     near.planes.push_back({plane.plane, plane.support});
   }
   std::vector<ObservedView> observed;
@@ -92,20 +98,15 @@ PlaneSupport FindSupport(const std::vector<ModeledView>& views,
 
 }  // namespace
 
-DiscoverPlanesOptions BlockDiscoveryOptions(DiscoverPlanesOptions discovery,
-                                            int num_views) {
-  discovery.max_planes = std::min(
-      discovery.max_planes + kPlanesPerView * num_views, kMaxBlockPlanes);
-  discovery.max_scores = kMaxBlockScores;
-  return discovery;
-}
-
 BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
                         const RefineOptions& options,
                         Device& device) {
   const SceneOptions scene = MakeSceneOptions(options, views);
-  const DiscoverPlanesOptions discovery =
-      BlockDiscoveryOptions(scene.discovery, static_cast<int>(views.size()));
+  DiscoverPlanesOptions discovery = scene.discovery;
+  discovery.max_planes = std::min(
+      discovery.max_planes + kPlanesPerView * static_cast<int>(views.size()),
+      kMaxBlockPlanes);
+  discovery.max_scores = kMaxBlockScores;
   DiscoveredPlanes discovered =
       DiscoverPlanes(views, CollectCandidates(views), discovery, device);
   return {MeasureScenePlanes(views, discovered, discovery, scene.support),
@@ -129,11 +130,8 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
   const std::vector<BoundingCrease> bounding =
       BoundingCreasesOf(creases, &indices);
   const std::vector<int> new_indices = IndicesAmong(indices, planes.size());
-  std::vector<Plane> camera_planes;
-  for (const int index : indices) {
-    camera_planes.push_back(ToCameraPlane(
-        planes[static_cast<size_t>(index)].plane, observed[0].camera));
-  }
+  std::vector<Plane> camera_planes =
+      ToCameraPlanes(planes, indices, observed[0].camera);
   std::vector<VotingLabels> source_labels;
   for (size_t i = 1; i < views.size() && views[i].labels != nullptr; ++i) {
     source_labels.push_back(
@@ -156,8 +154,7 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
             inputs, camera_planes, support, scene.labels, device);
       }
       if (rasters.superpixels) {
-        votes = ComputeLabelVotes(
-            inputs, camera_planes, source_labels, scene.labels.votes, device);
+        votes = ComputeLabelVotes(inputs, camera_planes, source_labels, device);
       }
     };
     lend_device(
@@ -167,8 +164,8 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
         compute);
   }
   if (!bounding.empty() && !costs->Empty()) {
-    CreaseLabels(observed[0], planes, bounding)
-        .AddVotes(indices, *costs, scene.labels, &votes);
+    AddCreaseVotes(
+        observed[0], planes, indices, bounding, *costs, scene.labels, &votes);
   }
   LabeledView labeled = ChooseLabels(
       observed[0], std::move(camera_planes), *costs, votes, scene.labels);
@@ -209,18 +206,14 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
   FoundScene found;
   const ViewLabels& labels = *labels_of_views[0];
   StageTimer timer(device, &found.seconds);
-  std::vector<int>& indices = found.plane_indices;
-  std::copy_if(labels.planes.begin(),
-               labels.planes.end(),
-               std::back_inserter(indices),
-               [](int plane) { return plane != kNoPlane; });
-  std::sort(indices.begin(), indices.end());
-  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+  std::set<int> shown(labels.planes.begin(), labels.planes.end());
+  shown.erase(kNoPlane);
+  const Camera& camera = views[0].camera;
+  const std::vector<int> indices(shown.begin(), shown.end());
   for (const int index : indices) {
-    const ModelPlane& plane = planes[static_cast<size_t>(index)];
-    found.labeled.planes.push_back(ToCameraPlane(plane.plane, views[0].camera));
-    found.plane_errors.push_back(ErrorInView(plane, views[0].camera));
+    found.plane_errors.push_back(ErrorInView(planes[index], camera));
   }
+  found.labeled.planes = ToCameraPlanes(planes, indices, camera);
   found.labeled.labels =
       Renumber(labels.planes, IndicesAmong(indices, planes.size()));
   found.labeled.evidence = labels.evidence;
@@ -229,11 +222,11 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
     std::vector<Plane>& of_source = found.planes_of_sources.emplace_back();
     for (const int plane : labels_of_views[j]->planes) {
       of_source.push_back(
-          plane >= 0 ? ToCameraPlane(planes[static_cast<size_t>(plane)].plane,
-                                     views[j].camera)
+          plane >= 0 ? ToCameraPlane(planes[plane].plane, views[j].camera)
                      : Plane{});
     }
   }
+  found.plane_indices = indices;
   timer.Finish("labels");
   found.curved =
       options.curved_surfaces
@@ -251,26 +244,22 @@ Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
     const int label = found.labeled.labels[k];
     const bool is_curved =
         !found.curved.labels.empty() && found.curved.labels[k] >= 0;
-    const int id = label >= 0 && !is_curved
-                       ? found.plane_indices[static_cast<size_t>(label)] + 1
-                       : 0;
+    const int id =
+        label >= 0 && !is_curved ? found.plane_indices[label] + 1 : 0;
     of_superpixel.push_back(id <= kMaxPlanesOfMap ? static_cast<uint16_t>(id)
                                                   : uint16_t{0});
   }
   Image<uint16_t> ids(superpixels.Width(), superpixels.Height());
-  std::transform(
-      superpixels.begin(),
-      superpixels.end(),
-      ids.begin(),
-      [&](uint16_t superpixel) { return of_superpixel[superpixel]; });
+  for (size_t i = 0; i < ids.NumPixels(); ++i) {
+    ids.Data()[i] = of_superpixel[superpixels.Data()[i]];
+  }
   return ids;
 }
 
 std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled) {
   std::vector<Plane> planes;
   for (const int label : labeled.labels) {
-    planes.push_back(label >= 0 ? labeled.planes[static_cast<size_t>(label)]
-                                : Plane{});
+    planes.push_back(label >= 0 ? labeled.planes[label] : Plane{});
   }
   return planes;
 }
@@ -281,30 +270,14 @@ LabeledView FlattenSurfaces(const ObservedView& view,
   if (curved.surfaces.empty()) {
     return labeled;
   }
-  const Image<uint16_t>& superpixels = view.evidence->superpixels;
-  struct Sum {
-    double x = 0.0;
-    double y = 0.0;
-    int count = 0;
-  };
-  std::vector<Sum> sums(labeled.labels.size());
-  for (int y = 0; y < superpixels.Height(); ++y) {
-    for (int x = 0; x < superpixels.Width(); ++x) {
-      Sum& sum = sums[superpixels(x, y)];
-      sum.x += x;
-      sum.y += y;
-      ++sum.count;
-    }
-  }
-  const Intrinsics intrinsics = view.camera.GetIntrinsics();
-  for (size_t k = 0; k < sums.size(); ++k) {
-    if (curved.labels[k] < 0 || sums[k].count == 0) {
+  const std::vector<float> num_pixels = CountPixels(*view.evidence);
+  const std::vector<Vec3f> rays =
+      MiddleRays(*view.evidence, view.camera.GetIntrinsics());
+  for (size_t k = 0; k < rays.size(); ++k) {
+    if (curved.labels[k] < 0 || num_pixels[k] == 0.f) {
       continue;
     }
-    const Plane tangent =
-        curved.surfaces[static_cast<size_t>(curved.labels[k])].TangentAt(
-            intrinsics.Ray(static_cast<float>(sums[k].x / sums[k].count),
-                           static_cast<float>(sums[k].y / sums[k].count)));
+    const Plane tangent = curved.surfaces[curved.labels[k]].TangentAt(rays[k]);
     if (tangent.Valid()) {
       labeled.labels[k] = static_cast<int>(labeled.planes.size());
       labeled.planes.push_back(tangent);

@@ -32,8 +32,7 @@
 namespace tsar {
 
 // The steps from the evidence of views to the planes of the scene, and to the
-// labels of each view. All but the costs of labels run on CPUs, as
-// MakeEvidence().
+// labels of each view. All but the costs of labels run on CPUs.
 
 // The planes that a block of views measured, and the plane of each superpixel.
 struct BlockOfScene {
@@ -47,15 +46,11 @@ struct BlockOfScene {
 // Beyond that, some of the candidates would be left out.
 inline constexpr size_t kMaxBlockScores = size_t{1} << 27;
 
-// The options of discovery for a block of num_views views.
-DiscoverPlanesOptions BlockDiscoveryOptions(DiscoverPlanesOptions discovery,
-                                            int num_views);
-
 BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
                         const RefineOptions& options,
                         Device& device);
 
-// The labels of a view.
+// The labels of a view, as indices of the model's planes.
 struct LabelsInModel {
   ViewLabels labels;
   std::vector<float> strengths;  // See LabeledView.

@@ -35,8 +35,7 @@ inline LabeledView LabelView(
       ComputePlaneCosts(inputs, planes, support, options, device);
   Image<float> votes;
   if (!source_labels.empty()) {
-    votes =
-        ComputeLabelVotes(inputs, planes, source_labels, options.votes, device);
+    votes = ComputeLabelVotes(inputs, planes, source_labels, device);
   }
   return ChooseLabels(views[0], std::move(planes), costs, votes, options);
 }

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/scene/graph_cut/label_graph.h"
 
 #include <algorithm>
 #include <cmath>
@@ -47,30 +46,6 @@ struct LabelQuality {
   ByteOf<-1, 2> margin;
 
   friend bool operator==(const LabelQuality&, const LabelQuality&) = default;
-};
-
-// The weights of votes by the labels of other views. Costs are in pixels of the
-// raster for each view of full weight, gaps in relative depths of one pixel of
-// disparity.
-struct LabelVoteOptions {
-  // The gain of a pixel for each view with the same plane there,
-  float gain_of_same = 0.1f;
-  // and its cost for each view with another plane within max_gap. The cost
-  // grows with the gap, up to full_gap.
-  float cost_of_rival = 0.1f;
-  float max_gap = 6.f;
-  float full_gap = 0.5f;
-  // The cost of lying further than that in front of a view's plane, which it
-  // would occlude, and the cost of lying behind surfaces that several views see
-  // in front of it.
-  float cost_of_hiding = 0.1f;
-  float cost_of_hidden = 0.2f;
-  // The weight of a label without measurements in its own view. One that all
-  // measurements agree on has weight 1 (LabeledView::strengths).
-  float guessed_weight = 0.2f;
-  // Upper limits of the weight that gains, and of the cost of a pixel.
-  float max_same = 3.f;
-  float max_against = 3.f;
 };
 
 // Costs are in pixels of full confidence. Depth differences are in relative
@@ -118,8 +93,6 @@ struct LabelOptions {
   // The gap between two planes at a border from which the border costs its full
   // weight.
   float full_gap = 3.f;
-  LabelVoteOptions votes;
-  ExpansionOptions expansion;
 };
 
 // The evidence for the plane of a superpixel.

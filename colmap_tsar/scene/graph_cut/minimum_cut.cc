@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/scene/graph_cut/minimum_cut.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <numeric>
 #include <utility>
@@ -20,26 +19,23 @@ using Network = boost::
     compressed_sparse_row_graph<boost::directedS, boost::no_property, size_t>;
 using Arc = boost::graph_traits<Network>::edge_descriptor;
 
-// Pairs of an arc and its reverse, whose capacity is 0: arcs from the source to
-// nodes with a cost of switching, arcs from the others to the sink, then the
-// edges.
+// Arcs, each followed by its reverse, whose capacity is 0.
 struct ArcPairs {
   std::vector<std::pair<size_t, size_t>> ends;
-  std::vector<int64_t> capacities;  // Of the first arc.
+  std::vector<int64_t> capacities;
 
   void Add(size_t from, size_t to, int64_t capacity) {
-    ends.emplace_back(from, to);
-    ends.emplace_back(to, from);
-    capacities.push_back(capacity);
+    ends.insert(ends.end(), {{from, to}, {to, from}});
+    capacities.insert(capacities.end(), {capacity, 0});
   }
 };
 
-}  // namespace
-
-std::vector<uint8_t> FindMinimumCut(const std::vector<int64_t>& to_switch,
-                                    const std::vector<CutEdge>& edges) {
-  const size_t source = to_switch.size();
-  const size_t sink = source + 1;
+// Arcs from the source to nodes with a cost of switching, arcs from the others
+// to the sink, then the edges.
+ArcPairs MakeArcs(const std::vector<int64_t>& to_switch,
+                  const std::vector<CutEdge>& edges,
+                  size_t source,
+                  size_t sink) {
   ArcPairs pairs;
   for (size_t node = 0; node < to_switch.size(); ++node) {
     if (to_switch[node] > 0) {
@@ -50,11 +46,19 @@ std::vector<uint8_t> FindMinimumCut(const std::vector<int64_t>& to_switch,
   }
   for (const CutEdge& edge : edges) {
     if (edge.cost > 0) {
-      pairs.Add(static_cast<size_t>(edge.first),
-                static_cast<size_t>(edge.second),
-                edge.cost);
+      pairs.Add(edge.first, edge.second, edge.cost);
     }
   }
+  return pairs;
+}
+
+}  // namespace
+
+std::vector<uint8_t> FindMinimumCut(const std::vector<int64_t>& to_switch,
+                                    const std::vector<CutEdge>& edges) {
+  const size_t source = to_switch.size();
+  const size_t sink = source + 1;
+  const ArcPairs pairs = MakeArcs(to_switch, edges, source, sink);
   const size_t num_arcs = pairs.ends.size();
   std::vector<size_t> indices(num_arcs);
   std::iota(indices.begin(), indices.end(), size_t{0});
@@ -63,34 +67,29 @@ std::vector<uint8_t> FindMinimumCut(const std::vector<int64_t>& to_switch,
                         pairs.ends.end(),
                         indices.begin(),
                         sink + 1);
-  const auto arc_index = boost::get(boost::edge_index, network);
   const auto node_index = boost::get(boost::vertex_index, network);
+  const auto of_arcs = [&](auto& values) {
+    return boost::make_iterator_property_map(
+        values.begin(), boost::get(boost::edge_index, network));
+  };
+  const auto of_nodes = [&](auto& values) {
+    return boost::make_iterator_property_map(values.begin(), node_index);
+  };
   std::vector<Arc> arcs(num_arcs);
-  std::vector<size_t> positions(num_arcs);
   const auto [begin, end] = boost::edges(network);
   for (auto arc = begin; arc != end; ++arc) {
-    const size_t index = network[*arc];
-    arcs[index] = *arc;
-    positions[index] = boost::get(boost::edge_index, network, *arc);
+    arcs[network[*arc]] = *arc;
   }
   std::vector<Arc> reverses(num_arcs);
-  std::vector<int64_t> capacities(num_arcs, 0);
+  std::vector<int64_t> capacities(num_arcs);
   for (size_t i = 0; i < num_arcs; ++i) {
-    reverses[positions[i]] = arcs[i ^ 1];
-    if (i % 2 == 0) {
-      capacities[positions[i]] = pairs.capacities[i / 2];
-    }
+    of_arcs(reverses)[arcs[i]] = arcs[i ^ 1];
+    of_arcs(capacities)[arcs[i]] = pairs.capacities[i];
   }
   std::vector<int64_t> residuals(num_arcs);
   std::vector<Arc> predecessors(sink + 1);
   std::vector<boost::default_color_type> colors(sink + 1);
   std::vector<int> distances(sink + 1);
-  const auto of_arcs = [&](auto& values) {
-    return boost::make_iterator_property_map(values.begin(), arc_index);
-  };
-  const auto of_nodes = [&](auto& values) {
-    return boost::make_iterator_property_map(values.begin(), node_index);
-  };
   boost::boykov_kolmogorov_max_flow(network,
                                     of_arcs(capacities),
                                     of_arcs(residuals),

@@ -3,23 +3,18 @@
 
 #include "colmap_tsar/scene/labeling/choose_labels.h"
 
-#include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/scene/evidence/view_evidence.h"
-#include "colmap_tsar/scene/graph_cut/label_graph.h"
+#include "colmap_tsar/scene/evidence/plane_indices.h"
+#include "colmap_tsar/scene/graph_cut/alpha_expansion.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <utility>
-#include <vector>
 
 namespace tsar {
-
 namespace {
 
 // The pairwise cost between a plane and 'none', as a multiple of that between
@@ -31,18 +26,49 @@ constexpr float kBorderToNone = 2.f;
 class BorderCosts {
  public:
   // full_gap: see LabelOptions.
-  BorderCosts(const ViewEvidence& evidence,
-              const Intrinsics& intrinsics,
-              const DepthResolution& resolution,
+  BorderCosts(const ObservedView& view,
               const std::vector<Plane>& planes,
-              float full_gap);
+              float full_gap)
+      : evidence_(*view.evidence), planes_(planes), full_gap_(full_gap) {
+    const Intrinsics intrinsics = view.camera.GetIntrinsics();
+    for (const SuperpixelBorder& border : evidence_.borders) {
+      for (const int pixel : border.pixels) {
+        rays_.push_back(
+            intrinsics.Ray(pixel % evidence_.width, pixel / evidence_.width));
+      }
+    }
+  }
 
   // edge: the index of the border in the evidence.
-  float operator()(int edge, int a, int b) const;
+  float operator()(int edge, int a, int b) const {
+    if (a == b) {
+      return 0.f;
+    }
+    const float weight = evidence_.borders[edge].weight;
+    if (std::max(a, b) == std::ssize(planes_)) {
+      return kBorderToNone * weight;
+    }
+    constexpr int kNumPixels = SuperpixelBorder::kNumPixels;
+    float sum = 0.f;
+    for (const Vec3f& ray :
+         std::span(rays_).subspan(edge * kNumPixels, kNumPixels)) {
+      const float first = planes_[a].Depth(ray);
+      const float second = planes_[b].Depth(ray);
+      const float nearer = std::min(first, second);
+      if (!(nearer > 0.f)) {
+        sum += 1.f;
+        continue;
+      }
+      const float gap =
+          std::abs(first - second) /
+          (nearer * evidence_.resolution.RelativeDepthError(nearer));
+      sum += std::min(gap / full_gap_, 1.f);
+    }
+    return weight * sum / kNumPixels;
+  }
 
  private:
-  const std::vector<SuperpixelBorder>& borders_;
-  DepthResolution resolution_;
+  const ViewEvidence& evidence_;
   const std::vector<Plane>& planes_;
   float full_gap_;
   // Rays of the pixels of each border. Depths along them are computed on
@@ -50,51 +76,12 @@ class BorderCosts {
   std::vector<Vec3f> rays_;
 };
 
-BorderCosts::BorderCosts(const ViewEvidence& evidence,
-                         const Intrinsics& intrinsics,
-                         const DepthResolution& resolution,
-                         const std::vector<Plane>& planes,
-                         float full_gap)
-    : borders_(evidence.borders),
-      resolution_(resolution),
-      planes_(planes),
-      full_gap_(full_gap) {
-  rays_.reserve(borders_.size() *
-                static_cast<size_t>(SuperpixelBorder::kNumPixels));
-  for (const SuperpixelBorder& border : borders_) {
-    for (const int pixel : border.pixels) {
-      rays_.push_back(
-          intrinsics.Ray(pixel % evidence.width, pixel / evidence.width));
-    }
-  }
-}
-
-float BorderCosts::operator()(int edge, int a, int b) const {
-  if (a == b) {
-    return 0.f;
-  }
-  const float weight = borders_[static_cast<size_t>(edge)].weight;
-  if (static_cast<size_t>(std::max(a, b)) == planes_.size()) {
-    return kBorderToNone * weight;
-  }
-  const Plane& first = planes_[static_cast<size_t>(a)];
-  const Plane& second = planes_[static_cast<size_t>(b)];
-  const Vec3f* rays =
-      rays_.data() + static_cast<size_t>(edge) * SuperpixelBorder::kNumPixels;
-  float sum = 0.f;
-  for (int i = 0; i < SuperpixelBorder::kNumPixels; ++i) {
-    const float first_depth = first.Depth(rays[i]);
-    const float second_depth = second.Depth(rays[i]);
-    const float nearer = std::min(first_depth, second_depth);
-    if (!(nearer > 0.f)) {
-      sum += 1.f;
-      continue;
-    }
-    const float gap = std::abs(first_depth - second_depth) /
-                      (nearer * resolution_.RelativeDepthError(nearer));
-    sum += std::min(gap / full_gap_, 1.f);
-  }
-  return weight * sum / SuperpixelBorder::kNumPixels;
+// The unary cost of a superpixel without a plane. weight: see ViewEvidence.
+float UnlabeledCost(float weight,
+                    float num_pixels,
+                    const LabelOptions& options) {
+  return options.cost_of_unexplained * weight +
+         options.unlabeled_cost * std::max(num_pixels - weight, 0.f);
 }
 
 // The quality of the chosen label. of_labels: the unary cost of each label, the
@@ -113,9 +100,8 @@ LabelQuality ScoreLabel(const PlaneCost& cost,
   quality.strength = ByteOf<0, 1>(cost.strength);
   quality.confirmed = ByteOf<0, 1>(cost.confirmed);
   quality.uncertainty = ByteOf<0, 1>(cost.uncertainty);
-  quality.margin =
-      ByteOf<-1, 2>((next_best - of_labels[static_cast<size_t>(chosen)]) /
-                    std::max(num_pixels, 1.f));
+  quality.margin = ByteOf<-1, 2>((next_best - of_labels[chosen]) /
+                                 std::max(num_pixels, 1.f));
   return quality;
 }
 
@@ -131,11 +117,10 @@ LabeledView ChooseLabels(const ObservedView& view,
   const int num_planes = static_cast<int>(planes.size());
   LabeledView result;
   result.planes = std::move(planes);
-  result.labels.assign(static_cast<size_t>(num_superpixels), -1);
-  result.evidence.assign(static_cast<size_t>(num_superpixels),
-                         LabelEvidence::kNone);
-  result.qualities.assign(static_cast<size_t>(num_superpixels), {});
-  result.strengths.assign(static_cast<size_t>(num_superpixels), 0.f);
+  result.labels.assign(num_superpixels, kNoPlane);
+  result.evidence.assign(num_superpixels, LabelEvidence::kNone);
+  result.qualities.resize(num_superpixels);
+  result.strengths.assign(num_superpixels, 0.f);
   if (num_planes == 0 || num_superpixels == 0) {
     return result;
   }
@@ -148,41 +133,29 @@ LabeledView ChooseLabels(const ObservedView& view,
       const float vote = votes.Empty() ? 0.f : votes(k, s);
       graph.unary.push_back(costs(k, s).cost + vote);
     }
-    const auto i = static_cast<size_t>(s);
     graph.unary.push_back(
-        UnlabeledCost(evidence.weights[i], num_pixels[i], options));
+        UnlabeledCost(evidence.weights[s], num_pixels[s], options));
   }
   for (const SuperpixelBorder& border : evidence.borders) {
     graph.edges.push_back({border.first, border.second});
   }
-  const BorderCosts border_costs(evidence,
-                                 view.camera.GetIntrinsics(),
-                                 evidence.resolution,
-                                 result.planes,
-                                 options.full_gap);
-  graph.pairwise = [&](int edge, int a, int b) {
-    return border_costs(edge, a, b);
-  };
+  graph.pairwise = BorderCosts(view, result.planes, options.full_gap);
   graph.min_pairwise = 0.f;
-  const std::vector<int> labels = MinimizeByExpansion(graph, options.expansion);
+  const std::vector<int> labels = MinimizeByExpansion(graph);
+  const auto num_labels = static_cast<size_t>(graph.num_labels);
   for (int s = 0; s < num_superpixels; ++s) {
-    const int k = labels[static_cast<size_t>(s)];
+    const int k = labels[s];
     if (k == num_planes) {
       continue;
     }
-    const auto i = static_cast<size_t>(s);
-    result.labels[i] = k;
-    const auto num_labels = static_cast<size_t>(graph.num_labels);
-    result.qualities[i] =
-        ScoreLabel(costs(k, s),
-                   {graph.unary.data() + i * num_labels, num_labels},
-                   k,
-                   num_pixels[i]);
-    result.strengths[i] = costs(k, s).strength;
-    result.evidence[i] = costs(k, s).explained > 0.f ? LabelEvidence::kMeasured
-                         : costs(k, s).confirmed > 0.f
-                             ? LabelEvidence::kCarried
-                             : LabelEvidence::kGuessed;
+    const PlaneCost& cost = costs(k, s);
+    result.labels[s] = k;
+    result.qualities[s] = ScoreLabel(
+        cost, {&graph.unary[s * num_labels], num_labels}, k, num_pixels[s]);
+    result.strengths[s] = cost.strength;
+    result.evidence[s] = cost.explained > 0.f   ? LabelEvidence::kMeasured
+                         : cost.confirmed > 0.f ? LabelEvidence::kCarried
+                                                : LabelEvidence::kGuessed;
   }
   return result;
 }

@@ -9,7 +9,6 @@
 #include "colmap_tsar/scene/evidence/observed_view.h"
 #include "colmap_tsar/scene/labeling/plane_costs.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace tsar {
@@ -22,9 +21,8 @@ namespace tsar {
 // - neighbors with different planes, in proportion to the gap between these
 //   along the border, unless an edge of the image runs there: where two planes
 //   intersect the change is free.
-// planes: in the view's frame. costs: of each superpixel (row) on each plane
-// (column), see ComputePlaneCosts. votes: see ComputeLabelVotes;
-// empty where other views have not been labeled.
+// planes: in the view's frame; costs: see ComputePlaneCosts; votes: see
+// ComputeLabelVotes, empty where other views have not been labeled.
 LabeledView ChooseLabels(const ObservedView& view,
                          std::vector<Plane> planes,
                          const Image<PlaneCost>& costs,

@@ -15,7 +15,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -207,8 +206,7 @@ DeviceImage<float> CompareRegions(const PixelGroups& regions,
         device,
         num_planes,
         rows,
-        RegionColorKernel{
-            std::as_const(of_sources).View(), inputs.NumSources(), part});
+        RegionColorKernel{of_sources.View(), inputs.NumSources(), part});
   }
   return differences;
 }
@@ -241,13 +239,11 @@ void AddColorCosts(const LabelInputs& inputs,
                           gaps.View()});
   }
   const Buffer<float> unobserved(device, CountUnobserved(evidence));
-  ParallelFor(device,
-              costs.width,
-              costs.height,
-              AddGapsKernel{std::as_const(gaps).View(),
-                            unobserved.Data(),
-                            options.color_cost,
-                            costs});
+  ParallelFor(
+      device,
+      costs.width,
+      costs.height,
+      AddGapsKernel{gaps.View(), unobserved.Data(), options.color_cost, costs});
 }
 
 }  // namespace tsar

@@ -11,7 +11,6 @@
 #include <numeric>
 #include <queue>
 #include <tuple>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -46,7 +45,7 @@ Vec3f ColorOf(const Rgb& color) {
 std::vector<Borders> MeasureBorders(const ViewEvidence& evidence) {
   const Image<uint16_t>& superpixels = evidence.superpixels;
   const Image<Rgb>& color = evidence.color;
-  std::vector<Borders> borders(static_cast<size_t>(evidence.NumSuperpixels()));
+  std::vector<Borders> borders(evidence.NumSuperpixels());
   const auto compare = [&](int x, int y, int dx, int dy) {
     const int first = superpixels(x, y);
     const int second = superpixels(x + dx, y + dy);
@@ -54,15 +53,14 @@ std::vector<Borders> MeasureBorders(const ViewEvidence& evidence) {
     const int ay = y - (kReach - 1) * dy;
     const int bx = x + kReach * dx;
     const int by = y + kReach * dy;
-    if (first == second || ax < 0 || ay < 0 || bx >= superpixels.Width() ||
-        by >= superpixels.Height()) {
+    if (first == second || !color.Contains(ax, ay) || !color.Contains(bx, by)) {
       return;
     }
     const Vec3f step = ColorOf(color(ax, ay)) - ColorOf(color(bx, by));
-    Border& there = borders[static_cast<size_t>(first)][second];
+    Border& there = borders[first][second];
     there.step = there.step + step;
     ++there.count;
-    Border& back = borders[static_cast<size_t>(second)][first];
+    Border& back = borders[second][first];
     back.step = back.step - step;
     ++back.count;
   };
@@ -77,9 +75,9 @@ std::vector<Borders> MeasureBorders(const ViewEvidence& evidence) {
 
 // Transfers all borders of `gone` to `kept`.
 void Merge(int kept, int gone, std::vector<Borders>* borders) {
-  Borders& of_kept = (*borders)[static_cast<size_t>(kept)];
-  for (const auto& [other, border] : (*borders)[static_cast<size_t>(gone)]) {
-    Borders& of_other = (*borders)[static_cast<size_t>(other)];
+  Borders& of_kept = (*borders)[kept];
+  for (const auto& [other, border] : (*borders)[gone]) {
+    Borders& of_other = (*borders)[other];
     of_other.erase(gone);
     if (other == kept) {
       continue;
@@ -89,7 +87,7 @@ void Merge(int kept, int gone, std::vector<Borders>* borders) {
     joined.count += border.count;
     of_other[kept] = {joined.step * -1.f, joined.count};
   }
-  (*borders)[static_cast<size_t>(gone)].clear();
+  (*borders)[gone].clear();
 }
 
 // Indexes the regions in the order of their first superpixels.
@@ -128,13 +126,13 @@ std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence) {
     while (!queue.empty() && std::get<0>(queue.top()) <= max_step) {
       const auto [step, kept, gone] = queue.top();
       queue.pop();
-      const Borders& of_kept = borders[static_cast<size_t>(kept)];
+      const Borders& of_kept = borders[kept];
       const auto border = of_kept.find(gone);
       if (border == of_kept.end() || border->second.MeanStep() != step) {
         continue;  // One of the two has grown since.
       }
       Merge(kept, gone, &borders);
-      merged_into[static_cast<size_t>(gone)] = kept;
+      merged_into[gone] = kept;
       for (const auto& [other, joined] : of_kept) {
         push(kept, other, joined);
       }

@@ -28,8 +28,8 @@ constexpr float kMinShare = 0.2f;
 // begins at a crease.
 class PlanesAtCreases {
  public:
-  // numbers: indices of the columns in the model, ascending, including planes
-  // that begin at creases.
+  // indices: of the columns in the model, ascending, including planes that
+  // begin at creases.
   PlanesAtCreases(const std::vector<ModelPlane>& planes,
                   const std::vector<int>& indices,
                   const std::vector<BoundingCrease>& creases,
@@ -40,20 +40,20 @@ class PlanesAtCreases {
                 static_cast<int>(rays.size())),
         begins_(depths_.Width(), depths_.Height(), 0) {
     for (int k = 0; k < depths_.Width(); ++k) {
-      const Plane plane = ToCameraPlane(PlaneOf(planes, k), camera);
+      const Plane plane = ToCameraPlane(planes[indices[k]].plane, camera);
       for (int s = 0; s < depths_.Height(); ++s) {
-        depths_(k, s) = plane.Depth(rays[static_cast<size_t>(s)]);
+        depths_(k, s) = plane.Depth(rays[s]);
       }
     }
     for (const BoundingCrease& crease : creases) {
       const int beyond = ColumnOf(crease.beyond);
       const auto [found, is_first] = is_along_.try_emplace(beyond);
+      const Eigen::Vector3d& normal = planes[crease.beyond].plane.normal;
       for (int k = 0; k < depths_.Width() && is_first; ++k) {
-        found->second.push_back(
-            PlaneOf(planes, k).normal.dot(PlaneOf(planes, beyond).normal) >
-            kMinCopyCosine);
-        for (int s = 0; s < depths_.Height() && found->second.back() != 0;
-             ++s) {
+        const bool is_along =
+            planes[indices[k]].plane.normal.dot(normal) > kMinCopyCosine;
+        found->second.push_back(is_along);
+        for (int s = 0; s < depths_.Height() && is_along; ++s) {
           begins_(k, s) |= IsClose(beyond, k, s);
         }
       }
@@ -74,8 +74,7 @@ class PlanesAtCreases {
                    int column,
                    int row) const {
     const int beyond = ColumnOf(crease.beyond);
-    if (is_along_.at(beyond)[static_cast<size_t>(column)] != 0 &&
-        IsClose(beyond, column, row)) {
+    if (is_along_.at(beyond)[column] && IsClose(beyond, column, row)) {
       return true;
     }
     const float depth = depths_(column, row);
@@ -83,12 +82,6 @@ class PlanesAtCreases {
   }
 
  private:
-  const WorldPlane& PlaneOf(const std::vector<ModelPlane>& planes,
-                            int column) const {
-    return planes[static_cast<size_t>(indices_[static_cast<size_t>(column)])]
-        .plane;
-  }
-
   bool IsClose(int beyond, int column, int row) const {
     const float depth = depths_(beyond, row);
     return depth > 0.f &&
@@ -99,87 +92,84 @@ class PlanesAtCreases {
   Image<float> depths_;
   Image<uint8_t> begins_;  // At any crease.
   // By column that begins at a crease, the columns with nearly the same normal.
-  std::map<int, std::vector<uint8_t>> is_along_;
+  std::map<int, std::vector<bool>> is_along_;
 };
+
+// Where superpixels lie beyond a crease, the depth of the plane that begins
+// there on the rays of their centers; 0 elsewhere.
+std::vector<float> DepthsBeyond(const BoundingCrease& crease,
+                                const std::vector<ModelPlane>& planes,
+                                const std::vector<Vec3f>& rays,
+                                const Camera& camera) {
+  std::vector<float> depths(rays.size(), 0.f);
+  if (!(crease.limit.Height(camera.Center()) > 0.0)) {
+    return depths;
+  }
+  const Plane ending = ToCameraPlane(planes[crease.plane].plane, camera);
+  const Plane beginning = ToCameraPlane(crease.limit, camera);
+  for (size_t s = 0; s < rays.size(); ++s) {
+    // The ray intersects the plane that begins at the crease before the one
+    // that ends there.
+    const float depth = beginning.Depth(rays[s]);
+    if (depth > 0.f && depth < ending.Depth(rays[s])) {
+      depths[s] = depth;
+    }
+  }
+  return depths;
+}
 
 }  // namespace
 
-CreaseLabels::CreaseLabels(const ObservedView& view,
-                           const std::vector<ModelPlane>& planes,
-                           const std::vector<BoundingCrease>& creases)
-    : evidence_(*view.evidence),
-      camera_(view.camera),
-      planes_(planes),
-      creases_(creases),
-      rays_(MiddleRays(evidence_, view.camera.GetIntrinsics())),
-      num_pixels_(CountPixels(evidence_)) {
-  for (const BoundingCrease& crease : creases_) {
-    std::vector<float>& limits = limits_.emplace_back();
-    const Plane ending = ToCameraPlane(
-        planes_[static_cast<size_t>(crease.plane)].plane, camera_);
-    const Plane limit = ToCameraPlane(crease.limit, camera_);
-    const bool is_seen = crease.limit.Height(camera_.Center()) > 0.0;
-    for (size_t s = 0; s < rays_.size(); ++s) {
-      // The ray intersects the plane that begins at the crease before the one
-      // that ends there.
-      const float depth = limit.Depth(rays_[s]);
-      const bool is_beyond =
-          is_seen && depth > 0.f && depth < ending.Depth(rays_[s]);
-      limits.push_back(is_beyond ? depth : 0.f);
-    }
-  }
-}
-
-void CreaseLabels::AddVotes(const std::vector<int>& indices,
-                            const Image<PlaneCost>& costs,
-                            const LabelOptions& options,
-                            Image<float>* votes) const {
-  if (votes->Empty()) {
-    *votes = Image<float>(costs.Width(), costs.Height(), 0.f);
-  }
-  const PlanesAtCreases planes(planes_, indices, creases_, rays_, camera_);
+void AddCreaseVotes(const ObservedView& view,
+                    const std::vector<ModelPlane>& planes,
+                    const std::vector<int>& indices,
+                    const std::vector<BoundingCrease>& creases,
+                    const Image<PlaneCost>& costs,
+                    const LabelOptions& options,
+                    Image<float>* votes) {
+  const ViewEvidence& evidence = *view.evidence;
+  const std::vector<Vec3f> rays =
+      MiddleRays(evidence, view.camera.GetIntrinsics());
+  const std::vector<float> num_pixels = CountPixels(evidence);
+  const PlanesAtCreases at_creases(planes, indices, creases, rays, view.camera);
   // Whether a plane lies beyond at least one crease.
   Image<uint8_t> is_costly(costs.Width(), costs.Height(), 0);
   // By column: the superpixels in which planes that begin at creases may lie.
   std::map<int, std::vector<uint8_t>> beginning;
-  for (size_t i = 0; i < creases_.size(); ++i) {
-    const BoundingCrease& crease = creases_[i];
-    for (size_t s = 0; s < rays_.size(); ++s) {
-      const float limit = limits_[i][s];
-      if (limit == 0.f) {
-        continue;
-      }
-      const auto row = static_cast<int>(s);
-      for (int k = 0; k < costs.Width(); ++k) {
-        const PlaneCost& cost = costs(k, row);
-        is_costly(k, row) |=
-            indices[static_cast<size_t>(k)] == crease.plane ||
+  for (const BoundingCrease& crease : creases) {
+    const std::vector<float> limits =
+        DepthsBeyond(crease, planes, rays, view.camera);
+    for (int s = 0; s < costs.Height(); ++s) {
+      for (int k = 0; k < costs.Width() && limits[s] > 0.f; ++k) {
+        const PlaneCost& cost = costs(k, s);
+        is_costly(k, s) |=
+            indices[k] == crease.plane ||
             (cost.explained < kMinShare && cost.confirmed < kMinShare &&
-             !planes.MayBeBeyond(crease, limit, k, row));
+             !at_creases.MayBeBeyond(crease, limits[s], k, s));
       }
     }
     if (crease.is_new) {
-      std::vector<uint8_t>& may_be = beginning[planes.ColumnOf(crease.beyond)];
-      may_be.resize(rays_.size());
-      for (size_t s = 0; s < rays_.size(); ++s) {
-        may_be[s] |= limits_[i][s] > 0.f;
+      std::vector<uint8_t>& may_be =
+          beginning[at_creases.ColumnOf(crease.beyond)];
+      may_be.resize(rays.size());
+      for (size_t s = 0; s < rays.size(); ++s) {
+        may_be[s] |= limits[s] > 0.f;
       }
     }
   }
-  for (int k = 0; k < costs.Width(); ++k) {
-    for (size_t s = 0; s < rays_.size(); ++s) {
-      const auto row = static_cast<int>(s);
-      (*votes)(k, row) +=
-          is_costly(k, row) != 0 ? kCostBeyond * num_pixels_[s] : 0.f;
-    }
+  if (votes->Empty()) {
+    *votes = Image<float>(costs.Width(), costs.Height(), 0.f);
   }
-  for (const auto& [column, may_be] : beginning) {
-    for (size_t s = 0; s < rays_.size(); ++s) {
+  for (int s = 0; s < costs.Height(); ++s) {
+    for (int k = 0; k < costs.Width(); ++k) {
+      (*votes)(k, s) +=
+          is_costly(k, s) != 0 ? kCostBeyond * num_pixels[s] : 0.f;
+    }
+    for (const auto& [k, may_be] : beginning) {
       const float unobserved =
-          std::max(num_pixels_[s] - evidence_.weights[s], 0.f);
-      (*votes)(column, static_cast<int>(s)) +=
-          may_be[s] != 0 ? -options.uncertainty_cost * unobserved
-                         : kCostBefore * num_pixels_[s];
+          std::max(num_pixels[s] - evidence.weights[s], 0.f);
+      (*votes)(k, s) += may_be[s] != 0 ? -options.uncertainty_cost * unobserved
+                                       : kCostBefore * num_pixels[s];
     }
   }
 }

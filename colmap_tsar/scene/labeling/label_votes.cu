@@ -11,11 +11,31 @@
 
 #include <cmath>
 #include <cstddef>
-#include <utility>
 
 namespace tsar {
 namespace {
 
+// Costs are in pixels of the raster for each view of full weight, gaps in
+// relative depths of one pixel of disparity.
+//
+// The gain of a pixel for each view with the same plane there,
+constexpr float kGainOfSame = 0.1f;
+// and its cost for each view with another plane within kMaxGap. The cost grows
+// with the gap, up to kFullGap.
+constexpr float kCostOfRival = 0.1f;
+constexpr float kMaxGap = 6.f;
+constexpr float kFullGap = 0.5f;
+// The cost of lying further than that in front of a view's plane, which it
+// would occlude, and the cost of lying behind surfaces that several views see
+// in front of it.
+constexpr float kCostOfHiding = 0.1f;
+constexpr float kCostOfHidden = 0.2f;
+// The weight of a label without measurements in its own view. One that all
+// measurements agree on has weight 1 (LabeledView::strengths).
+constexpr float kGuessedWeight = 0.2f;
+// Upper limits of the weight that gains, and of the cost of a pixel.
+constexpr float kMaxSame = 3.f;
+constexpr float kMaxAgainst = 3.f;
 // The least number of views that see a surface in front: one may be wrong.
 constexpr int kMinInFront = 2;
 // The least strength of a label that occludes.
@@ -46,7 +66,6 @@ TSAR_HD inline void AddLabelVote(const ObservedSource& source,
                                  const SourceLabels& labels,
                                  int plane,
                                  const Vec3f& point,
-                                 const LabelVoteOptions& options,
                                  LabelVotes* votes) {
   SeenPoint seen;
   if (!FindInSource(source, point, &seen)) {
@@ -68,11 +87,11 @@ TSAR_HD inline void AddLabelVote(const ObservedSource& source,
   }
   const float gap = (seen.depth - labeled) /
                     (labeled * source.resolution.RelativeDepthError(labeled));
-  if (fabsf(gap) < options.max_gap) {
-    votes->against += options.cost_of_rival * label.weight *
-                      fminf(fabsf(gap) / options.full_gap, 1.f);
+  if (fabsf(gap) < kMaxGap) {
+    votes->against +=
+        kCostOfRival * label.weight * fminf(fabsf(gap) / kFullGap, 1.f);
   } else if (gap < 0.f) {
-    votes->against += options.cost_of_hiding * label.weight;
+    votes->against += kCostOfHiding * label.weight;
   }
 }
 
@@ -83,7 +102,6 @@ struct LabelVoteKernel {
   const SourceLabels* labels;
   int num_sources;
   VoteSampling sampling;
-  LabelVoteOptions options;
   int raster_width;
   Intrinsics intrinsics;
   ImageView<float> votes;  // Column: plane, row: superpixel.
@@ -111,27 +129,26 @@ struct LabelVoteKernel {
       LabelVotes at_pixel;
       int num_in_front = 0;
       for (int j = 0; j < num_sources; ++j) {
-        AddLabelVote(sources[j], labels[j], k, ray * depth, options, &at_pixel);
+        AddLabelVote(sources[j], labels[j], k, ray * depth, &at_pixel);
         num_in_front +=
             labels[j].front.data[pixel] < (1.f - kOtherSurface) * depth ? 1 : 0;
       }
       if (num_in_front >= kMinInFront) {
-        at_pixel.against += options.cost_of_hidden * num_in_front;
+        at_pixel.against += kCostOfHidden * num_in_front;
       }
-      sum += fminf(at_pixel.against, options.max_against) -
-             options.gain_of_same * fminf(at_pixel.same, options.max_same);
+      sum += fminf(at_pixel.against, kMaxAgainst) -
+             kGainOfSame * fminf(at_pixel.same, kMaxSame);
     }
     return sum * num_pixels / num_tests;
   }
 };
 
-std::vector<SourceLabel> MakeSourceLabels(const VotingLabels& labels,
-                                          const LabelVoteOptions& options) {
-  std::vector<SourceLabel> result(labels.planes.size());
-  for (size_t s = 0; s < result.size(); ++s) {
-    result[s] = {labels.planes[s],
-                 options.guessed_weight +
-                     (1.f - options.guessed_weight) * labels.strengths[s]};
+std::vector<SourceLabel> MakeSourceLabels(const VotingLabels& labels) {
+  std::vector<SourceLabel> result;
+  for (size_t s = 0; s < labels.planes.size(); ++s) {
+    result.push_back(
+        {labels.planes[s],
+         kGuessedWeight + (1.f - kGuessedWeight) * labels.strengths[s]});
   }
   return result;
 }
@@ -153,9 +170,8 @@ std::vector<Plane> FirmPlanes(const VotingLabels& labels,
   std::vector<Plane> result;
   for (size_t s = 0; s < labels.planes.size(); ++s) {
     const int plane = labels.planes[s];
-    result.push_back(plane >= 0 && labels.strengths[s] >= kFirm
-                         ? planes[static_cast<size_t>(plane)]
-                         : Plane{});
+    result.push_back(plane >= 0 && labels.strengths[s] >= kFirm ? planes[plane]
+                                                                : Plane{});
   }
   return result;
 }
@@ -165,7 +181,6 @@ std::vector<Plane> FirmPlanes(const VotingLabels& labels,
 Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                                const std::vector<Plane>& planes,
                                const std::vector<VotingLabels>& labels,
-                               const LabelVoteOptions& options,
                                Device& device) {
   const std::vector<ObservedView>& views = inputs.Views();
   const ViewEvidence& evidence = *views[0].evidence;
@@ -175,8 +190,7 @@ Image<float> ComputeLabelVotes(const LabelInputs& inputs,
   std::vector<DeviceImage<float>> fronts;
   std::vector<SourceLabels> of_sources;
   for (size_t j = 1; j < views.size(); ++j) {
-    labels_of_sources.emplace_back(device,
-                                   MakeSourceLabels(labels[j - 1], options));
+    labels_of_sources.emplace_back(device, MakeSourceLabels(labels[j - 1]));
     const std::vector<Plane> moved =
         MovePlanes(planes, views[0].camera, views[j].camera);
     planes_of_sources.emplace_back(device, moved);
@@ -186,9 +200,9 @@ Image<float> ComputeLabelVotes(const LabelInputs& inputs,
         DepthOfPlanes(views[j], FirmPlanes(labels[j - 1], moved), device)
             .View(),
         device));
-    of_sources.push_back({std::as_const(labels_of_sources.back()).Data(),
-                          std::as_const(planes_of_sources.back()).Data(),
-                          std::as_const(fronts.back()).View()});
+    of_sources.push_back({labels_of_sources.back().Data(),
+                          planes_of_sources.back().Data(),
+                          fronts.back().View()});
   }
   const Buffer<SourceLabels> device_labels(device, of_sources);
   DeviceImage<float> votes(
@@ -202,7 +216,6 @@ Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                               device_labels.Data(),
                               inputs.NumSources(),
                               kPlaneSampling,
-                              options,
                               evidence.width,
                               views[0].camera.GetIntrinsics(),
                               votes.View()});

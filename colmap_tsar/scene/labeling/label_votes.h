@@ -9,7 +9,6 @@
 #include "colmap_tsar/scene/evidence/label_view.h"
 #include "colmap_tsar/scene/labeling/label_inputs.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace tsar {
@@ -19,13 +18,12 @@ namespace tsar {
 // for each view with the same label at its projection, and more for each with
 // another plane nearby, or one behind it: surfaces within each other's errors
 // are one, and views do not see through surfaces. Votes are weighted by the
-// strengths of labels (LabelVoteOptions). inputs: with superpixels; planes: in
+// strengths of labels. inputs: with superpixels; planes: in
 // the reference camera's frame. labels: of the sources, as indices of these
 // planes.
 Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                                const std::vector<Plane>& planes,
                                const std::vector<VotingLabels>& labels,
-                               const LabelVoteOptions& options,
                                Device& device);
 
 }  // namespace tsar

@@ -43,11 +43,9 @@ struct SuperpixelData {
   int confirmed_pixels = 0;  // and in total.
   int num_pixels = 0;
   float weight = 0.f;
-  // Sum of the confidences of the observations.
-  float confidence = 0.f;
-  // Ray of the center of the pixels.
-  Vec3f ray;
-  Vec3f prior_normal;  // See AlignedPrior; (0, 0, 0): none.
+  float confidence = 0.f;  // Sum over the observations.
+  Vec3f ray;               // Of the center of the pixels.
+  Vec3f prior_normal;      // See AlignedPrior; (0, 0, 0): none.
 };
 
 struct PlaneData {
@@ -263,13 +261,12 @@ std::vector<PlaneData> MakePlaneData(const std::vector<Plane>& planes,
                                      const PlaneSupport& support) {
   std::vector<PlaneData> result;
   for (size_t k = 0; k < planes.size(); ++k) {
-    PlaneData data;
-    data.plane = planes[k];
-    data.frame = support.frames[k];
-    data.first_cell = support.first_cell[k];
-    data.num_cells = support.first_cell[k + 1] - support.first_cell[k];
-    data.cell_size = support.cell_sizes[k];
-    result.push_back(data);
+    const int first = support.first_cell[k];
+    result.push_back({planes[k],
+                      support.frames[k],
+                      first,
+                      support.first_cell[k + 1] - first,
+                      support.cell_sizes[k]});
   }
   return result;
 }
@@ -294,8 +291,7 @@ std::vector<SuperpixelData> MakeSuperpixelData(const ViewEvidence& evidence,
     data.weight = evidence.weights[s];
     for (int i = 0; i < data.num_observations; ++i) {
       data.confidence +=
-          evidence.observations[static_cast<size_t>(data.first_observation + i)]
-              .confidence;
+          evidence.observations[data.first_observation + i].confidence;
     }
     data.ray = rays[s];
     if (!evidence.prior.normals.empty()) {
@@ -317,9 +313,11 @@ std::pair<float, float> DepthRange(const ViewEvidence& evidence) {
   }
   std::sort(depths.begin(), depths.end());
   const auto last = static_cast<double>(depths.size() - 1);
-  return {depths[static_cast<size_t>(last * kDepthQuantile)] * kDepthMargin,
-          depths[static_cast<size_t>(last * (1.0 - kDepthQuantile))] /
-              kDepthMargin};
+  const auto at = [&](double quantile) {
+    return depths[static_cast<size_t>(last * quantile)];
+  };
+  return {at(kDepthQuantile) * kDepthMargin,
+          at(1.0 - kDepthQuantile) / kDepthMargin};
 }
 
 }  // namespace
@@ -370,13 +368,6 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                          costs.View()});
   AddColorCosts(inputs, planes, options, costs.View(), device);
   return costs.ToHost();
-}
-
-float UnlabeledCost(float weight,
-                    float num_pixels,
-                    const LabelOptions& options) {
-  return options.cost_of_unexplained * weight +
-         options.unlabeled_cost * std::max(num_pixels - weight, 0.f);
 }
 
 }  // namespace tsar

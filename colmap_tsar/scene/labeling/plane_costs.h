@@ -10,7 +10,6 @@
 #include "colmap_tsar/scene/evidence/label_view.h"
 #include "colmap_tsar/scene/labeling/label_inputs.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace tsar {
@@ -39,10 +38,5 @@ Image<PlaneCost> ComputePlaneCosts(const LabelInputs& inputs,
                                    const PlaneSupport& support,
                                    const LabelOptions& options,
                                    Device& device);
-
-// The unary cost of a superpixel without a plane. weight: see ViewEvidence.
-float UnlabeledCost(float weight,
-                    float num_pixels,
-                    const LabelOptions& options);
 
 }  // namespace tsar

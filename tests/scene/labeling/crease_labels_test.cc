@@ -27,8 +27,16 @@ class CreaseLabelsTest : public DrawnWallTest {
     creases_ = {crease};
   }
 
-  CreaseLabels Make() const {
-    return CreaseLabels({&evidence_, camera_}, model_.planes, creases_);
+  void AddVotes(const std::vector<int>& indices,
+                const Image<PlaneCost>& costs,
+                Image<float>* votes) const {
+    AddCreaseVotes({&evidence_, camera_},
+                   model_.planes,
+                   indices,
+                   creases_,
+                   costs,
+                   options_,
+                   votes);
   }
 
   // Whether the middle of a superpixel shows what is above the crease.
@@ -41,7 +49,7 @@ class CreaseLabelsTest : public DrawnWallTest {
   // Of the three planes.
   Image<float> Votes(const Image<PlaneCost>& costs) const {
     Image<float> votes;
-    Make().AddVotes({0, ceiling_, other_}, costs, options_, &votes);
+    AddVotes({0, ceiling_, other_}, costs, &votes);
     return votes;
   }
   Image<float> Votes() const {
@@ -114,10 +122,7 @@ TEST_F(CreaseLabelsTest, WhatBeginsElsewhereMayStandBeforeThePlaneBeyond) {
   at_floor.is_new = false;
   const auto votes_on_front = [&] {
     Image<float> votes;
-    Make().AddVotes({ceiling_, front},
-                    Image<PlaneCost>(2, kNumSuperpixels),
-                    options_,
-                    &votes);
+    AddVotes({ceiling_, front}, Image<PlaneCost>(2, kNumSuperpixels), &votes);
     std::vector<float> column;
     for (int s = 0; s < kNumSuperpixels; ++s) {
       column.push_back(votes(1, s));
@@ -155,10 +160,7 @@ TEST_F(CreaseLabelsTest, APlaneThatIsAlmostTheOneBeyondIsNotCostly) {
     const int plane = AddPlane(
         {0.0, std::cos(angle), std::sin(angle)}, {0.0, height, 4.0}, -1, 500.0);
     Image<float> votes;
-    Make().AddVotes({ceiling_, plane},
-                    Image<PlaneCost>(2, kNumSuperpixels),
-                    options_,
-                    &votes);
+    AddVotes({ceiling_, plane}, Image<PlaneCost>(2, kNumSuperpixels), &votes);
     return votes;
   };
   ASSERT_TRUE(IsBeyond(0));
@@ -188,10 +190,7 @@ TEST_F(CreaseLabelsTest, PosterAndWallEndAtOneCreaseThatCountsOnce) {
 
 TEST_F(CreaseLabelsTest, VotesOfOtherViewsStay) {
   Image<float> votes(3, kNumSuperpixels, 7.f);
-  Make().AddVotes({0, ceiling_, other_},
-                  Image<PlaneCost>(3, kNumSuperpixels),
-                  options_,
-                  &votes);
+  AddVotes({0, ceiling_, other_}, Image<PlaneCost>(3, kNumSuperpixels), &votes);
   const Image<float> alone = Votes();
   for (size_t i = 0; i < votes.NumPixels(); ++i) {
     EXPECT_FLOAT_EQ(votes.Data()[i], alone.Data()[i] + 7.f);

@@ -22,6 +22,13 @@ constexpr float kDepth = 5.f;
 
 Plane WallAt(float depth) { return DrawnPlane({0.f, 0.f, -1.f}, depth); }
 
+constexpr float kGain = 0.1f;  // For each view, up to kMaxSame of them.
+constexpr float kMaxSame = 3.f;
+constexpr float kCostOfRival = 0.1f;
+constexpr float kCostOfHiding = 0.1f;
+constexpr float kCostOfHidden = 0.2f;
+constexpr float kGuessedWeight = 0.2f;
+
 // A reference and sources that look at the same walls, each from its place.
 class LabelVotesTest : public testing::Test {
  protected:
@@ -55,8 +62,8 @@ class LabelVotesTest : public testing::Test {
     const std::unique_ptr<Device> device = Device::CreateCpu(num_threads);
     const LabelInputs inputs(
         views_, {/*confident_depth=*/false, /*superpixels=*/true}, *device);
-    return ComputeLabelVotes(inputs, planes_, labels_, options_, *device)(
-               plane, superpixel) /
+    return ComputeLabelVotes(inputs, planes_, labels_, *device)(plane,
+                                                                superpixel) /
            kPixels;
   }
 
@@ -70,30 +77,29 @@ class LabelVotesTest : public testing::Test {
                                 WallAt(kDepth + 0.0075f),
                                 WallAt(8.f),
                                 WallAt(kDepth - 0.1f)};
-  LabelVoteOptions options_;
 };
 
 TEST_F(LabelVotesTest, TheSamePlaneGains) {
   AddSource(0);
-  EXPECT_NEAR(Vote(0), -options_.gain_of_same, 1e-5f);
+  EXPECT_NEAR(Vote(0), -kGain, 1e-5f);
   AddSource(0);
-  EXPECT_NEAR(Vote(0), -2.f * options_.gain_of_same, 1e-5f);
+  EXPECT_NEAR(Vote(0), -2.f * kGain, 1e-5f);
   for (int i = 0; i < 5; ++i) {
     AddSource(0);
   }
-  EXPECT_NEAR(Vote(0), -options_.max_same * options_.gain_of_same, 1e-5f);
+  EXPECT_NEAR(Vote(0), -kMaxSame * kGain, 1e-5f);
 }
 
 TEST_F(LabelVotesTest, AnotherPlaneNearbyIsARival) {
   AddSource(0);
-  // 0.3 pixels of disparity, and more than max_gap lies between.
-  EXPECT_NEAR(Vote(2), 0.6f * options_.cost_of_rival, 1e-3f);
-  EXPECT_NEAR(Vote(4), options_.cost_of_rival, 1e-5f);
+  // 0.3 pixels of disparity, and more than 6 pixels lie between.
+  EXPECT_NEAR(Vote(2), 0.6f * kCostOfRival, 1e-3f);
+  EXPECT_NEAR(Vote(4), kCostOfRival, 1e-5f);
 }
 
 TEST_F(LabelVotesTest, NothingIsInFrontOfWhatAViewSees) {
   AddSource(0);
-  EXPECT_NEAR(Vote(1), options_.cost_of_hiding, 1e-5f);
+  EXPECT_NEAR(Vote(1), kCostOfHiding, 1e-5f);
   // What lies behind may be hidden from it.
   EXPECT_EQ(Vote(3), 0.f);
 }
@@ -101,8 +107,8 @@ TEST_F(LabelVotesTest, NothingIsInFrontOfWhatAViewSees) {
 TEST_F(LabelVotesTest, NothingLiesBehindWhatSeveralViewsSee) {
   AddSource(0);
   AddSource(0);
-  EXPECT_NEAR(Vote(3), 2.f * options_.cost_of_hidden, 1e-5f);
-  EXPECT_NEAR(Vote(1), 2.f * options_.cost_of_hiding, 1e-5f);
+  EXPECT_NEAR(Vote(3), 2.f * kCostOfHidden, 1e-5f);
+  EXPECT_NEAR(Vote(1), 2.f * kCostOfHiding, 1e-5f);
   // A label that was not measured hides nothing.
   labels_[1].strengths.assign(kNumSuperpixels, 0.3f);
   EXPECT_EQ(Vote(3), 0.f);
@@ -110,11 +116,11 @@ TEST_F(LabelVotesTest, NothingLiesBehindWhatSeveralViewsSee) {
 
 TEST_F(LabelVotesTest, LabelsCountByHowFirmlyTheyWereMeasured) {
   AddSource(0, 0.5f);
-  const float half = 0.5f + 0.5f * options_.guessed_weight;
-  EXPECT_NEAR(Vote(0), -half * options_.gain_of_same, 1e-5f);
-  EXPECT_NEAR(Vote(1), half * options_.cost_of_hiding, 1e-5f);
+  const float half = 0.5f + 0.5f * kGuessedWeight;
+  EXPECT_NEAR(Vote(0), -half * kGain, 1e-5f);
+  EXPECT_NEAR(Vote(1), half * kCostOfHiding, 1e-5f);
   labels_[0].strengths.assign(kNumSuperpixels, 0.f);
-  EXPECT_NEAR(Vote(0), -options_.guessed_weight * options_.gain_of_same, 1e-5f);
+  EXPECT_NEAR(Vote(0), -kGuessedWeight * kGain, 1e-5f);
 }
 
 TEST_F(LabelVotesTest, ViewsWithoutAPlaneThereSayNothing) {
@@ -135,8 +141,8 @@ TEST_F(LabelVotesTest, LooksAtThePlaceWhereTheSourceSeesThePoint) {
   for (int row = 0; row < kHeight / kSize; ++row) {
     labels_[0].planes[static_cast<size_t>(row * kNumColumns + 1)] = 0;
   }
-  EXPECT_NEAR(Vote(0, kNumColumns + 2), -options_.gain_of_same, 1e-5f);
-  EXPECT_NEAR(Vote(0, kNumColumns + 3), options_.cost_of_hiding, 1e-5f);
+  EXPECT_NEAR(Vote(0, kNumColumns + 2), -kGain, 1e-5f);
+  EXPECT_NEAR(Vote(0, kNumColumns + 3), kCostOfHiding, 1e-5f);
 }
 
 TEST_F(LabelVotesTest, DoesNotDependOnTheNumberOfThreads) {

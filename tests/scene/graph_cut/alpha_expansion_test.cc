@@ -1,18 +1,20 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/graph_cut/label_graph.h"
+#include "colmap_tsar/scene/graph_cut/alpha_expansion.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/random.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include "tests/scene/graph_cut/label_energy.h"
+#include "tests/support/test_workspace.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -23,8 +25,22 @@ using Labels = std::vector<int>;
 // A table of num_labels x num_labels costs.
 using Table = std::vector<float>;
 
+// The sum of the costs of these labels, one per node.
+double Energy(const LabelGraph& graph, const std::vector<int>& labels) {
+  double energy = 0.0;
+  for (int node = 0; node < graph.num_nodes; ++node) {
+    energy += graph.unary[node * graph.num_labels + labels[node]];
+  }
+  for (size_t edge = 0; edge < graph.edges.size(); ++edge) {
+    const auto [first, second] = graph.edges[edge];
+    energy +=
+        graph.pairwise(static_cast<int>(edge), labels[first], labels[second]);
+  }
+  return energy;
+}
+
 // Enough for every graph here to come to rest.
-constexpr ExpansionOptions kUntilRest{.max_sweeps = 100};
+constexpr int kUntilRest = 100;
 
 // A number in [0, 4) of which sums are exact.
 float DrawCost(Philox* random) { return random->NextBelow(64) / 16.f; }
@@ -149,7 +165,7 @@ TEST(EnergyTest, AddsTheCostsOfNodesAndEdges) {
   EXPECT_EQ(Energy(graph, {0, 1, 1}), 1 + 8 + 32 + 10100 + 11200);
 }
 
-TEST(LabelGraphTest, FindsTheBestOfTwoLabels) {
+TEST(AlphaExpansionTest, FindsTheBestOfTwoLabels) {
   Philox random(1, 0, 0);
   for (int trial = 0; trial < 300; ++trial) {
     LabelGraph graph = DrawNodes(1 + random.NextBelow(8), 2, &random);
@@ -159,14 +175,15 @@ TEST(LabelGraphTest, FindsTheBestOfTwoLabels) {
         &random,
         &graph);
     const double least = LeastEnergy(graph);
-    EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph, {})), least);
+    EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph)), least);
     const Labels drawn = DrawLabels(graph, &random);
-    EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph, {}, drawn)), least);
+    EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph, kUntilRest, drawn)),
+              least);
   }
 }
 
 // Dynamic programming knows the best labels of a chain of any length.
-TEST(LabelGraphTest, FindsTheBestOfTwoLabelsOnALongChain) {
+TEST(AlphaExpansionTest, FindsTheBestOfTwoLabelsOnALongChain) {
   Philox random(2, 0, 0);
   LabelGraph graph = DrawNodes(3000, 2, &random);
   std::vector<Table> tables;
@@ -183,11 +200,11 @@ TEST(LabelGraphTest, FindsTheBestOfTwoLabelsOnALongChain) {
     least = next;
   }
   SetTables(std::move(tables), &graph);
-  EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph, {})),
+  EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph)),
             std::min(least[0], least[1]));
 }
 
-TEST(LabelGraphTest, LeavesNoMoveThatImprovesAMetric) {
+TEST(AlphaExpansionTest, LeavesNoMoveThatImprovesAMetric) {
   Philox random(3, 0, 0);
   for (int trial = 0; trial < 100; ++trial) {
     LabelGraph graph = DrawNodes(2 + random.NextBelow(5), 3, &random);
@@ -206,7 +223,7 @@ TEST(LabelGraphTest, LeavesNoMoveThatImprovesAMetric) {
   }
 }
 
-TEST(LabelGraphTest, NeverRaisesTheEnergyWhateverTheCosts) {
+TEST(AlphaExpansionTest, NeverRaisesTheEnergyWhateverTheCosts) {
   Philox random(4, 0, 0);
   for (int trial = 0; trial < 200; ++trial) {
     LabelGraph graph = DrawNodes(20, 4, &random);
@@ -215,7 +232,7 @@ TEST(LabelGraphTest, NeverRaisesTheEnergyWhateverTheCosts) {
     Labels labels = DrawLabels(graph, &random);
     double energy = Energy(graph, labels);
     while (true) {
-      Labels next = MinimizeByExpansion(graph, {.max_sweeps = 1}, labels);
+      Labels next = MinimizeByExpansion(graph, /*max_sweeps=*/1, labels);
       if (next == labels) {
         break;
       }
@@ -228,7 +245,7 @@ TEST(LabelGraphTest, NeverRaisesTheEnergyWhateverTheCosts) {
 }
 
 // Where the tables are no metric, moves are still good ones.
-TEST(LabelGraphTest, ComesNearTheLeastEnergyWhateverTheCosts) {
+TEST(AlphaExpansionTest, ComesNearTheLeastEnergyWhateverTheCosts) {
   Philox random(5, 0, 0);
   double excess = 0.0;
   double excess_of_initial = 0.0;
@@ -237,14 +254,14 @@ TEST(LabelGraphTest, ComesNearTheLeastEnergyWhateverTheCosts) {
     AddEdges(
         12, [&] { return DrawAnyTable(3, &random); }, &random, &graph);
     const double least = LeastEnergy(graph);
-    excess += Energy(graph, MinimizeByExpansion(graph, {})) - least;
+    excess += Energy(graph, MinimizeByExpansion(graph)) - least;
     excess_of_initial +=
-        Energy(graph, MinimizeByExpansion(graph, {.max_sweeps = 0})) - least;
+        Energy(graph, MinimizeByExpansion(graph, /*max_sweeps=*/0)) - least;
   }
   EXPECT_LT(excess, 0.5 * excess_of_initial);
 }
 
-TEST(LabelGraphTest, TellsTheFirstNodeOfAnEdgeFromTheSecond) {
+TEST(AlphaExpansionTest, TellsTheFirstNodeOfAnEdgeFromTheSecond) {
   LabelGraph graph;
   graph.num_nodes = 2;
   graph.num_labels = 3;
@@ -253,32 +270,32 @@ TEST(LabelGraphTest, TellsTheFirstNodeOfAnEdgeFromTheSecond) {
   graph.pairwise = [](int, int a, int b) {
     return a == 2 && b == 1 ? -1.f : 1.f;
   };
-  EXPECT_EQ(MinimizeByExpansion(graph, {}, {1, 1}), (Labels{1, 2}));
-  EXPECT_EQ(MinimizeByExpansion(graph, {}, {2, 2}), (Labels{1, 2}));
+  EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest, {1, 1}), (Labels{1, 2}));
+  EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest, {2, 2}), (Labels{1, 2}));
 }
 
-TEST(LabelGraphTest, StartsFromTheCheapestLabels) {
+TEST(AlphaExpansionTest, StartsFromTheCheapestLabels) {
   LabelGraph graph;
   graph.num_nodes = 3;
   graph.num_labels = 3;
   graph.unary = {3.f, 1.f, 2.f, -1.f, 0.f, 5.f, 7.f, 4.f, 4.f};
-  EXPECT_EQ(MinimizeByExpansion(graph, {.max_sweeps = 0}), (Labels{1, 0, 1}));
+  EXPECT_EQ(MinimizeByExpansion(graph, /*max_sweeps=*/0), (Labels{1, 0, 1}));
 }
 
-TEST(LabelGraphTest, SweepsAsOftenAsTold) {
+TEST(AlphaExpansionTest, SweepsAsOftenAsTold) {
   Philox random(6, 0, 0);
   LabelGraph graph = DrawNodes(200, 8, &random);
   AddEdges(
       600, [&] { return DrawMetricTable(8, &random); }, &random, &graph);
   const Labels initial(200, 7);
-  EXPECT_EQ(MinimizeByExpansion(graph, {.max_sweeps = 0}, initial), initial);
-  const Labels once = MinimizeByExpansion(graph, {.max_sweeps = 1}, initial);
-  const Labels twice = MinimizeByExpansion(graph, {.max_sweeps = 2}, initial);
+  EXPECT_EQ(MinimizeByExpansion(graph, /*max_sweeps=*/0, initial), initial);
+  const Labels once = MinimizeByExpansion(graph, /*max_sweeps=*/1, initial);
+  const Labels twice = MinimizeByExpansion(graph, /*max_sweeps=*/2, initial);
   EXPECT_LT(Energy(graph, twice), Energy(graph, once));
-  EXPECT_EQ(twice, MinimizeByExpansion(graph, {.max_sweeps = 1}, once));
+  EXPECT_EQ(twice, MinimizeByExpansion(graph, /*max_sweeps=*/1, once));
 }
 
-TEST(LabelGraphTest, StopsWhereNothingChanges) {
+TEST(AlphaExpansionTest, StopsWhereNothingChanges) {
   Philox random(10, 0, 0);
   LabelGraph graph = DrawNodes(50, 4, &random);
   AddEdges(
@@ -288,14 +305,14 @@ TEST(LabelGraphTest, StopsWhereNothingChanges) {
     ++num_asked;
     return costs(edge, a, b);
   };
-  MinimizeByExpansion(graph, {.max_sweeps = 50});
+  MinimizeByExpansion(graph, /*max_sweeps=*/50);
   const int64_t num_asked_in_50 = std::exchange(num_asked, 0);
-  MinimizeByExpansion(graph, {.max_sweeps = 100});
+  MinimizeByExpansion(graph, /*max_sweeps=*/100);
   EXPECT_EQ(num_asked, num_asked_in_50);
 }
 
 // Numbers of which few sums are equal.
-TEST(LabelGraphTest, LooksAtFewerEdgesWhereTheirLeastCostIsKnown) {
+TEST(AlphaExpansionTest, LooksAtFewerEdgesWhereTheirLeastCostIsKnown) {
   Philox random(11, 0, 0);
   int64_t num_asked = 0;
   std::array<int64_t, 2> num_asked_by = {0, 0};
@@ -330,7 +347,7 @@ TEST(LabelGraphTest, LooksAtFewerEdgesWhereTheirLeastCostIsKnown) {
   EXPECT_LT(3 * num_asked_by[1], 2 * num_asked_by[0]);
 }
 
-TEST(LabelGraphTest, KeepsLabelsThatAreAsGood) {
+TEST(AlphaExpansionTest, KeepsLabelsThatAreAsGood) {
   LabelGraph graph;
   graph.num_nodes = 4;
   graph.num_labels = 3;
@@ -338,19 +355,19 @@ TEST(LabelGraphTest, KeepsLabelsThatAreAsGood) {
   graph.edges = {{0, 1}, {1, 2}, {2, 3}};
   graph.pairwise = [](int, int, int) { return 0.3f; };
   const Labels initial = {2, 0, 1, 2};
-  EXPECT_EQ(MinimizeByExpansion(graph, {}, initial), initial);
+  EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest, initial), initial);
 }
 
-TEST(LabelGraphTest, WorksOnTheSmallestGraphs) {
-  EXPECT_EQ(MinimizeByExpansion({}, {}), Labels{});
+TEST(AlphaExpansionTest, WorksOnTheSmallestGraphs) {
+  EXPECT_EQ(MinimizeByExpansion({}), Labels{});
   EXPECT_EQ(Energy({}, {}), 0.0);
 
   LabelGraph one_node;
   one_node.num_nodes = 1;
   one_node.num_labels = 3;
   one_node.unary = {0.f, -2.f, 1.f};
-  EXPECT_EQ(MinimizeByExpansion(one_node, {}), Labels{1});
-  EXPECT_EQ(MinimizeByExpansion(one_node, {}, {2}), Labels{1});
+  EXPECT_EQ(MinimizeByExpansion(one_node), Labels{1});
+  EXPECT_EQ(MinimizeByExpansion(one_node, kUntilRest, {2}), Labels{1});
 
   LabelGraph one_label;
   one_label.num_nodes = 2;
@@ -358,17 +375,17 @@ TEST(LabelGraphTest, WorksOnTheSmallestGraphs) {
   one_label.unary = {1.f, 2.f};
   one_label.edges = {{0, 1}};
   one_label.pairwise = [](int, int, int) { return 4.f; };
-  EXPECT_EQ(MinimizeByExpansion(one_label, {}), (Labels{0, 0}));
+  EXPECT_EQ(MinimizeByExpansion(one_label), (Labels{0, 0}));
   EXPECT_EQ(Energy(one_label, {0, 0}), 7.0);
 }
 
-TEST(LabelGraphTest, DependsOnRatiosOfCostsOnly) {
+TEST(AlphaExpansionTest, DependsOnRatiosOfCostsOnly) {
   Philox random(9, 0, 0);
   LabelGraph graph = DrawNodes(300, 6, &random);
   AddEdges(
       900, [&] { return DrawAnyTable(6, &random); }, &random, &graph);
-  const Labels labels = MinimizeByExpansion(graph, {});
-  EXPECT_EQ(MinimizeByExpansion(graph, {}), labels);
+  const Labels labels = MinimizeByExpansion(graph);
+  EXPECT_EQ(MinimizeByExpansion(graph), labels);
   for (const float scale : {0x1p-100f, 0x1p100f}) {
     LabelGraph scaled = graph;
     for (float& cost : scaled.unary) {
@@ -377,7 +394,34 @@ TEST(LabelGraphTest, DependsOnRatiosOfCostsOnly) {
     scaled.pairwise = [&](int edge, int a, int b) {
       return scale * graph.pairwise(edge, a, b);
     };
-    EXPECT_EQ(MinimizeByExpansion(scaled, {}), labels);
+    EXPECT_EQ(MinimizeByExpansion(scaled), labels);
+  }
+}
+
+TEST(AlphaExpansionTest, RefusesCostsThatAreNotFinite) {
+  const auto expect_error = [](const LabelGraph& graph) {
+    ExpectError(ErrorCode::kUnsupported, {"a cost is not finite"}, [&] {
+      MinimizeByExpansion(graph);
+    });
+  };
+  LabelGraph good;
+  good.num_nodes = 3;
+  good.num_labels = 2;
+  good.unary.assign(6, 1.f);
+  good.edges = {{0, 1}, {1, 2}};
+  good.pairwise = [](int, int a, int b) { return a == b ? 0.f : 1.f; };
+  EXPECT_NO_THROW(MinimizeByExpansion(good));
+  for (const float cost : {std::numeric_limits<float>::infinity(),
+                           std::numeric_limits<float>::quiet_NaN()}) {
+    LabelGraph graph = good;
+    graph.unary[3] = cost;
+    expect_error(graph);
+    graph = good;
+    // Of the cheapest labels, and of those of a move.
+    graph.pairwise = [=](int, int a, int b) { return a == b ? cost : 1.f; };
+    expect_error(graph);
+    graph.pairwise = [=](int, int a, int b) { return a == b ? 0.f : cost; };
+    expect_error(graph);
   }
 }
 

@@ -15,7 +15,7 @@ namespace tsar {
 // finite, their sum too.
 struct LabelGraph {
   int num_nodes = 0;
-  int num_labels = 0;
+  int num_labels = 0;  // At least 1 where there are nodes.
   // num_nodes x num_labels, row by row: the cost of each label at each node.
   std::vector<float> unary;
   // Pairs of different nodes; the same two may have several edges.
@@ -29,24 +29,18 @@ struct LabelGraph {
   float min_pairwise = -std::numeric_limits<float>::infinity();
 };
 
-struct ExpansionOptions {
-  // The largest number of rounds through all labels; they end early at
-  // convergence.
-  int max_sweeps = 4;
-};
-
-// Labels of low energy (the sum of their costs), one per node, by alpha
-// expansion (Boykov, Veksler and Zabih, "Fast Approximate Energy Minimization
-// via Graph Cuts", PAMI 2001): each move offers one label to all nodes, and the
-// set that lowers the energy most takes it. Where the pairwise costs are a
-// metric, no single move can improve the result of enough sweeps. With two
-// labels and submodular costs it is the global minimum. Other costs are
-// allowed: a move may then not be optimal, but none raises the energy. initial:
-// the initial labels; empty for the cheapest of each node. Throws
-// Error(kMismatch) where the graph's parts or the initial labels do not match,
-// Error(kUnsupported) where costs are not finite.
+// Labels of low energy, one per node, by alpha expansion (Boykov, Veksler and
+// Zabih, "Fast Approximate Energy Minimization via Graph Cuts", PAMI 2001):
+// each move offers one label to all nodes, and the set that lowers the energy
+// most takes it. Where the pairwise costs are a metric, no single move can
+// improve the result of enough sweeps. With two labels and submodular costs it
+// is the global minimum. Other costs are allowed: a move may then not be
+// optimal, but none raises the energy. max_sweeps: the largest number of rounds
+// through all labels; they end early at convergence. initial: the initial
+// labels; empty for the cheapest of each node. Throws Error(kUnsupported) where
+// costs are not finite.
 std::vector<int> MinimizeByExpansion(const LabelGraph& graph,
-                                     const ExpansionOptions& options,
+                                     int max_sweeps = 4,
                                      std::vector<int> initial = {});
 
 }  // namespace tsar
