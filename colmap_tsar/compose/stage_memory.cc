@@ -109,8 +109,7 @@ int64_t LabelViewWorkingBytes(const RefineOptions& options,
   size.num_pixels = MaxRasterPixels(num_pixels);
   size.num_superpixels = NumSuperpixels(options, num_pixels);
   size.num_observations = std::min(
-      size.num_pixels,
-      size.num_superpixels * EvidenceOptions().max_observations_per_superpixel);
+      size.num_pixels, size.num_superpixels * kMaxObservationsPerSuperpixel);
   // The maximum of one view, and as many more from its sources.
   size.num_planes = 2 * DiscoverPlanesOptions().max_planes;
   return LabelInModelWorkingBytes(

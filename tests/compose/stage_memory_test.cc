@@ -315,9 +315,8 @@ TEST_F(StageMemoryTest, CountsTheEvidenceOfAView) {
         for_neighbors + evidence.sources.size() +
         // Hardly a depth of this scene is confirmed and not trusted.
         std::min<size_t>(evidence.superpixels.NumPixels(),
-                         static_cast<size_t>(
-                             evidence.NumSuperpixels() *
-                             EvidenceOptions().max_confirmed_per_superpixel)) *
+                         static_cast<size_t>(evidence.NumSuperpixels() *
+                                             kMaxConfirmedPerSuperpixel)) *
             sizeof(RayDepth) +
         2 * evidence.confirmed_pixels.size() * sizeof(int) +
         evidence.borders.size() * sizeof(SuperpixelBorder) +

@@ -59,7 +59,7 @@ ViewEvidence ObserveView(const SyntheticRoom& room, size_t view) {
           ray.x, ray.y, depth * (1.f + (choice == 4 ? 0.4f : 2e-3f) * noise)};
     }
   }
-  ViewEvidence evidence = GatherEvidence(inputs, {}).evidence;
+  ViewEvidence evidence = GatherEvidence(inputs).evidence;
   evidence.color = std::move(color);
   return evidence;
 }

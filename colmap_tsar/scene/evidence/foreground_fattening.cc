@@ -24,50 +24,21 @@ constexpr float kFullShare = 0.5f;
 // The contrast of noise in gray levels, added before contrasts are compared.
 constexpr float kNoise = 1.f;
 
-using Morphology = void (*)(cv::InputArray,
-                            cv::OutputArray,
-                            cv::InputArray,
-                            cv::Point,
-                            int,
-                            int,
-                            const cv::Scalar&);
-
-// The result of cv::erode or cv::dilate with the square around each pixel,
-// clipped to the image.
+// The result of cv::morphologyEx with the square around each pixel, clipped to
+// the image.
 Image<float> Filter(const Image<float>& image,
                     int radius,
-                    Morphology morphology) {
+                    cv::MorphTypes operation) {
   Image<float> result =
       Image<float>::Uninitialized(image.Width(), image.Height());
   const cv::Mat from(
       image.Height(), image.Width(), CV_32F, const_cast<float*>(image.Data()));
   cv::Mat to(image.Height(), image.Width(), CV_32F, result.Data());
-  morphology(from,
-             to,
-             cv::Mat::ones(2 * radius + 1, 2 * radius + 1, CV_8U),
-             cv::Point(-1, -1),
-             /*iterations=*/1,
-             cv::BORDER_CONSTANT,
-             cv::morphologyDefaultBorderValue());
+  cv::morphologyEx(from,
+                   to,
+                   operation,
+                   cv::Mat::ones(2 * radius + 1, 2 * radius + 1, CV_8U));
   return result;
-}
-
-Image<float> Smallest(const Image<float>& image, int radius) {
-  return Filter(image, radius, cv::erode);
-}
-
-Image<float> Largest(const Image<float>& image, int radius) {
-  return Filter(image, radius, cv::dilate);
-}
-
-// The largest minus the smallest gray level around each pixel.
-Image<float> Range(const Image<float>& gray, int radius) {
-  Image<float> range = Largest(gray, radius);
-  const Image<float> smallest = Smallest(gray, radius);
-  for (size_t i = 0; i < range.NumPixels(); ++i) {
-    range.Data()[i] -= smallest.Data()[i];
-  }
-  return range;
 }
 
 // The median contrast of each pixel's superpixel: most of it lies inside, so
@@ -75,11 +46,9 @@ Image<float> Range(const Image<float>& gray, int radius) {
 Image<float> TextureOfSuperpixels(const Image<float>& contrast,
                                   const Image<int>& superpixels,
                                   int num_superpixels) {
-  std::vector<std::vector<float>> contrasts(
-      static_cast<size_t>(num_superpixels));
+  std::vector<std::vector<float>> contrasts(num_superpixels);
   for (size_t i = 0; i < contrast.NumPixels(); ++i) {
-    contrasts[static_cast<size_t>(superpixels.Data()[i])].push_back(
-        contrast.Data()[i]);
+    contrasts[superpixels.Data()[i]].push_back(contrast.Data()[i]);
   }
   std::vector<float> medians;
   for (std::vector<float>& of_one : contrasts) {
@@ -87,7 +56,7 @@ Image<float> TextureOfSuperpixels(const Image<float>& contrast,
   }
   Image<float> texture(superpixels.Width(), superpixels.Height());
   for (size_t i = 0; i < texture.NumPixels(); ++i) {
-    texture.Data()[i] = medians[static_cast<size_t>(superpixels.Data()[i])];
+    texture.Data()[i] = medians[superpixels.Data()[i]];
   }
   return texture;
 }
@@ -105,11 +74,13 @@ Image<float> ComputeFatteningWeight(const Image<float>& gray,
   const int near_radius =
       std::max(1, static_cast<int>(std::lround(kNearShare * patch_radius)));
   patch_radius = std::max(patch_radius, near_radius + 1);
-  const Image<float> near = Range(gray, near_radius);
-  const Image<float> patch = Range(gray, patch_radius);
+  // The largest minus the smallest gray level around each pixel.
+  const Image<float> near = Filter(gray, near_radius, cv::MORPH_GRADIENT);
+  const Image<float> patch = Filter(gray, patch_radius, cv::MORPH_GRADIENT);
   const Image<float> texture =
       TextureOfSuperpixels(contrast, superpixels, num_superpixels);
-  const Image<float> most_texture = Largest(texture, patch_radius);
+  const Image<float> most_texture =
+      Filter(texture, patch_radius, cv::MORPH_DILATE);
   Image<float> own(near.Width(), near.Height(), 1.f);
   for (size_t i = 0; i < own.NumPixels(); ++i) {
     if (patch.Data()[i] > 0.f) {

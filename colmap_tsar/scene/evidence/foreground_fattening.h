@@ -5,8 +5,6 @@
 
 #include "colmap_tsar/base/image.h"
 
-#include <cstdint>
-
 namespace tsar {
 
 // Foreground fattening: matching finds the depth of the texture in a patch.

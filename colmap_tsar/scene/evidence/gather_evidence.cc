@@ -5,98 +5,43 @@
 
 #include "colmap_tsar/base/median.h"
 #include "colmap_tsar/scene/evidence/observe_pixels.h"
-#include "colmap_tsar/scene/evidence/prior_planes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <cstring>
 #include <iterator>
 #include <map>
-#include <unordered_map>
 #include <utility>
 
 namespace tsar {
 namespace {
 
-// The largest size in pixels of regions whose planes are no candidates: they
-// are fragments beyond the reach of another plane.
-constexpr int kMinCandidatePixels = 30;
 // The ratio of standard deviation to median of absolute normal errors.
 constexpr float kMedianToSigma = 1.48f;
-
-struct PlaneBits {
-  uint32_t bits[4];
-  explicit PlaneBits(const Plane& plane) {
-    static_assert(sizeof(Plane) == sizeof(bits));
-    std::memcpy(bits, &plane, sizeof(bits));
-  }
-  bool operator==(const PlaneBits& other) const {
-    return std::equal(bits, bits + 4, other.bits);
-  }
-};
-
-struct PlaneBitsHash {
-  size_t operator()(const PlaneBits& plane) const {
-    size_t hash = 0;
-    for (const uint32_t bits : plane.bits) {
-      hash = hash * 1000003u ^ bits;
-    }
-    return hash;
-  }
-};
-
-// Lists the distinct planes of the regions in the order of their first pixels;
-// those of regions that are large enough become candidates.
-RegionCandidates FindRegionCandidates(const EvidenceInputs& inputs) {
-  RegionCandidates candidates;
-  candidates.of_pixels =
-      Image<uint16_t>(inputs.superpixels.Width(), inputs.superpixels.Height());
-  const Image<Plane>& planes = inputs.region_planes;
-  std::unordered_map<PlaneBits, int, PlaneBitsHash> indices;
-  std::vector<std::pair<Plane, int>> found;  // Planes and numbers of pixels.
-  Image<int> index_of(planes.Width(), planes.Height(), -1);
-  for (size_t i = 0; i < planes.NumPixels(); ++i) {
-    const Plane& plane = planes.Data()[i];
-    if (!plane.Valid()) {
-      continue;
-    }
-    const auto [entry, is_new] =
-        indices.try_emplace(PlaneBits(plane), static_cast<int>(found.size()));
-    if (is_new) {
-      found.emplace_back(plane, 0);
-    }
-    ++found[static_cast<size_t>(entry->second)].second;
-    index_of.Data()[i] = entry->second;
-  }
-  std::vector<uint16_t> candidate_of(found.size(), 0);
-  for (size_t k = 0; k < found.size(); ++k) {
-    if (found[k].second >= kMinCandidatePixels &&
-        candidates.planes.size() < UINT16_MAX) {
-      candidates.planes.push_back(found[k].first);
-      candidate_of[k] = static_cast<uint16_t>(candidates.planes.size());
-    }
-  }
-  for (size_t i = 0; i < planes.NumPixels(); ++i) {
-    if (index_of.Data()[i] >= 0) {
-      candidates.of_pixels.Data()[i] =
-          candidate_of[static_cast<size_t>(index_of.Data()[i])];
-    }
-  }
-  return candidates;
-}
+// The largest number of observations of a superpixel that are of a prior.
+constexpr int kMaxPriorsPerSuperpixel = 12;
+// The weight of a pair of pixels across a border is
+// kBorderBase + kBorderContrast exp(-edge / kBorderScale), edge in gray levels.
+constexpr float kBorderBase = 0.05f;
+constexpr float kBorderContrast = 2.f;
+constexpr float kBorderScale = 4.f;
+// The stride in both directions at which a superpixel's pixels are sampled.
+constexpr int kPriorStride = 2;
+// The largest standard deviation of a prior that is used.
+constexpr float kMaxPriorSigma = 0.1f;
+// The largest residual of a neighbor's depths at a superpixel's plane that they
+// continue.
+constexpr double kContinues = 0.02;
 
 // The pixels i of each superpixel where is_wanted(i), in raster order.
 template <typename Function>
 std::vector<std::vector<int>> PixelsOfSuperpixels(const Image<int>& superpixels,
                                                   int num_superpixels,
                                                   const Function& is_wanted) {
-  std::vector<std::vector<int>> pixels(static_cast<size_t>(num_superpixels));
+  std::vector<std::vector<int>> pixels(num_superpixels);
   for (size_t i = 0; i < superpixels.NumPixels(); ++i) {
     if (is_wanted(i)) {
-      pixels[static_cast<size_t>(superpixels.Data()[i])].push_back(
-          static_cast<int>(i));
+      pixels[superpixels.Data()[i]].push_back(static_cast<int>(i));
     }
   }
   return pixels;
@@ -108,20 +53,23 @@ size_t Spaced(size_t i, size_t count, size_t size) {
 }
 
 // Adds an evenly spaced sample of some pixels' observations, with confidences
-// scaled by `share`.
-void AddSample(const Image<PixelObservation>& observed,
-               const std::vector<int>& pixels,
-               size_t count,
-               float share,
-               ViewEvidence* evidence) {
+// scaled by `share`. Returns the sum of these.
+float AddSample(const Image<PixelObservation>& observed,
+                const std::vector<int>& pixels,
+                size_t count,
+                float share,
+                ViewEvidence* evidence) {
+  float sum = 0.f;
   for (size_t i = 0; i < count; ++i) {
     PixelObservation pixel =
         observed.Data()[pixels[Spaced(i, count, pixels.size())]];
     pixel.observation.confidence *= share;
+    sum += pixel.observation.confidence;
     evidence->observations.push_back(pixel.observation);
     evidence->sources.push_back(pixel.source);
     evidence->errors.push_back(pixel.error);
   }
+  return sum;
 }
 
 float SumOfConfidences(const Image<PixelObservation>& observed,
@@ -135,10 +83,9 @@ float SumOfConfidences(const Image<PixelObservation>& observed,
 
 void AddObservations(const EvidenceInputs& inputs,
                      const RegionCandidates& regions,
-                     const EvidenceOptions& options,
                      ViewEvidence* evidence) {
   const Image<PixelObservation> observed =
-      ObservePixels(inputs, regions, options, &evidence->confident_depth);
+      ObservePixels(inputs, regions, &evidence->confident_depth);
   const auto pixels_of = [&](bool is_prior) {
     return PixelsOfSuperpixels(
         inputs.superpixels, inputs.num_superpixels, [&](size_t i) {
@@ -148,29 +95,20 @@ void AddObservations(const EvidenceInputs& inputs,
         });
   };
   const std::vector<std::vector<int>> own = pixels_of(false);
-  const std::vector<std::vector<int>> of_prior =
-      inputs.prior.Empty() ? std::vector<std::vector<int>>(own.size())
-                           : pixels_of(true);
+  const std::vector<std::vector<int>> of_prior = pixels_of(true);
   evidence->first_observation.push_back(0);
   for (size_t k = 0; k < own.size(); ++k) {
     const float own_weight = SumOfConfidences(observed, own[k]);
     const float prior_weight = SumOfConfidences(observed, of_prior[k]);
     evidence->weights.push_back(own_weight + prior_weight);
-    const size_t first = evidence->observations.size();
-    AddSample(
+    const float sampled = AddSample(
         observed,
         own[k],
-        std::min(own[k].size(),
-                 static_cast<size_t>(options.max_observations_per_superpixel)),
+        std::min(own[k].size(), size_t{kMaxObservationsPerSuperpixel}),
         1.f,
         evidence);
-    float sampled = 0.f;
-    for (size_t i = first; i < evidence->observations.size(); ++i) {
-      sampled += evidence->observations[i].confidence;
-    }
     const size_t count =
-        std::min(of_prior[k].size(),
-                 static_cast<size_t>(options.max_priors_per_superpixel));
+        std::min(of_prior[k].size(), size_t{kMaxPriorsPerSuperpixel});
     // Both kinds have the same relative weights in the sample as in the
     // superpixel.
     const float rate = own_weight > 0.f ? sampled / own_weight : 1.f;
@@ -188,9 +126,7 @@ void AddObservations(const EvidenceInputs& inputs,
   }
 }
 
-void AddConfirmed(const EvidenceInputs& inputs,
-                  const EvidenceOptions& options,
-                  ViewEvidence* evidence) {
+void AddConfirmed(const EvidenceInputs& inputs, ViewEvidence* evidence) {
   const Image<RayDepth>& confirmed = inputs.confirmed_samples;
   const std::vector<std::vector<int>> only_confirmed = PixelsOfSuperpixels(
       inputs.superpixels, inputs.num_superpixels, [&](size_t i) {
@@ -200,8 +136,7 @@ void AddConfirmed(const EvidenceInputs& inputs,
   evidence->first_confirmed.push_back(0);
   for (const std::vector<int>& pixels : only_confirmed) {
     const size_t count =
-        std::min(pixels.size(),
-                 static_cast<size_t>(options.max_confirmed_per_superpixel));
+        std::min(pixels.size(), size_t{kMaxConfirmedPerSuperpixel});
     for (size_t i = 0; i < count; ++i) {
       evidence->confirmed.push_back(
           confirmed.Data()[pixels[Spaced(i, count, pixels.size())]]);
@@ -218,12 +153,9 @@ struct BorderPixels {
   std::vector<int> pixels;  // On the side of the smaller label.
 };
 
-void AddBorders(const EvidenceInputs& inputs,
-                const EvidenceOptions& options,
-                ViewEvidence* evidence) {
+void AddBorders(const EvidenceInputs& inputs, ViewEvidence* evidence) {
   const Image<int>& labels = inputs.superpixels;
-  std::vector<std::map<int, BorderPixels>> borders(
-      static_cast<size_t>(inputs.num_superpixels));
+  std::vector<std::map<int, BorderPixels>> borders(inputs.num_superpixels);
   const auto add = [&](size_t pixel, size_t neighbor) {
     int first = labels.Data()[pixel];
     int second = labels.Data()[neighbor];
@@ -236,10 +168,9 @@ void AddBorders(const EvidenceInputs& inputs,
       std::swap(first, second);
       std::swap(pixel, neighbor);
     }
-    BorderPixels& border = borders[static_cast<size_t>(first)][second];
+    BorderPixels& border = borders[first][second];
     border.weight +=
-        options.border_base +
-        options.border_contrast * std::exp(-edge / options.border_scale);
+        kBorderBase + kBorderContrast * std::exp(-edge / kBorderScale);
     border.pixels.push_back(static_cast<int>(pixel));
   };
   for (int y = 0; y < labels.Height(); ++y) {
@@ -249,24 +180,41 @@ void AddBorders(const EvidenceInputs& inputs,
         add(pixel, pixel + 1);
       }
       if (y + 1 < labels.Height()) {
-        add(pixel, pixel + static_cast<size_t>(labels.Width()));
+        add(pixel, pixel + labels.Width());
       }
     }
   }
   for (size_t first = 0; first < borders.size(); ++first) {
     for (const auto& [second, border] : borders[first]) {
-      SuperpixelBorder entry;
-      entry.first = static_cast<int>(first);
-      entry.second = second;
-      entry.weight = border.weight;
+      SuperpixelBorder entry{static_cast<int>(first), second, border.weight};
       for (int i = 0; i < SuperpixelBorder::kNumPixels; ++i) {
-        entry.pixels[i] = border.pixels[Spaced(static_cast<size_t>(i),
-                                               SuperpixelBorder::kNumPixels,
-                                               border.pixels.size())];
+        entry.pixels[i] = border.pixels[Spaced(
+            i, SuperpixelBorder::kNumPixels, border.pixels.size())];
       }
       evidence->borders.push_back(entry);
     }
   }
+}
+
+struct PriorOfSuperpixel {
+  PlaneRegression regression;
+  Plane plane;
+  // The means of its rays and inverse depths.
+  double x = 0.0;
+  double y = 0.0;
+  double inverse_depth = 0.0;
+  int count = 0;
+};
+
+bool Continues(const PriorOfSuperpixel& superpixel,
+               const PriorOfSuperpixel& neighbor) {
+  if (!superpixel.plane.Valid() || neighbor.count == 0) {
+    return false;
+  }
+  const float depth = superpixel.plane.Depth(
+      {static_cast<float>(neighbor.x), static_cast<float>(neighbor.y), 1.f});
+  return depth > 0.f &&
+         std::abs(depth * neighbor.inverse_depth - 1.0) < kContinues;
 }
 
 }  // namespace
@@ -275,8 +223,7 @@ float MeasureNoise(const EvidenceInputs& inputs) {
   std::vector<float> residuals;
   for (size_t i = 0; i < inputs.samples.NumPixels(); ++i) {
     const RayDepth& sample = inputs.samples.Data()[i];
-    const Plane& plane = inputs.superpixel_planes[static_cast<size_t>(
-        inputs.superpixels.Data()[i])];
+    const Plane& plane = inputs.superpixel_planes[inputs.superpixels.Data()[i]];
     if (IsMeasured(sample) && plane.Valid()) {
       residuals.push_back(Residual(sample, plane, inputs.resolution));
     }
@@ -288,9 +235,8 @@ Image<RayDepth> SamplesToAlignBy(Image<RayDepth> samples,
                                  const Image<float>& texture,
                                  const Image<float>& fattening_weight) {
   constexpr float kMinOwnTexture = 0.5f;
-  const EvidenceOptions options;
   for (size_t i = 0; i < samples.NumPixels(); ++i) {
-    if (!(texture.Data()[i] > options.min_texture) ||
+    if (!(texture.Data()[i] > kMinTexture) ||
         (!fattening_weight.Empty() &&
          fattening_weight.Data()[i] < kMinOwnTexture)) {
       samples.Data()[i] = {};
@@ -299,8 +245,7 @@ Image<RayDepth> SamplesToAlignBy(Image<RayDepth> samples,
   return samples;
 }
 
-GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
-                                const EvidenceOptions& options) {
+GatheredEvidence GatherEvidence(const EvidenceInputs& inputs) {
   GatheredEvidence gathered;
   ViewEvidence& evidence = gathered.evidence;
   evidence.width = inputs.superpixels.Width();
@@ -313,9 +258,9 @@ GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
             inputs.superpixels.end(),
             evidence.superpixels.begin());
   const RegionCandidates regions = FindRegionCandidates(inputs);
-  AddObservations(inputs, regions, options, &evidence);
-  AddConfirmed(inputs, options, &evidence);
-  AddBorders(inputs, options, &evidence);
+  AddObservations(inputs, regions, &evidence);
+  AddConfirmed(inputs, &evidence);
+  AddBorders(inputs, &evidence);
   evidence.prior = inputs.prior;
   evidence.candidates = regions.planes;
   std::copy_if(inputs.superpixel_planes.begin(),
@@ -327,6 +272,56 @@ GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
       evidence.candidates.end(), of_prior.begin(), of_prior.end());
   gathered.num_region_planes = static_cast<int>(regions.planes.size());
   return gathered;
+}
+
+std::vector<Plane> ProposePlanesOfPrior(const ViewEvidence& evidence) {
+  const AlignedPrior& prior = evidence.prior;
+  if (prior.Empty()) {
+    return {};
+  }
+  std::vector<PriorOfSuperpixel> superpixels(evidence.weights.size());
+  for (int y = 0; y < evidence.height; y += kPriorStride) {
+    for (int x = 0; x < evidence.width; x += kPriorStride) {
+      const float depth = prior.depth(x, y);
+      if (!(depth > 0.f) || prior.sigma(x, y) > kMaxPriorSigma) {
+        continue;
+      }
+      const Vec3f ray = evidence.intrinsics.Ray(x, y);
+      PriorOfSuperpixel& superpixel = superpixels[evidence.superpixels(x, y)];
+      superpixel.regression.Add({ray.x, ray.y, depth}, 1.0);
+      superpixel.x += ray.x;
+      superpixel.y += ray.y;
+      superpixel.inverse_depth += 1.0 / depth;
+      ++superpixel.count;
+    }
+  }
+  std::vector<PlaneRegression> joint;
+  for (PriorOfSuperpixel& superpixel : superpixels) {
+    joint.push_back(superpixel.regression);
+    if (superpixel.count > 0) {
+      superpixel.plane = superpixel.regression.Solve();
+      superpixel.x /= superpixel.count;
+      superpixel.y /= superpixel.count;
+      superpixel.inverse_depth /= superpixel.count;
+    }
+  }
+  for (const SuperpixelBorder& border : evidence.borders) {
+    const int first = border.first;
+    const int second = border.second;
+    if (Continues(superpixels[first], superpixels[second]) &&
+        Continues(superpixels[second], superpixels[first])) {
+      joint[first] += superpixels[second].regression;
+      joint[second] += superpixels[first].regression;
+    }
+  }
+  std::vector<Plane> planes;
+  for (const PlaneRegression& regression : joint) {
+    const Plane plane = regression.Solve();
+    if (plane.Valid()) {
+      planes.push_back(plane);
+    }
+  }
+  return planes;
 }
 
 }  // namespace tsar

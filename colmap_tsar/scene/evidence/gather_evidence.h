@@ -10,42 +10,14 @@
 #include "colmap_tsar/priors/align_prior.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 
-#include <cstdint>
 #include <vector>
 
 namespace tsar {
 
-struct EvidenceOptions {
-  // The standard deviation of gray levels above which a measurement has full
-  // confidence, and the confidence on weaker texture.
-  float min_texture = 1.f;
-  float confidence_without_texture = 0.5f;
-  // The confidence of measurements is multiplied by the square of their
-  // fattening weight, but by no less than this, above 0, where the texture is
-  // not the pixel's own.
-  float min_own_confidence = 0.02f;
-  // The confidence of a pixel that was not measured, but lies in a region that
-  // has a plane.
-  float confidence_of_region_plane = 0.3f;
-  // That confidence is lower where measurements in the same superpixel have
-  // residuals at the plane above this multiple of RelativeDepthError().
-  float max_region_plane_residual = 6.f;
-  // The confidence of a pixel whose depth comes from a prior alone: errors of
-  // priors are correlated over whole surfaces.
-  float confidence_of_prior = 0.1f;
-  // The tolerances of priors, in their standard deviations, and of
-  // measurements, in expected errors.
-  float prior_tolerance = 2.f;
-  float tolerance = 1.f;
-  int max_observations_per_superpixel = 32;
-  int max_priors_per_superpixel = 12;
-  int max_confirmed_per_superpixel = 12;
-  // The weight of a pair of pixels across a border is
-  // base + contrast exp(-edge / scale), edge in gray levels.
-  float border_base = 0.05f;
-  float border_contrast = 2.f;
-  float border_scale = 4.f;
-};
+// The largest numbers of observations of a superpixel and of its depths that
+// only other views confirm.
+inline constexpr int kMaxObservationsPerSuperpixel = 32;
+inline constexpr int kMaxConfirmedPerSuperpixel = 12;
 
 // The results of the stages in one view, on the raster of its superpixels.
 struct EvidenceInputs {
@@ -62,6 +34,9 @@ struct EvidenceInputs {
   AlignedPrior prior;             // May be empty.
   Intrinsics intrinsics;          // Of the raster.
   DepthResolution resolution;
+  // The tolerance of measurements in relative depths of one pixel of disparity,
+  // to which the errors of the prior are compared.
+  float tolerance = 1.f;
 };
 
 struct GatheredEvidence {
@@ -82,7 +57,11 @@ Image<RayDepth> SamplesToAlignBy(Image<RayDepth> samples,
 // relative depths of one pixel of disparity; 0 where no superpixel has a plane.
 float MeasureNoise(const EvidenceInputs& inputs);
 
-GatheredEvidence GatherEvidence(const EvidenceInputs& inputs,
-                                const EvidenceOptions& options);
+GatheredEvidence GatherEvidence(const EvidenceInputs& inputs);
+
+// The planes that a view's prior proposes: for each superpixel the plane that
+// best fits the prior in it and in its neighbors that continue it. None without
+// a prior.
+std::vector<Plane> ProposePlanesOfPrior(const ViewEvidence& evidence);
 
 }  // namespace tsar

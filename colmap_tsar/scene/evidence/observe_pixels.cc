@@ -6,40 +6,48 @@
 #include "colmap_tsar/priors/prior_likelihood.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <vector>
+#include <unordered_map>
 
 namespace tsar {
 namespace {
 
-bool HasTexture(const EvidenceInputs& inputs,
-                int x,
-                int y,
-                const EvidenceOptions& options) {
-  return inputs.texture(x, y) > options.min_texture;
+// Planes of regions with fewer pixels are no candidates: these are fragments
+// beyond the reach of another plane.
+constexpr int kMinCandidatePixels = 30;
+// The confidence of measurements on texture weaker than kMinTexture.
+constexpr float kConfidenceWithoutTexture = 0.5f;
+// The confidence of measurements is multiplied by the square of their
+// fattening weight, but by no less than this, where the texture is not the
+// pixel's own.
+constexpr float kMinOwnConfidence = 0.02f;
+// The confidence of a pixel that was not measured, but lies in a region that
+// has a plane.
+constexpr float kConfidenceOfRegionPlane = 0.3f;
+// That confidence is lower where measurements in the same superpixel have
+// residuals at the plane above this multiple of RelativeDepthError().
+constexpr float kMaxRegionPlaneResidual = 6.f;
+// The confidence of a pixel whose depth comes from a prior alone: errors of
+// priors are correlated over whole surfaces.
+constexpr float kConfidenceOfPrior = 0.1f;
+// The tolerance of priors, in their standard deviations.
+constexpr float kPriorTolerance = 2.f;
+
+bool HasTexture(const EvidenceInputs& inputs, int x, int y) {
+  return inputs.texture(x, y) > kMinTexture;
 }
 
-float ConfidenceAgainstFattening(const Image<float>& fattening_weight,
-                                 int x,
-                                 int y,
-                                 const EvidenceOptions& options) {
-  if (fattening_weight.Empty()) {
-    return 1.f;
+float ConfidenceOfMeasurement(const EvidenceInputs& inputs, int x, int y) {
+  const float by_texture =
+      HasTexture(inputs, x, y) ? 1.f : kConfidenceWithoutTexture;
+  if (inputs.fattening_weight.Empty()) {
+    return by_texture;
   }
-  const float share = fattening_weight(x, y);
-  return std::max(share * share, options.min_own_confidence);
-}
-
-float ConfidenceOfMeasurement(const EvidenceInputs& inputs,
-                              int x,
-                              int y,
-                              const EvidenceOptions& options) {
-  const float by_texture = HasTexture(inputs, x, y, options)
-                               ? 1.f
-                               : options.confidence_without_texture;
-  return by_texture *
-         ConfidenceAgainstFattening(inputs.fattening_weight, x, y, options);
+  const float share = inputs.fattening_weight(x, y);
+  return by_texture * std::max(share * share, kMinOwnConfidence);
 }
 
 // The support by a superpixel's measurements for the planes of its regions.
@@ -49,27 +57,21 @@ struct RegionPlaneSupport {
 };
 
 std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
-    const EvidenceInputs& inputs,
-    const RegionCandidates& regions,
-    const EvidenceOptions& options) {
-  std::vector<RegionPlaneSupport> supports(
-      static_cast<size_t>(inputs.num_superpixels));
+    const EvidenceInputs& inputs, const RegionCandidates& regions) {
+  std::vector<RegionPlaneSupport> supports(inputs.num_superpixels);
   for (int y = 0; y < inputs.superpixels.Height(); ++y) {
     for (int x = 0; x < inputs.superpixels.Width(); ++x) {
       const int region = regions.of_pixels(x, y);
-      if (region == 0) {
+      const RayDepth& sample = inputs.samples(x, y);
+      if (region == 0 || !IsMeasured(sample)) {
         continue;
       }
-      RegionPlaneSupport& support =
-          supports[static_cast<size_t>(inputs.superpixels(x, y))];
-      const RayDepth& sample = inputs.samples(x, y);
-      if (IsMeasured(sample)) {
-        const Plane& plane = regions.planes[static_cast<size_t>(region - 1)];
-        const bool is_on = Residual(sample, plane, inputs.resolution) <
-                           options.max_region_plane_residual;
-        (is_on ? support.on : support.off) +=
-            ConfidenceOfMeasurement(inputs, x, y, options);
-      }
+      const Plane& plane = regions.planes[region - 1];
+      const bool is_on =
+          Residual(sample, plane, inputs.resolution) < kMaxRegionPlaneResidual;
+      RegionPlaneSupport& support = supports[inputs.superpixels(x, y)];
+      (is_on ? support.on : support.off) +=
+          ConfidenceOfMeasurement(inputs, x, y);
     }
   }
   return supports;
@@ -77,9 +79,8 @@ std::vector<RegionPlaneSupport> MeasureRegionPlaneSupport(
 
 // The confidence of a pixel that takes its depth from the plane of its region:
 // 0 where no measurement of its superpixel lies on it.
-float ConfidenceOfFill(const RegionPlaneSupport& support,
-                       const EvidenceOptions& options) {
-  return support.on > 0.f ? options.confidence_of_region_plane * support.on /
+float ConfidenceOfFill(const RegionPlaneSupport& support) {
+  return support.on > 0.f ? kConfidenceOfRegionPlane * support.on /
                                 (support.on + support.off)
                           : 0.f;
 }
@@ -92,21 +93,18 @@ PriorDepth PriorAt(const AlignedPrior& prior, int x, int y) {
 }
 
 // The observation of the prior; its confidence is 0 where there is no prior.
-PixelObservation ObservePrior(const EvidenceInputs& inputs,
-                              int x,
-                              int y,
-                              const EvidenceOptions& options) {
+PixelObservation ObservePrior(const EvidenceInputs& inputs, int x, int y) {
   const PriorDepth prior = PriorAt(inputs.prior, x, y);
   if (!(prior.depth > 0.f)) {
     return {};
   }
   const Vec3f ray = inputs.intrinsics.Ray(x, y);
   const float expected =
-      options.tolerance * inputs.resolution.RelativeDepthError(prior.depth);
+      inputs.tolerance * inputs.resolution.RelativeDepthError(prior.depth);
   return {{{ray.x, ray.y, prior.depth},
-           options.confidence_of_prior * (1.f - prior.outlier_share)},
+           kConfidenceOfPrior * (1.f - prior.outlier_share)},
           ObservationSource::kPrior,
-          std::max(options.prior_tolerance * prior.sigma / expected, 1.f)};
+          std::max(kPriorTolerance * prior.sigma / expected, 1.f)};
 }
 
 }  // namespace
@@ -123,46 +121,71 @@ float Residual(const RayDepth& sample,
          (sample.z * resolution.RelativeDepthError(sample.z));
 }
 
+RegionCandidates FindRegionCandidates(const EvidenceInputs& inputs) {
+  // Planes are equal where their bits are.
+  using Bits = std::array<uint64_t, 2>;
+  const auto hash = [](const Bits& bits) {
+    return bits[0] * 1000003u ^ bits[1];
+  };
+  struct RegionPlane {
+    int num_pixels = 0;
+    uint16_t candidate = 0;
+  };
+  std::unordered_map<Bits, RegionPlane, decltype(hash)> regions;
+  for (const Plane& plane : inputs.region_planes) {
+    ++regions[std::bit_cast<Bits>(plane)].num_pixels;
+  }
+  RegionCandidates result;
+  result.of_pixels =
+      Image<uint16_t>(inputs.superpixels.Width(), inputs.superpixels.Height());
+  for (size_t i = 0; i < inputs.region_planes.NumPixels(); ++i) {
+    const Plane& plane = inputs.region_planes.Data()[i];
+    RegionPlane& region = regions[std::bit_cast<Bits>(plane)];
+    if (plane.Valid() && region.candidate == 0 &&
+        region.num_pixels >= kMinCandidatePixels &&
+        result.planes.size() < UINT16_MAX) {
+      result.planes.push_back(plane);
+      region.candidate = static_cast<uint16_t>(result.planes.size());
+    }
+    result.of_pixels.Data()[i] = region.candidate;
+  }
+  return result;
+}
+
 Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
                                       const RegionCandidates& regions,
-                                      const EvidenceOptions& options,
                                       Image<float>* confident_depth) {
   const int width = inputs.superpixels.Width();
   const int height = inputs.superpixels.Height();
   Image<PixelObservation> observations(width, height);
   *confident_depth = Image<float>(width, height);
   const std::vector<RegionPlaneSupport> supports =
-      MeasureRegionPlaneSupport(inputs, regions, options);
+      MeasureRegionPlaneSupport(inputs, regions);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const RayDepth& sample = inputs.samples(x, y);
       const int region = regions.of_pixels(x, y);
       if (IsMeasured(sample)) {
-        observations(x, y) = {
-            {sample, ConfidenceOfMeasurement(inputs, x, y, options)},
-            ObservationSource::kMeasured};
-        (*confident_depth)(x, y) =
-            HasTexture(inputs, x, y, options) ? sample.z : 0.f;
+        observations(x, y) = {{sample, ConfidenceOfMeasurement(inputs, x, y)},
+                              ObservationSource::kMeasured};
+        (*confident_depth)(x, y) = HasTexture(inputs, x, y) ? sample.z : 0.f;
         continue;
       }
       if (region > 0) {
         const Vec3f ray = inputs.intrinsics.Ray(x, y);
-        const float depth =
-            regions.planes[static_cast<size_t>(region - 1)].Depth(ray);
-        if (depth > 0.f && std::isfinite(depth)) {
-          const RegionPlaneSupport& support =
-              supports[static_cast<size_t>(inputs.superpixels(x, y))];
-          // The plane of the region takes precedence unless a prior contradicts
-          // it.
-          if (LogLikelihoodRatio(PriorAt(inputs.prior, x, y), depth) >= 0.f) {
-            observations(x, y) = {
-                {{ray.x, ray.y, depth}, ConfidenceOfFill(support, options)},
-                ObservationSource::kRegionPlane};
-          }
+        const float depth = regions.planes[region - 1].Depth(ray);
+        // The plane of the region takes precedence unless a prior contradicts
+        // it.
+        if (depth > 0.f && std::isfinite(depth) &&
+            LogLikelihoodRatio(PriorAt(inputs.prior, x, y), depth) >= 0.f) {
+          observations(x, y) = {
+              {{ray.x, ray.y, depth},
+               ConfidenceOfFill(supports[inputs.superpixels(x, y)])},
+              ObservationSource::kRegionPlane};
         }
       }
       if (!(observations(x, y).observation.confidence > 0.f)) {
-        observations(x, y) = ObservePrior(inputs, x, y, options);
+        observations(x, y) = ObservePrior(inputs, x, y);
       }
     }
   }

@@ -15,6 +15,10 @@
 
 namespace tsar {
 
+// The standard deviation of gray levels above which a measurement has full
+// confidence.
+inline constexpr float kMinTexture = 1.f;
+
 bool IsMeasured(const RayDepth& sample);
 
 // The residual of a measurement at a plane, in pixels of disparity.
@@ -22,13 +26,16 @@ float Residual(const RayDepth& sample,
                const Plane& plane,
                const DepthResolution& resolution);
 
-// The planes of a view's regions that become candidates.
+// The distinct planes of a view's regions that become candidates: of those that
+// are large enough, in the order of their first pixels.
 struct RegionCandidates {
   std::vector<Plane> planes;
   // For each pixel of the raster the index of its region's plane among these,
   // plus one; 0 where it has none.
   Image<uint16_t> of_pixels;
 };
+
+RegionCandidates FindRegionCandidates(const EvidenceInputs& inputs);
 
 struct PixelObservation {
   Observation observation;
@@ -41,7 +48,6 @@ struct PixelObservation {
 // ViewEvidence.
 Image<PixelObservation> ObservePixels(const EvidenceInputs& inputs,
                                       const RegionCandidates& regions,
-                                      const EvidenceOptions& options,
                                       Image<float>* confident_depth);
 
 }  // namespace tsar

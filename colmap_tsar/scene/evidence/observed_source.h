@@ -40,10 +40,8 @@ TSAR_HD inline float SquaredRadius(float x, float y, int width, int height) {
 // A view that looks at the same scene as the reference. Lengths are in units of
 // the sparse model throughout.
 struct ObservedSource {
-  // Intrinsics of its raster.
-  Intrinsics intrinsics;
-  // Pose from the reference camera's frame into its own.
-  RelativePose from_reference;
+  Intrinsics intrinsics;        // Of its raster.
+  RelativePose from_reference;  // Into its camera's frame.
   // Resolution of its map, which may be larger than the raster.
   DepthResolution resolution;
   int width = 0;  // Size of its raster.
@@ -92,6 +90,11 @@ TSAR_HD inline bool FindInSource(const ObservedSource& source,
 ObservedSource MakeObservedSource(const ObservedView& reference,
                                   const ObservedView& source);
 
+// Estimates the gain from the points that both views measured; neutral where
+// these are few.
+ColorGain EstimateColorGain(const ObservedView& reference,
+                            const ObservedView& source);
+
 // Votes of the other views on a surface of the reference: a view that measured
 // the same depth there confirms it. More views than kMaxVotes change nothing.
 constexpr int kMaxVotes = 2;
@@ -116,9 +119,7 @@ TSAR_HD inline bool Confirms(const ObservedSource& source,
 // The evenly spaced pixels of a superpixel at which votes are taken.
 struct VoteSampling {
   int pixels_per_test = 1;
-  // The least number of tests, unless a superpixel has fewer pixels.
-  int min_tests = 1;
-  // The largest number of tests.
+  int min_tests = 1;  // Unless a superpixel has fewer pixels.
   int max_tests = INT_MAX;
 
   TSAR_HD int NumTests(int num_pixels) const {
@@ -129,7 +130,7 @@ struct VoteSampling {
     return num_tests > 1 ? num_tests : 1;
   }
 
-  // The index of the pixel of a test.
+  // The index of a test's pixel among those of the superpixel.
   TSAR_HD static int Pixel(int test, int num_tests, int num_pixels) {
     return static_cast<int>((2 * test + 1) * static_cast<int64_t>(num_pixels) /
                             (2 * num_tests));

@@ -15,7 +15,16 @@ struct ObservedView {
 };
 
 // camera: of the view's image at any size; only the pose is taken from it.
-ObservedView MakeObservedView(const ViewEvidence& evidence,
-                              const Camera& camera);
+inline ObservedView MakeObservedView(const ViewEvidence& evidence,
+                                     const Camera& camera) {
+  ObservedView view{&evidence, camera};
+  view.camera.width = evidence.width;
+  view.camera.height = evidence.height;
+  view.camera.fx = evidence.intrinsics.fx;
+  view.camera.fy = evidence.intrinsics.fy;
+  view.camera.cx = evidence.intrinsics.cx;
+  view.camera.cy = evidence.intrinsics.cy;
+  return view;
+}
 
 }  // namespace tsar

@@ -19,8 +19,7 @@ constexpr int kNoPlane = -1;
 inline std::vector<int> Renumber(std::vector<int> planes,
                                  const std::vector<int>& new_indices) {
   for (int& plane : planes) {
-    plane = plane == kNoPlane ? kNoPlane
-                              : new_indices[static_cast<size_t>(plane)];
+    plane = plane == kNoPlane ? kNoPlane : new_indices[plane];
   }
   return planes;
 }
@@ -31,7 +30,7 @@ inline std::vector<int> IndicesAmong(const std::vector<int>& indices,
                                      size_t num_planes) {
   std::vector<int> new_indices(num_planes, kNoPlane);
   for (size_t i = 0; i < indices.size(); ++i) {
-    new_indices[static_cast<size_t>(indices[i])] = static_cast<int>(i);
+    new_indices[indices[i]] = static_cast<int>(i);
   }
   return new_indices;
 }

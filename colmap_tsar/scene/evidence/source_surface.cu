@@ -11,7 +11,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -42,10 +41,7 @@ struct PlaneDepthKernel {
 
   TSAR_HD void operator()(int x, int y) const {
     const Plane& plane = planes[superpixels(x, y)];
-    const float depth = plane.Valid()
-                            ? plane.Depth(intrinsics.Ray(static_cast<float>(x),
-                                                         static_cast<float>(y)))
-                            : 0.f;
+    const float depth = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
     surface(x, y) = depth > 0.f ? depth : 0.f;
   }
 };
@@ -75,9 +71,7 @@ struct DrawKernel {
     if (!(depth > 0.f)) {
       return;
     }
-    const Vec3f point =
-        to_reference *
-        (source.Ray(static_cast<float>(x), static_cast<float>(y)) * depth);
+    const Vec3f point = to_reference * (source.Ray(x, y) * depth);
     if (!(point.z > 0.f)) {
       return;
     }
@@ -180,7 +174,7 @@ DeviceImage<float> DrawIntoReference(const ObservedView& reference,
   ParallelFor(device,
               front.Width(),
               front.Height(),
-              FrontKernel{std::as_const(nearest).View(), front.View()});
+              FrontKernel{nearest.View(), front.View()});
   return front;
 }
 

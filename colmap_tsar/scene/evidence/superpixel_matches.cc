@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/median.h"
 #include "colmap_tsar/scene/evidence/source_surface.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <optional>
@@ -42,12 +41,11 @@ std::optional<int> SuperpixelAt(const ObservedView& view, const Vec3f& point) {
   x = std::round(x);
   y = std::round(y);
   const Image<uint16_t>& superpixels = view.evidence->superpixels;
-  const bool is_inside = x >= 0.f && y >= 0.f &&
-                         x < static_cast<float>(superpixels.Width()) &&
-                         y < static_cast<float>(superpixels.Height());
-  return is_inside ? std::optional<int>(
-                         superpixels(static_cast<int>(x), static_cast<int>(y)))
-                   : std::nullopt;
+  if (!(x >= 0.f && y >= 0.f && x < superpixels.Width() &&
+        y < superpixels.Height())) {
+    return std::nullopt;
+  }
+  return superpixels(static_cast<int>(x), static_cast<int>(y));
 }
 
 }  // namespace
@@ -68,9 +66,8 @@ SuperpixelMatches::SuperpixelMatches(const std::vector<ObservedView>& views) {
       poses[j] = ComputeRelativePose(views[i].camera, views[j].camera);
     }
     for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
-      const auto begin = static_cast<size_t>(evidence.first_observation[k]);
-      const size_t count =
-          static_cast<size_t>(evidence.first_observation[k + 1]) - begin;
+      const size_t begin = evidence.first_observation[k];
+      const size_t count = evidence.first_observation[k + 1] - begin;
       for (size_t j = 0; j < num_views && count > 0; ++j) {
         if (j == i) {
           continue;

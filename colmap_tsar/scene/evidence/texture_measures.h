@@ -6,8 +6,6 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
 
-#include <cstdint>
-
 namespace tsar {
 
 // Standard deviation of the gray levels (0-255) in the 7x7 pixels around each

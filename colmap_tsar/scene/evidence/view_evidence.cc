@@ -4,17 +4,13 @@
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace tsar {
 
 int ViewEvidence::FirstOfPrior(int superpixel) const {
-  int first = first_observation[static_cast<size_t>(superpixel) + 1];
-  while (first > first_observation[static_cast<size_t>(superpixel)] &&
-         IsOfPrior(static_cast<size_t>(first - 1))) {
+  int first = first_observation[superpixel + 1];
+  while (first > first_observation[superpixel] && IsOfPrior(first - 1)) {
     --first;
   }
   return first;
@@ -29,7 +25,7 @@ void RemovePrior(ViewEvidence* evidence) {
   size_t end = 0;
   for (size_t k = 0; k < evidence->weights.size(); ++k) {
     const size_t begin = end;
-    end = static_cast<size_t>(evidence->first_observation[k + 1]);
+    end = evidence->first_observation[k + 1];
     float own = 0.f;
     float all = 0.f;
     for (size_t i = begin; i < end; ++i) {
@@ -84,9 +80,7 @@ std::vector<Vec3f> MiddleRays(const ViewEvidence& evidence,
   std::vector<Vec3f> rays;
   for (const PixelSum& sum : sums) {
     const double count = std::max(sum.count, 1);
-    rays.push_back(
-        intrinsics.Ray(static_cast<float>(static_cast<double>(sum.x) / count),
-                       static_cast<float>(static_cast<double>(sum.y) / count)));
+    rays.push_back(intrinsics.Ray(sum.x / count, sum.y / count));
   }
   return rays;
 }

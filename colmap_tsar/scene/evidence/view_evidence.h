@@ -32,9 +32,9 @@ enum class ObservationSource : uint8_t {
   kPrior = 2,        // A depth prior.
 };
 
-// The errors of a prior are correlated over whole surfaces. So that no plane is
-// preferred for following them, residuals up to one tolerance count as 0, and
-// those of two tolerances in full.
+// Residuals of a prior up to one tolerance count as 0, and those of two in
+// full: its errors are correlated over whole surfaces, and no plane is
+// preferred for following them.
 constexpr float kSlackOfPrior = 1.f;
 
 // The common border of two superpixels.
@@ -56,9 +56,8 @@ struct SuperpixelBorder {
 struct ViewEvidence {
   int width = 0;  // Of the raster.
   int height = 0;
-  // Intrinsics of the raster, used for everything here. They differ from those
-  // of the image, scaled to its size, where the view was judged at a smaller
-  // size.
+  // Intrinsics of the raster. They differ from those of the image, scaled to
+  // its size, where the view was judged at a smaller size.
   Intrinsics intrinsics;
   // Resolution of the judged map, at the size at which it was judged.
   DepthResolution resolution;
@@ -123,11 +122,11 @@ struct ViewEvidence {
 // observation. A prior in use gets the verdict kOthersUnlike.
 void RemovePrior(ViewEvidence* evidence);
 
-// The number of pixels of each superpixel of the evidence,
+// The number of pixels of each superpixel.
 std::vector<float> CountPixels(const ViewEvidence& evidence);
 
-// and the ray of their center, in the camera's frame. intrinsics: of the
-// raster.
+// The ray of each superpixel's center, in the camera's frame. intrinsics: of
+// the raster.
 std::vector<Vec3f> MiddleRays(const ViewEvidence& evidence,
                               const Intrinsics& intrinsics);
 

@@ -4,19 +4,16 @@
 #include "colmap_tsar/scene/labeling/label_inputs.h"
 
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/scene/evidence/color_gain.h"
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <numeric>
-#include <utility>
 
 namespace tsar {
 namespace {
 
 PixelGroups GroupBySuperpixel(const ViewEvidence& evidence, Device& device) {
-  std::vector<int> labels(static_cast<size_t>(evidence.NumSuperpixels()));
+  std::vector<int> labels(evidence.NumSuperpixels());
   std::iota(labels.begin(), labels.end(), 0);
   return GroupByLabel(evidence, labels, evidence.NumSuperpixels(), device);
 }
@@ -29,10 +26,9 @@ PixelGroups GroupByLabel(const ViewEvidence& evidence,
                          Device& device) {
   Image<int> of_pixels =
       Image<int>::Uninitialized(evidence.width, evidence.height);
-  std::transform(evidence.superpixels.begin(),
-                 evidence.superpixels.end(),
-                 of_pixels.begin(),
-                 [&](uint16_t superpixel) { return labels[superpixel]; });
+  for (size_t i = 0; i < of_pixels.NumPixels(); ++i) {
+    of_pixels.Data()[i] = labels[evidence.superpixels.Data()[i]];
+  }
   return GroupPixels(
       DeviceImage<int>(device, of_pixels).View(), num_labels, device);
 }
@@ -47,15 +43,14 @@ LabelInputs::LabelInputs(const std::vector<ObservedView>& views,
     sources.push_back(MakeObservedSource(views[0], views[j]));
     if (rasters.confident_depth) {
       confident_depths_.emplace_back(device, evidence.confident_depth);
-      sources.back().confident_depth =
-          std::as_const(confident_depths_.back()).View();
+      sources.back().confident_depth = confident_depths_.back().View();
       colors_.emplace_back(device, evidence.color);
-      sources.back().color = std::as_const(colors_.back()).View();
+      sources.back().color = colors_.back().View();
       sources.back().gain = EstimateColorGain(views[0], views[j]);
     }
     if (rasters.superpixels) {
       superpixels_.emplace_back(device, evidence.superpixels);
-      sources.back().superpixels = std::as_const(superpixels_.back()).View();
+      sources.back().superpixels = superpixels_.back().View();
     }
   }
   sources_ = Buffer<ObservedSource>(device, sources);

@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/evidence/color_gain.h"
-
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/scene/evidence/observed_source.h"
 
 #include <cmath>
 #include <cstdint>

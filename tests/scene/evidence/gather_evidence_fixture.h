@@ -47,9 +47,7 @@ class GatherEvidenceTest : public testing::Test {
     inputs_.resolution.error_per_depth = 0.001f;
   }
 
-  GatheredEvidence GatherAll() const {
-    return GatherEvidence(inputs_, options_);
-  }
+  GatheredEvidence GatherAll() const { return GatherEvidence(inputs_); }
   ViewEvidence Gather() const { return GatherAll().evidence; }
 
   template <typename T>
@@ -90,7 +88,6 @@ class GatherEvidenceTest : public testing::Test {
   const Camera camera_;
   const Plane plane_;
   EvidenceInputs inputs_;
-  const EvidenceOptions options_;
 };
 
 }  // namespace tsar

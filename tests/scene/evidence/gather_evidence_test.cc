@@ -80,11 +80,6 @@ TEST_F(GatherEvidenceTest, WeighsMeasurementsByTheirFatteningWeight) {
     }
     EXPECT_EQ(ObservationsOf(evidence, k).size(), 32u);
   }
-  EvidenceOptions options;
-  options.min_own_confidence = 0.5f;
-  EXPECT_NEAR(GatherEvidence(inputs_, options).evidence.weights[1],
-              kNumPixels * 0.5f,
-              1e-3f);
 }
 
 TEST_F(GatherEvidenceTest, FillsCountByTheMeasurementsThatLieOnThem) {
@@ -181,7 +176,7 @@ TEST_F(GatherEvidenceTest, KeepsConfirmedDepthsThatWereNotTrusted) {
   ASSERT_EQ(evidence.first_confirmed.size(), counts.size() + 1);
   for (int s = 0; s < kNumSuperpixels; ++s) {
     EXPECT_EQ(evidence.first_confirmed[s + 1] - evidence.first_confirmed[s],
-              std::min(counts[s], options_.max_confirmed_per_superpixel));
+              std::min(counts[s], kMaxConfirmedPerSuperpixel));
   }
   for (const RayDepth& sample : evidence.confirmed) {
     EXPECT_NEAR(plane_.Depth({sample.x, sample.y, 1.f}), sample.z, 1e-4f);
@@ -413,7 +408,7 @@ TEST_F(GatherEvidenceTest, TakesOneSuperpixelAndNone) {
   EXPECT_EQ(evidence.weights[0], kWidth * kHeight);
   EXPECT_EQ(evidence.observations.size(), 32u);
 
-  const ViewEvidence empty = GatherEvidence({}, options_).evidence;
+  const ViewEvidence empty = GatherEvidence({}).evidence;
   EXPECT_EQ(empty.NumSuperpixels(), 0);
   EXPECT_EQ(empty.first_observation, std::vector<int>{0});
 }

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/scene/evidence/gather_evidence.h"
-#include "colmap_tsar/scene/evidence/prior_planes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -102,8 +101,8 @@ TEST_F(PriorEvidenceTest, FillsSuperpixelsOfWhichNothingElseIsKnown) {
 
 TEST_F(PriorEvidenceTest, ErrorsGrowWithSigma) {
   Fill(&inputs_.samples, 3, RayDepth{});
-  const auto expect_errors = [&](const EvidenceOptions& options, float factor) {
-    const ViewEvidence evidence = GatherEvidence(inputs_, options).evidence;
+  const auto expect_errors = [&](float factor) {
+    const ViewEvidence evidence = Gather();
     for (size_t i = 0; i < evidence.observations.size(); ++i) {
       if (!evidence.IsOfPrior(i)) {
         EXPECT_EQ(evidence.ErrorOf(i), 1.f);
@@ -114,12 +113,11 @@ TEST_F(PriorEvidenceTest, ErrorsGrowWithSigma) {
       EXPECT_NEAR(evidence.ErrorOf(i), expected, 1e-3f * expected);
     }
   };
-  expect_errors({}, 2.f);
+  expect_errors(2.f);
   Fill(&inputs_.prior.sigma, 3, 3.f * kSigma);
-  expect_errors({}, 6.f);
-  EvidenceOptions options;
-  options.tolerance = 2.f;
-  expect_errors(options, 3.f);
+  expect_errors(6.f);
+  inputs_.tolerance = 2.f;
+  expect_errors(3.f);
   // They are never more precise than measurements.
   Fill(&inputs_.prior.sigma, 3, 1e-6f);
   const ViewEvidence evidence = Gather();

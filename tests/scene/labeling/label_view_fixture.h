@@ -106,7 +106,7 @@ class LabelViewTest : public testing::Test {
   // Each superpixel is assigned to the first plane that explains its first
   // observation.
   LabeledView Label(const std::vector<Plane>& planes) const {
-    ViewEvidence evidence = GatherEvidence(inputs_, {}).evidence;
+    ViewEvidence evidence = GatherEvidence(inputs_).evidence;
     evidence.color = color_;
     DiscoveredPlanes discovered;
     for (const Plane& plane : planes) {

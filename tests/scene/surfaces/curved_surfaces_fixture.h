@@ -125,7 +125,7 @@ class CurvedSurfacesTest : public testing::Test {
   }
 
   CurvedView Find() const {
-    const ViewEvidence evidence = GatherEvidence(inputs_, {}).evidence;
+    const ViewEvidence evidence = GatherEvidence(inputs_).evidence;
     std::vector<ObservedView> views = {{&evidence, camera_}};
     ViewEvidence source;
     if (source_depth_ > 0.f) {

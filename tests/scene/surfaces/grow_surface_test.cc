@@ -20,7 +20,7 @@ class GrowSurfaceTest : public CurvedSurfacesTest {
   GrowSurfaceTest() {
     Measure([](const Vec3f& ray) { return Round(10.f, ray, true); });
     MakeFacets();
-    evidence_ = GatherEvidence(inputs_, {}).evidence;
+    evidence_ = GatherEvidence(inputs_).evidence;
   }
 
   SurfaceCosts Costs() const {
