@@ -53,13 +53,13 @@ bool ModelWorkspace(const ModelPassInputs& inputs,
       [&](size_t view) { return inputs.evidence.ReadAll(views[view].image); }};
   ModelSceneOptions options;
   options.progress_prefix = pass;
-  const std::optional<SceneModel> model = ModelScene(views,
-                                                     evidence,
-                                                     inputs.options,
-                                                     options,
-                                                     resources,
-                                                     progress,
-                                                     should_stop);
+  const std::optional<SceneModel> model = ModelScene({views,
+                                                      evidence,
+                                                      inputs.options,
+                                                      options,
+                                                      resources,
+                                                      progress,
+                                                      should_stop});
   if (!model) {
     return false;
   }

@@ -3,13 +3,16 @@
 
 #pragma once
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/device/device.h"
 
 #include <condition_variable>
 #include <cstddef>
 #include <functional>
 #include <mutex>
+#include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -24,28 +27,44 @@ struct NamedDevice {
 // one while it works, the one that was idle longest.
 class DevicePool {
  public:
-  explicit DevicePool(std::vector<NamedDevice> devices);
+  explicit DevicePool(std::vector<NamedDevice> devices)
+      : devices_(std::move(devices)), free_(devices_.size()) {
+    std::iota(free_.begin(), free_.end(), size_t{0});
+  }
 
   size_t Size() const { return devices_.size(); }
 
   // Waits until a device is free and calls the work with it. The pool must not
   // be empty. An Error gets the device's name.
-  void Run(const std::function<void(Device&)>& work);
+  void Run(const std::function<void(Device&)>& work) {
+    const Loan loan(*this);
+    const NamedDevice& device = devices_[loan.index];
+    try {
+      work(*device.device);
+    } catch (const Error& error) {
+      throw Error(error.Code(), device.name + ": " + error.what());
+    }
+  }
 
  private:
   // Holds a device for its own lifetime.
-  class Loan {
-   public:
-    explicit Loan(DevicePool& pool);
-    ~Loan();
+  struct Loan {
+    explicit Loan(DevicePool& pool) : pool(pool) {
+      std::unique_lock<std::mutex> lock(pool.mutex_);
+      pool.is_free_.wait(lock, [&] { return !pool.free_.empty(); });
+      index = pool.free_.front();
+      pool.free_.erase(pool.free_.begin());
+    }
+    ~Loan() {
+      const std::lock_guard<std::mutex> lock(pool.mutex_);
+      pool.free_.push_back(index);
+      pool.is_free_.notify_one();
+    }
     Loan(const Loan&) = delete;
     Loan& operator=(const Loan&) = delete;
 
-    const NamedDevice& Get() const { return pool_.devices_[index_]; }
-
-   private:
-    DevicePool& pool_;
-    size_t index_ = 0;
+    DevicePool& pool;
+    size_t index = 0;
   };
 
   const std::vector<NamedDevice> devices_;

@@ -4,35 +4,37 @@
 #include "colmap_tsar/scene/label_sweeps.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/scene/for_each_view.h"
 
 #include <memory>
 #include <utility>
 
 namespace tsar {
 
-LabelSweeps::LabelSweeps(const LabelSweepInputs& inputs)
+LabelSweeps::LabelSweeps(const ModelSceneInputs& inputs,
+                         const std::vector<std::vector<int>>& assignment,
+                         const std::vector<ModelPlane>& planes)
     : inputs_(inputs),
+      assignment_(assignment),
+      planes_(planes),
       gpus_(inputs.resources.gpus),
+      next_labels_(inputs.views.size()),
       costs_(inputs.views.size()) {}
 
-void LabelSweeps::Run(bool keeps_costs,
-                      Progress& progress,
-                      const std::function<bool()>& should_stop) {
-  std::vector<LabelsInModel> labels(inputs_.views.size());
-  ForEachView(labels.size(),
-              inputs_.resources.num_views,
-              inputs_.resources.num_threads,
-              [&](size_t view, Device& cpu) {
-                if (!should_stop()) {
-                  labels[view] = LabelAndKeepCosts(view, keeps_costs, cpu);
-                  progress.Advance(/*was_work=*/true);
-                }
-              });
-  labels_ = std::move(labels);
+void LabelSweeps::LabelView(size_t view, bool keeps_costs, Device& cpu) {
+  Image<PlaneCost> costs = std::move(costs_[view]);
+  const bool were_kept = !costs.Empty();
+  next_labels_[view] = Label(view, cpu, &costs);
+  if (keeps_costs && (were_kept || ReserveMemory(costs))) {
+    costs_[view] = std::move(costs);
+  }
 }
 
-void LabelSweeps::Bound(std::vector<BoundingCrease> creases) {
+void LabelSweeps::EndSweep() {
+  labels_ =
+      std::exchange(next_labels_, std::vector<LabelsInModel>(costs_.size()));
+}
+
+void LabelSweeps::RestartWithin(std::vector<BoundingCrease> creases) {
   creases_ = std::move(creases);
   labels_.clear();
   costs_ = std::vector<Image<PlaneCost>>(costs_.size());
@@ -48,24 +50,12 @@ std::vector<ViewLabels> LabelSweeps::TakeLabels() {
   return result;
 }
 
-LabelsInModel LabelSweeps::LabelAndKeepCosts(size_t view,
-                                             bool keeps_costs,
-                                             Device& cpu) {
-  Image<PlaneCost> costs = std::move(costs_[view]);
-  const bool were_kept = !costs.Empty();
-  LabelsInModel labels = Label(view, cpu, &costs);
-  if (keeps_costs && (were_kept || ReserveMemory(costs))) {
-    costs_[view] = std::move(costs);
-  }
-  return labels;
-}
-
 LabelsInModel LabelSweeps::Label(size_t view,
                                  Device& cpu,
                                  Image<PlaneCost>* costs) {
   const auto modeled = [&](size_t i, const ViewEvidence& evidence) {
     return ModeledView{MakeObservedView(evidence, inputs_.views[i].camera),
-                       &inputs_.assignment[i],
+                       &assignment_[i],
                        labels_.empty() ? nullptr : &labels_[i]};
   };
   const ViewEvidence own = inputs_.evidence.read_all(view);
@@ -92,7 +82,7 @@ LabelsInModel LabelSweeps::Label(size_t view,
     work(cpu);
   };
   return LabelInModel(
-      views, inputs_.planes, creases_, inputs_.options, lend_device, costs);
+      views, planes_, creases_, inputs_.refine_options, lend_device, costs);
 }
 
 bool LabelSweeps::ReserveMemory(const Image<PlaneCost>& costs) {

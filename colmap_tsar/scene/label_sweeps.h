@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene/creases/bounding_creases.h"
 #include "colmap_tsar/scene/device_pool.h"
@@ -15,59 +14,54 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 namespace tsar {
 
-// The inputs for labeling the views of a scene. All must outlive the sweeps.
-struct LabelSweepInputs {
-  const std::vector<SceneView>& views;
-  const SceneEvidence& evidence;
-  // The measured plane of the model by view and superpixel, or -1.
-  const std::vector<std::vector<int>>& assignment;
-  const std::vector<ModelPlane>& planes;
-  const RefineOptions& options;
-  const ModelResources& resources;
-};
-
-// Labels all views of a scene, several times. In the first sweep each view is
-// labeled on its own; in later sweeps the labels of its sources from the sweep
-// before vote.
+// Labels all views of a scene, several times (ModelSceneOptions::num_sweeps).
 class LabelSweeps {
  public:
-  explicit LabelSweeps(const LabelSweepInputs& inputs);
+  // assignment: the measured plane of the model by view and superpixel, or -1.
+  // All must outlive the sweeps.
+  LabelSweeps(const ModelSceneInputs& inputs,
+              const std::vector<std::vector<int>>& assignment,
+              const std::vector<ModelPlane>& planes);
 
-  // Runs one sweep. keeps_costs: keep the costs for another sweep. progress:
-  // over the views. Once should_stop returned true, the labels are invalid.
-  void Run(bool keeps_costs,
-           Progress& progress,
-           const std::function<bool()>& should_stop);
+  // Labels a view in the sweep under way. keeps_costs: keep the costs for
+  // another sweep. cpu: for steps that do not run on GPUs. May be called from
+  // several threads.
+  void LabelView(size_t view, bool keeps_costs, Device& cpu);
+
+  // Ends the sweep, in which all views have been labeled.
+  void EndSweep();
 
   // The planes of the last sweep: by superpixel, the index in the model or -1.
   const std::vector<int>& PlanesOf(size_t view) const {
     return labels_[view].labels.planes;
   }
 
-  // Restarts: the next sweep is a first one, and all respect the creases. The
-  // planes that begin there must be in the model.
-  void Bound(std::vector<BoundingCrease> creases);
+  // The next sweep is a first one, and all respect the creases. The planes that
+  // begin there must be in the model.
+  void RestartWithin(std::vector<BoundingCrease> creases);
 
   // The labels of the last sweep, by view.
   std::vector<ViewLabels> TakeLabels();
 
  private:
-  LabelsInModel LabelAndKeepCosts(size_t view, bool keeps_costs, Device& cpu);
-  // cpu: for steps that do not run on GPUs. costs: see LabelInModel.
+  // costs: see LabelInModel.
   LabelsInModel Label(size_t view, Device& cpu, Image<PlaneCost>* costs);
   // Returns whether the costs may be kept.
   bool ReserveMemory(const Image<PlaneCost>& costs);
 
-  const LabelSweepInputs inputs_;
+  const ModelSceneInputs& inputs_;
+  const std::vector<std::vector<int>>& assignment_;
+  const std::vector<ModelPlane>& planes_;
   DevicePool gpus_;
   std::vector<BoundingCrease> creases_;
-  // Labels of the last sweep; empty before the first one.
+  // Labels of the last sweep, empty before the first one, and of the one under
+  // way.
   std::vector<LabelsInModel> labels_;
+  std::vector<LabelsInModel> next_labels_;
   // Costs by view, constant between sweeps once creases are known; empty
   // without memory for them, in which case they are recomputed.
   std::vector<Image<PlaneCost>> costs_;

@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene/model_scene.h"
 
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/scene/adjustment/adjust_planes.h"
 #include "colmap_tsar/scene/creases/bounding_creases.h"
 #include "colmap_tsar/scene/creases/plane_lines.h"
@@ -13,61 +14,67 @@
 #include "colmap_tsar/scene/discovery/plane_measurement.h"
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/find_scene.h"
-#include "colmap_tsar/scene/for_each_view.h"
 #include "colmap_tsar/scene/label_sweeps.h"
 #include "colmap_tsar/scene/scene_cylinders.h"
 #include "colmap_tsar/scene/scene_options.h"
-#include "colmap_tsar/scene/view_blocks.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <ranges>
 #include <utility>
 
 namespace tsar {
 namespace {
 
+// Calls function(i, device) for each i in [0, count), max_at_a_time at most in
+// parallel. device: the CPU, with an equal share of the threads.
+template <typename Function>
+void RunInParallel(size_t count,
+                   int max_at_a_time,
+                   int num_threads,
+                   const Function& function) {
+  const int at_a_time = std::max(
+      1, std::min({max_at_a_time, num_threads, static_cast<int>(count)}));
+  ThreadPool pool(at_a_time);
+  pool.Run(static_cast<int64_t>(count), [&](int64_t begin, int64_t end) {
+    const std::unique_ptr<Device> device =
+        Device::CreateCpu(std::max(1, num_threads / at_a_time));
+    for (int64_t i = begin; i < end; ++i) {
+      function(i, *device);
+    }
+  });
+}
+
 class SceneModeler {
  public:
-  SceneModeler(const std::vector<SceneView>& views,
-               const SceneEvidence& evidence,
-               const RefineOptions& refine_options,
-               const ModelSceneOptions& options,
-               const ModelResources& resources,
-               Progress& progress,
-               const std::function<bool()>& should_stop)
-      : views_(views),
-        evidence_(evidence),
-        refine_options_(refine_options),
-        options_(options),
-        resources_(resources),
-        progress_(progress),
-        should_stop_(should_stop),
-        neighbors_(MakeViewGraph(views)),
-        assignment_(views.size()) {}
+  explicit SceneModeler(const ModelSceneInputs& inputs)
+      : inputs_(inputs),
+        neighbors_(MakeViewGraph(inputs.views)),
+        assignment_(inputs.views.size()) {}
 
   std::optional<SceneModel> Run() {
     std::vector<Block> blocks = DiscoverBlocks();
-    if (should_stop_()) {
+    if (inputs_.should_stop()) {
       return std::nullopt;
     }
     Join(std::move(blocks));
     Adjust();
-    if (should_stop_()) {
+    if (inputs_.should_stop()) {
       return std::nullopt;
     }
     std::optional<std::vector<ViewLabels>> labels = Label();
     if (!labels) {
       return std::nullopt;
     }
-    for (size_t i = 0; i < views_.size(); ++i) {
-      model_.views[views_[i].image] = std::move((*labels)[i]);
+    for (size_t i = 0; i < inputs_.views.size(); ++i) {
+      model_.views[inputs_.views[i].image] = std::move((*labels)[i]);
     }
-    if (refine_options_.cylinders && !model_.frames.empty()) {
+    if (inputs_.refine_options.cylinders && !model_.frames.empty()) {
       FindCylinders();
-      if (should_stop_()) {
+      if (inputs_.should_stop()) {
         return std::nullopt;
       }
     }
@@ -81,22 +88,22 @@ class SceneModeler {
   };
 
   ObservedView Observed(size_t view, const ViewEvidence& evidence) const {
-    return MakeObservedView(evidence, views_[view].camera);
+    return MakeObservedView(evidence, inputs_.views[view].camera);
   }
 
   std::vector<Block> DiscoverBlocks() {
     const std::vector<std::vector<size_t>> parts =
-        SplitIntoBlocks(neighbors_, options_.max_block_views);
+        SplitIntoBlocks(neighbors_, inputs_.options.max_block_views);
     std::vector<std::vector<Block>> found(parts.size());
-    progress_.Start(static_cast<int>(views_.size()),
-                    options_.progress_prefix + " planes:");
-    ForEachView(parts.size(),
-                resources_.num_blocks,
-                resources_.num_threads,
-                [&](size_t i, Device& device) {
-                  Discover(parts[i], device, &found[i]);
-                });
-    progress_.Finish();
+    inputs_.progress.Start(static_cast<int>(inputs_.views.size()),
+                           inputs_.options.progress_prefix + " planes:");
+    RunInParallel(parts.size(),
+                  inputs_.resources.num_blocks,
+                  inputs_.resources.num_threads,
+                  [&](size_t i, Device& device) {
+                    Discover(parts[i], device, &found[i]);
+                  });
+    inputs_.progress.Finish();
     std::vector<Block> blocks;
     for (std::vector<Block>& of_part : found) {
       std::move(of_part.begin(), of_part.end(), std::back_inserter(blocks));
@@ -107,17 +114,18 @@ class SceneModeler {
   void Discover(const std::vector<size_t>& part,
                 Device& device,
                 std::vector<Block>* blocks) {
-    if (should_stop_()) {
+    if (inputs_.should_stop()) {
       return;
     }
     // The planes found depend slightly on the order of the views.
     std::vector<size_t> views = part;
     std::sort(views.begin(), views.end(), [&](size_t a, size_t b) {
-      return views_[a].image < views_[b].image;
+      return inputs_.views[a].image < inputs_.views[b].image;
     });
     std::vector<std::shared_ptr<const ViewEvidence>> evidence(views.size());
-    device.Threads().ForEach(
-        views.size(), [&](size_t i) { evidence[i] = evidence_.get(views[i]); });
+    device.Threads().ForEach(views.size(), [&](size_t i) {
+      evidence[i] = inputs_.evidence.get(views[i]);
+    });
     std::vector<ObservedView> observed;
     size_t num_superpixels = 0;
     size_t num_candidates = 0;
@@ -135,9 +143,10 @@ class SceneModeler {
       Discover({middle, part.end()}, device, blocks);
       return;
     }
-    blocks->push_back({views, ModelBlock(observed, refine_options_, device)});
+    blocks->push_back(
+        {views, ModelBlock(observed, inputs_.refine_options, device)});
     for (size_t i = 0; i < views.size(); ++i) {
-      progress_.Advance(/*was_work=*/true);
+      inputs_.progress.Advance(/*was_work=*/true);
     }
   }
 
@@ -165,16 +174,15 @@ class SceneModeler {
     }
     const JoinedPlanes joined =
         JoinPlanes(std::move(planes),
-                   refine_options_.min_scene_plane,
-                   *Device::CreateCpu(resources_.num_threads));
+                   inputs_.refine_options.min_scene_plane,
+                   *Device::CreateCpu(inputs_.resources.num_threads));
     for (const MeasuredScenePlane& plane : joined.planes) {
       model_.planes.push_back(ToModelPlane(plane));
     }
     for (size_t b = 0; b < blocks.size(); ++b) {
       frames[b].indices = joined.indices[b];
       for (const int plane : joined.indices[b]) {
-        model_.planes[static_cast<size_t>(plane)].component =
-            frames[b].component;
+        model_.planes[plane].component = frames[b].component;
       }
       for (size_t i = 0; i < blocks[b].views.size(); ++i) {
         assignment_[blocks[b].views[i]] = Renumber(
@@ -187,7 +195,7 @@ class SceneModeler {
       ++num_blocks[frame.component];
     }
     for (const ModelPlane& plane : model_.planes) {
-      may_move_.push_back(refine_options_.adjust_planes &&
+      may_move_.push_back(inputs_.refine_options.adjust_planes &&
                           num_blocks[plane.component] > 1);
     }
   }
@@ -200,7 +208,8 @@ class SceneModeler {
     int round = 0;
     AdjustModel(
         [&](const std::vector<WorldPlane>& planes) {
-          std::vector<std::vector<PlaneMeasurement>> of_views(views_.size());
+          std::vector<std::vector<PlaneMeasurement>> of_views(
+              inputs_.views.size());
           ForEachObservedView(
               "adjustment " + std::to_string(++round),
               [&](size_t view, const ObservedView& observed) {
@@ -208,12 +217,12 @@ class SceneModeler {
                     observed,
                     assignment_[view],
                     planes,
-                    MakeSceneOptions(refine_options_, {observed}).measuring);
+                    MakeSceneOptions(inputs_.refine_options, {observed})
+                        .measuring);
               });
           std::vector<PlaneMeasurement> measurements;
-          for (const std::vector<PlaneMeasurement>& of_view : of_views) {
-            std::ranges::copy(of_view, std::back_inserter(measurements));
-          }
+          std::ranges::copy(of_views | std::views::join,
+                            std::back_inserter(measurements));
           return measurements;
         },
         may_move_,
@@ -222,28 +231,23 @@ class SceneModeler {
 
   // Labels all views; nothing where the run is to stop.
   std::optional<std::vector<ViewLabels>> Label() {
-    LabelSweeps sweeps({views_,
-                        evidence_,
-                        assignment_,
-                        model_.planes,
-                        refine_options_,
-                        resources_});
-    const auto run = [&](int sweep, const std::string& name) {
-      progress_.Start(static_cast<int>(views_.size()),
-                      options_.progress_prefix + " labels " + name + ":");
-      sweeps.Run(sweep + 1 < options_.num_sweeps, progress_, should_stop_);
-      progress_.Finish();
-      return !should_stop_();
-    };
-    for (int sweep = 0; sweep < options_.num_sweeps; ++sweep) {
-      if (!run(sweep,
-               std::to_string(sweep + 1) + " of " +
-                   std::to_string(options_.num_sweeps))) {
-        return std::nullopt;
-      }
+    LabelSweeps sweeps(inputs_, assignment_, model_.planes);
+    const int num_sweeps = inputs_.options.num_sweeps;
+    for (int sweep = 0; sweep < num_sweeps; ++sweep) {
+      const bool keeps_costs = sweep + 1 < num_sweeps;
+      const auto run = [&](const std::string& name) {
+        VisitViews("labels " + name, [&](size_t view, Device& cpu) {
+          sweeps.LabelView(view, keeps_costs, cpu);
+        });
+        sweeps.EndSweep();
+      };
+      run(std::to_string(sweep + 1) + " of " + std::to_string(num_sweeps));
       // The labels of the first sweep are no valid votes beyond creases.
-      if (sweep == 0 && refine_options_.bounding_creases &&
-          FindCreases(&sweeps) && !run(sweep, "within creases")) {
+      if (sweep == 0 && inputs_.refine_options.bounding_creases &&
+          !inputs_.should_stop() && FindCreases(&sweeps)) {
+        run("within creases");
+      }
+      if (inputs_.should_stop()) {
         return std::nullopt;
       }
     }
@@ -255,24 +259,24 @@ class SceneModeler {
   bool FindCreases(LabelSweeps* sweeps) {
     std::vector<Camera> cameras;
     std::vector<const std::vector<int>*> labels;
-    for (size_t view = 0; view < views_.size(); ++view) {
-      cameras.push_back(views_[view].camera);
+    for (size_t view = 0; view < inputs_.views.size(); ++view) {
+      cameras.push_back(inputs_.views[view].camera);
       labels.push_back(&sweeps->PlanesOf(view));
     }
     const std::vector<int> copies =
         FindPlaneCopies(model_, cameras, labels, kCopyTolerance);
-    std::vector<std::vector<PlaneLine>> of_views(views_.size());
-    ForEachEvidence("lines", [&](size_t view, const ObservedView& observed) {
+    std::vector<std::vector<PlaneLine>> of_views(inputs_.views.size());
+    ForEachFullView("lines", [&](size_t view, const ObservedView& observed) {
       of_views[view] =
           FindPlaneLines(observed, Renumber(*labels[view], copies), model_, {});
     });
     const std::vector<SharedLine> lines = JoinPlaneLines(of_views);
-    if (lines.empty() || should_stop_()) {
+    if (lines.empty() || inputs_.should_stop()) {
       return false;
     }
     LineEvidenceSum sum(lines.size());
     std::mutex mutex;
-    ForEachEvidence("creases", [&](size_t view, const ObservedView& observed) {
+    ForEachFullView("creases", [&](size_t view, const ObservedView& observed) {
       const std::vector<ViewLineEvidence> of_view = TestPlaneLines(
           observed, Renumber(*labels[view], copies), lines, model_);
       const std::lock_guard lock(mutex);
@@ -283,33 +287,34 @@ class SceneModeler {
     if (creases.empty()) {
       return false;
     }
-    sweeps->Bound(std::move(creases));
+    sweeps->RestartWithin(std::move(creases));
     return true;
   }
 
   // The result is invalid where the run is to stop.
   void FindCylinders() {
     CylinderSearch search(model_.frames, neighbors_);
-    ForEachEvidence("outlines", [&](size_t view, const ObservedView& observed) {
+    ForEachFullView("outlines", [&](size_t view, const ObservedView& observed) {
       search.FindOutlines(view, observed);
     });
-    if (should_stop_()) {
+    if (inputs_.should_stop()) {
       return;
     }
     Visit("circles",
           search.NumAxes(),
-          resources_.num_threads,
+          inputs_.resources.num_threads,
           /*are_views=*/false,
           [&](size_t axis, Device& cpu) {
             search.FindCircles(axis, cpu.Threads());
           });
-    if (!search.HasFoundAny() || should_stop_()) {
+    if (!search.HasFoundAny() || inputs_.should_stop()) {
       return;
     }
     ForEachObservedView(
         "columns", [&](size_t view, const ObservedView& observed) {
-          search.Test(
-              observed, model_.planes, model_.views.at(views_[view].image));
+          search.Test(observed,
+                      model_.planes,
+                      model_.views.at(inputs_.views[view].image));
         });
     model_.cylinders = search.Result();
   }
@@ -319,55 +324,50 @@ class SceneModeler {
   // Calls function for all views, with the parts of their evidence that
   // neighbors need.
   void ForEachObservedView(const std::string& name, const OfView& function) {
-    VisitViews(name, [&](size_t view) {
-      function(view, Observed(view, *evidence_.get(view)));
+    VisitViews(name, [&](size_t view, Device&) {
+      function(view, Observed(view, *inputs_.evidence.get(view)));
     });
   }
 
-  // The same with all parts.
-  void ForEachEvidence(const std::string& name, const OfView& function) {
-    VisitViews(name, [&](size_t view) {
-      function(view, Observed(view, evidence_.read_all(view)));
+  // Calls function for all views, with all parts of their evidence.
+  void ForEachFullView(const std::string& name, const OfView& function) {
+    VisitViews(name, [&](size_t view, Device&) {
+      function(view, Observed(view, inputs_.evidence.read_all(view)));
     });
   }
 
-  // Calls function for all views, unless the run is to stop.
-  void VisitViews(const std::string& name,
-                  const std::function<void(size_t view)>& function) {
+  using Visitor = std::function<void(size_t i, Device& cpu)>;
+
+  void VisitViews(const std::string& name, const Visitor& visitor) {
     Visit(name,
-          views_.size(),
-          resources_.num_views,
+          inputs_.views.size(),
+          inputs_.resources.num_views,
           /*are_views=*/true,
-          [&](size_t view, Device&) { function(view); });
+          visitor);
   }
 
+  // Calls visitor for each i in [0, count), unless the run is to stop.
   void Visit(const std::string& name,
              size_t count,
              int max_at_a_time,
              bool are_views,
-             const std::function<void(size_t i, Device& cpu)>& function) {
-    progress_.Start(static_cast<int>(count),
-                    options_.progress_prefix + " " + name + ":");
-    ForEachView(count,
-                max_at_a_time,
-                resources_.num_threads,
-                [&](size_t i, Device& cpu) {
-                  if (!should_stop_()) {
-                    function(i, cpu);
-                    // The speed that progress reports is in images.
-                    progress_.Advance(/*was_work=*/are_views);
-                  }
-                });
-    progress_.Finish();
+             const Visitor& visitor) {
+    inputs_.progress.Start(static_cast<int>(count),
+                           inputs_.options.progress_prefix + " " + name + ":");
+    RunInParallel(count,
+                  max_at_a_time,
+                  inputs_.resources.num_threads,
+                  [&](size_t i, Device& cpu) {
+                    if (!inputs_.should_stop()) {
+                      visitor(i, cpu);
+                      // The speed that progress reports is in images.
+                      inputs_.progress.Advance(/*was_work=*/are_views);
+                    }
+                  });
+    inputs_.progress.Finish();
   }
 
-  const std::vector<SceneView>& views_;
-  const SceneEvidence& evidence_;
-  const RefineOptions& refine_options_;
-  const ModelSceneOptions options_;
-  const ModelResources resources_;
-  Progress& progress_;
-  const std::function<bool()>& should_stop_;
+  const ModelSceneInputs& inputs_;
   const ViewGraph neighbors_;
   // The measured plane of the model by view and superpixel, or -1.
   std::vector<std::vector<int>> assignment_;
@@ -377,21 +377,8 @@ class SceneModeler {
 
 }  // namespace
 
-std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
-                                     const SceneEvidence& evidence,
-                                     const RefineOptions& refine_options,
-                                     const ModelSceneOptions& options,
-                                     const ModelResources& resources,
-                                     Progress& progress,
-                                     const std::function<bool()>& should_stop) {
-  return SceneModeler(views,
-                      evidence,
-                      refine_options,
-                      options,
-                      resources,
-                      progress,
-                      should_stop)
-      .Run();
+std::optional<SceneModel> ModelScene(const ModelSceneInputs& inputs) {
+  return SceneModeler(inputs).Run();
 }
 
 }  // namespace tsar

@@ -30,8 +30,7 @@ struct SceneEvidence {
 
 struct ModelSceneOptions {
   std::string progress_prefix;  // Of the progress messages.
-  // The largest number of views of a block, in which planes are discovered
-  // jointly.
+  // The largest number of views in which planes are discovered jointly.
   size_t max_block_views = 32;
   // The number of sweeps over all views. In the first sweep each view is
   // labeled on its own; in later sweeps the labels of its sources from the
@@ -53,6 +52,19 @@ struct ModelResources {
   int64_t max_gpu_bytes = 0;
 };
 
+// The inputs of ModelScene, which must outlive the call.
+struct ModelSceneInputs {
+  // In an order in which views of the same surfaces are close to each other
+  // (OrderByNeighbors), since it decides which views share a block.
+  const std::vector<SceneView>& views;
+  const SceneEvidence& evidence;
+  const RefineOptions& refine_options;
+  const ModelSceneOptions& options;
+  const ModelResources& resources;
+  Progress& progress;
+  const std::function<bool()>& should_stop;
+};
+
 // Finds the planes of a whole scene and labels its views with them:
 // - discovers planes in blocks of views of the same surfaces;
 // - joins planes of different blocks that are one surface, and adjusts the
@@ -65,16 +77,8 @@ struct ModelResources {
 // superpixel of all views, and up to max_kept_bytes of the costs of labels;
 // once these are freed, the outlines of all views (CylinderSearch).
 //
-// views: in an order in which views of the same surfaces are close to each
-// other (OrderByNeighbors), since it decides which views share a block.
 // Result: the same bits for any resources; nothing once should_stop returned
 // true.
-std::optional<SceneModel> ModelScene(const std::vector<SceneView>& views,
-                                     const SceneEvidence& evidence,
-                                     const RefineOptions& refine_options,
-                                     const ModelSceneOptions& options,
-                                     const ModelResources& resources,
-                                     Progress& progress,
-                                     const std::function<bool()>& should_stop);
+std::optional<SceneModel> ModelScene(const ModelSceneInputs& inputs);
 
 }  // namespace tsar

@@ -31,7 +31,7 @@ class CylinderSearch {
 
   size_t NumAxes() const { return axes_.size(); }
 
-  // The evidence of the view must have all its parts.
+  // observed: with all parts of its evidence.
   void FindOutlines(size_t view, const ObservedView& observed);
   // Finds cylinders along an axis by the outlines of all views.
   void FindCircles(size_t axis, ThreadPool& threads);

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene/view_blocks.h"
 
+#include <algorithm>
+#include <numeric>
 #include <set>
 
 namespace tsar {
@@ -58,13 +60,10 @@ std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbors,
     const size_t count = end - begin;
     const size_t num_blocks = (count + max_size - 1) / max_size;
     for (size_t i = 0; i < num_blocks; ++i) {
-      std::vector<size_t> block;
-      for (size_t view = begin + i * count / num_blocks;
-           view < begin + (i + 1) * count / num_blocks;
-           ++view) {
-        block.push_back(view);
-      }
-      blocks.push_back(std::move(block));
+      const size_t first = begin + i * count / num_blocks;
+      const size_t last = begin + (i + 1) * count / num_blocks;
+      std::vector<size_t>& block = blocks.emplace_back(last - first);
+      std::iota(block.begin(), block.end(), first);
     }
     begin = end;
   }

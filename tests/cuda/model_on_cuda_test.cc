@@ -67,13 +67,13 @@ TEST_F(CudaTest, ModelScene) {
   const auto run = [&](const ModelResources& resources) {
     std::ostringstream text;
     Progress progress(text, false);
-    return *ModelScene(ViewsOf(room),
-                       source,
-                       RefineOptions(),
-                       ModelSceneOptions(),
-                       resources,
-                       progress,
-                       [] { return false; });
+    return *ModelScene({ViewsOf(room),
+                        source,
+                        RefineOptions(),
+                        ModelSceneOptions(),
+                        resources,
+                        progress,
+                        [] { return false; }});
   };
   ModelResources resources;
   resources.num_threads = 2;

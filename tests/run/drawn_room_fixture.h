@@ -73,13 +73,13 @@ class DrawnRoomTest : public testing::Test {
         [&](size_t view) { return room_.evidence[view]; }};
     text_.str("");
     Progress progress(text_, false);
-    return ModelScene(views_,
-                      evidence,
-                      refine_options_,
-                      options_,
-                      resources_,
-                      progress,
-                      should_stop);
+    return ModelScene({views_,
+                       evidence,
+                       refine_options_,
+                       options_,
+                       resources_,
+                       progress,
+                       should_stop});
   }
 
   // The number of the model's plane that is a surface's, or -1.
