@@ -27,9 +27,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   PATTERN "tools/export/scene_files.h" EXCLUDE
   PATTERN "export/*_exporter.h" EXCLUDE
   PATTERN "device/connected_components.h" EXCLUDE
-  PATTERN "device/copy.h" EXCLUDE
   PATTERN "device/cuda_*.h" EXCLUDE
-  PATTERN "device/fill.h" EXCLUDE
   PATTERN "device/parallel_for*.h" EXCLUDE)
 
 install(EXPORT ColmapTsarTargets

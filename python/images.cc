@@ -4,10 +4,9 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/io/sigma_map.h"
 #include "colmap_tsar/tools/import/target_workspace.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 #include "colmap_tsar/view/regions/assign_region_planes.h"
 #include "colmap_tsar/view/regions/hough.h"
 #include "colmap_tsar/view/regions/roberts.h"

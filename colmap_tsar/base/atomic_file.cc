@@ -4,9 +4,9 @@
 #include "colmap_tsar/base/atomic_file.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/path.h"
 
 #include <cerrno>
 #include <cstdio>
@@ -33,13 +33,12 @@ constexpr mode_t kPermissions = 0777;
 
 // Flushes a file that another program may have left in the system's cache.
 void FlushFile(const Folder& folder, const std::string& name) {
-  const int descriptor =
+  const OwnedDescriptor file(
       openat(folder.Descriptor(),
              name.c_str(),
-             O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-  if (descriptor >= 0) {
-    fsync(descriptor);
-    close(descriptor);
+             O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (file.Get() >= 0) {
+    fsync(file.Get());
   }
 }
 

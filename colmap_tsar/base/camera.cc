@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/base/camera.h"
 
-#include "colmap_tsar/base/to_vec3f.h"
-
 namespace tsar {
 
 Camera Camera::Resized(int new_width, int new_height) const {

@@ -10,6 +10,13 @@
 
 namespace tsar {
 
+// The vector rounded to floats.
+inline Vec3f ToVec3f(const Eigen::Vector3d& vector) {
+  return {static_cast<float>(vector.x()),
+          static_cast<float>(vector.y()),
+          static_cast<float>(vector.z())};
+}
+
 // Pinhole intrinsics in pixels. Pixel (col, row) has the ray
 // ((col - cx) / fx, (row - cy) / fy, 1): integer coordinates without a half
 // pixel, which is what COLMAP's dense stage does.

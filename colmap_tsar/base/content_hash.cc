@@ -49,13 +49,15 @@ uint64_t HashFile(const std::filesystem::path& path) {
     file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
     hash.Update(buffer.data(), static_cast<size_t>(file.gcount()));
   }
-  if (file.bad()) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "reading failed",
-                      "check the disk and the file's permissions");
-  }
   return hash.Value();
+}
+
+uint32_t HashImageName(const std::string& name) {
+  uint32_t hash = 2166136261u;
+  for (const char character : name) {
+    hash = (hash ^ static_cast<unsigned char>(character)) * 16777619u;
+  }
+  return hash;
 }
 
 }  // namespace tsar

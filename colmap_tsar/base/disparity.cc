@@ -21,9 +21,7 @@ DisparityScale ComputeDisparityScale(const Camera& reference,
   for (const Camera& source : sources) {
     baselines.push_back((source.Center() - reference.Center()).norm());
   }
-  const double longest =
-      baselines.empty() ? 0.0
-                        : *std::max_element(baselines.begin(), baselines.end());
+  const double longest = baselines.empty() ? 0.0 : std::ranges::max(baselines);
   std::erase_if(baselines, [&](double baseline) {
     return !(baseline > kMinBaselineShare * longest);
   });
@@ -32,7 +30,7 @@ DisparityScale ComputeDisparityScale(const Camera& reference,
   }
   // The nearest sources contribute most matches; the mean of all baselines
   // would make the tolerances several times too tight.
-  std::sort(baselines.begin(), baselines.end());
+  std::ranges::sort(baselines);
   baselines.resize(std::min<size_t>(baselines.size(), 4));
   const double baseline =
       std::accumulate(baselines.begin(), baselines.end(), 0.0) /

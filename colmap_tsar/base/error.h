@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <exception>
 #include <stdexcept>
 #include <string>
 
@@ -42,5 +43,17 @@ class Error : public std::runtime_error {
  private:
   ErrorCode code_;
 };
+
+// The user's message for exhausted memory; it needs no allocation.
+inline constexpr char kOutOfMemory[] =
+    "out of memory; close other programs or work on smaller images";
+
+// Whether an exception, also one of OpenCV, reports exhausted memory.
+bool IsOutOfMemory(const std::exception_ptr& failure);
+
+// The message of an exception (not null) as one line for the user: an Error's
+// unchanged, others with an explanation. Throws std::bad_alloc if
+// there is no memory for the text.
+std::string FailureText(const std::exception_ptr& failure);
 
 }  // namespace tsar

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/folder.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
@@ -25,27 +26,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSystemFolder = "lost+found";
-
-class OwnedDescriptor {
- public:
-  explicit OwnedDescriptor(int value) : value_(value) {}
-  ~OwnedDescriptor() {
-    if (value_ >= 0) {
-      close(value_);
-    }
-  }
-  OwnedDescriptor(OwnedDescriptor&& other) noexcept
-      : value_(std::exchange(other.value_, -1)) {}
-  OwnedDescriptor& operator=(OwnedDescriptor&& other) noexcept {
-    std::swap(value_, other.value_);
-    return *this;
-  }
-  int Get() const { return value_; }
-  int Release() { return std::exchange(value_, -1); }
-
- private:
-  int value_;
-};
 
 // O_PATH needs the permission to search alone.
 constexpr int kOnTheWay = O_PATH | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC;
@@ -173,14 +153,32 @@ Walk OpenChain(const ContainedPath& path, bool creates) {
   ThrowSystemError(path.Path(), "the folder cannot be opened", walk.error);
 }
 
+// Returns 0 or the system's error number.
+int RemoveFolder(const ContainedPath& path) {
+  const std::optional<Folder> parent = Folder::OpenIfThere(path.Parent());
+  if (!parent) {
+    return ENOENT;
+  }
+  return unlinkat(
+             parent->Descriptor(), path.Filename().c_str(), AT_REMOVEDIR) == 0
+             ? 0
+             : errno;
+}
+
 }  // namespace
+
+OwnedDescriptor::~OwnedDescriptor() {
+  if (value_ >= 0) {
+    close(value_);
+  }
+}
 
 Folder::Folder(const ContainedPath& path) : path_(path) {
   Walk walk = OpenChain(path, false);
   if (walk.error != 0) {
     ThrowWalkError(walk, path);
   }
-  descriptor_ = walk.folder.Release();
+  descriptor_ = std::move(walk.folder);
 }
 
 std::optional<Folder> Folder::OpenIfThere(const ContainedPath& path) {
@@ -191,7 +189,7 @@ std::optional<Folder> Folder::OpenIfThere(const ContainedPath& path) {
   if (walk.error != 0) {
     ThrowWalkError(walk, path);
   }
-  return Folder(path, walk.folder.Release());
+  return Folder(path, std::move(walk.folder));
 }
 
 Folder Folder::Create(const ContainedPath& path) {
@@ -207,30 +205,14 @@ Folder Folder::Create(const ContainedPath& path) {
   if (walk.error != 0) {
     ThrowSystemError(path.Path(), "the folder cannot be created", walk.error);
   }
-  return Folder(path, walk.folder.Release());
+  return Folder(path, std::move(walk.folder));
 }
 
-Folder::~Folder() {
-  if (descriptor_ >= 0) {
-    close(descriptor_);
-  }
-}
-
-Folder::Folder(Folder&& other) noexcept
-    : path_(std::move(other.path_)),
-      descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-Folder& Folder::operator=(Folder&& other) noexcept {
-  std::swap(path_, other.path_);
-  std::swap(descriptor_, other.descriptor_);
-  return *this;
-}
-
-void Folder::Flush() const { fsync(descriptor_); }
+void Folder::Flush() const { fsync(Descriptor()); }
 
 std::vector<Folder::Entry> Folder::List() const {
   // A separate descriptor is used, since listing moves its position.
-  OwnedDescriptor descriptor(openat(descriptor_, ".", kAtTheEnd));
+  OwnedDescriptor descriptor(openat(Descriptor(), ".", kAtTheEnd));
   const auto close_list = [](DIR* list) { closedir(list); };
   std::unique_ptr<DIR, decltype(close_list)> list(
       descriptor.Get() < 0 ? nullptr : fdopendir(descriptor.Get()), close_list);
@@ -247,7 +229,7 @@ std::vector<Folder::Entry> Folder::List() const {
       unsigned char type = found->d_type;
       struct stat state;
       if (type == DT_UNKNOWN &&
-          fstatat(descriptor_, found->d_name, &state, AT_SYMLINK_NOFOLLOW) ==
+          fstatat(Descriptor(), found->d_name, &state, AT_SYMLINK_NOFOLLOW) ==
               0) {
         type = IFTODT(state.st_mode);
       }
@@ -260,9 +242,7 @@ std::vector<Folder::Entry> Folder::List() const {
   if (errno != 0) {
     ThrowSystemError(path_.Path(), "the folder cannot be listed", errno);
   }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return a.name < b.name;
-  });
+  std::ranges::sort(entries, {}, &Entry::name);
   return entries;
 }
 
@@ -318,6 +298,56 @@ void ThrowSystemError(const std::filesystem::path& path,
 void RequireNoFolder(const fs::path& path) {
   if (fs::is_directory(SymlinkStatus(path))) {
     ThrowSystemError(path, "cannot be written", EISDIR);
+  }
+}
+
+void RemoveFile(const ContainedPath& path) {
+  const std::optional<Folder> folder = Folder::OpenIfThere(path.Parent());
+  if (folder &&
+      unlinkat(folder->Descriptor(), path.Filename().c_str(), 0) != 0 &&
+      errno != ENOENT) {
+    ThrowSystemError(path.Path(), "cannot be removed", errno);
+  }
+}
+
+bool RemoveFolderIfEmpty(const ContainedPath& path) {
+  return RemoveFolder(path) == 0;
+}
+
+void RemoveEmptyFolders(const ContainedPath& folder) {
+  const std::vector<TreeEntry> tree = ListTree(folder);
+  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
+    if (entry->is_folder) {
+      RemoveFolderIfEmpty(entry->path);
+    }
+  }
+  RemoveFolderIfEmpty(folder);
+}
+
+void RemoveTree(const ContainedPath& folder) {
+  const std::vector<TreeEntry> tree = ListTree(folder);
+  const auto remove_folder = [](const ContainedPath& path) {
+    const int error = RemoveFolder(path);
+    if (error != 0 && error != ENOENT) {
+      ThrowSystemError(path.Path(), "cannot be removed", error);
+    }
+  };
+  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
+    if (entry->is_folder) {
+      remove_folder(entry->path);
+    } else {
+      RemoveFile(entry->path);
+    }
+  }
+  remove_folder(folder);
+}
+
+void RemoveTemporaries(const ContainedPath& folder) {
+  for (const TreeEntry& entry : ListTree(folder)) {
+    if (!entry.is_folder &&
+        entry.path.string().ends_with(AtomicFile::kTemporarySuffix)) {
+      RemoveFile(entry.path);
+    }
   }
 }
 

@@ -9,9 +9,27 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tsar {
+
+// A file descriptor, closed with this object; -1 for none.
+class OwnedDescriptor {
+ public:
+  explicit OwnedDescriptor(int value) : value_(value) {}
+  ~OwnedDescriptor();
+  OwnedDescriptor(OwnedDescriptor&& other) noexcept : value_(other.Release()) {}
+  OwnedDescriptor& operator=(OwnedDescriptor&& other) noexcept {
+    std::swap(value_, other.value_);
+    return *this;
+  }
+  int Get() const { return value_; }
+  int Release() { return std::exchange(value_, -1); }
+
+ private:
+  int value_;
+};
 
 // A folder, open as long as this object lives. Operations through its
 // descriptor affect this very folder, even if it is renamed.
@@ -29,11 +47,7 @@ class Folder {
   // the disk, the outermost first.
   static Folder Create(const ContainedPath& path);
 
-  ~Folder();
-  Folder(Folder&& other) noexcept;
-  Folder& operator=(Folder&& other) noexcept;
-
-  int Descriptor() const { return descriptor_; }
+  int Descriptor() const { return descriptor_.Get(); }
   const ContainedPath& Path() const { return path_; }
 
   // Flushes changes of names to the disk. File systems without support for it
@@ -49,11 +63,11 @@ class Folder {
   std::vector<Entry> List() const;
 
  private:
-  Folder(const ContainedPath& path, int descriptor)
-      : path_(path), descriptor_(descriptor) {}
+  Folder(const ContainedPath& path, OwnedDescriptor descriptor)
+      : path_(path), descriptor_(std::move(descriptor)) {}
 
   ContainedPath path_;
-  int descriptor_ = -1;
+  OwnedDescriptor descriptor_{-1};
 };
 
 // The entries of a folder and of all below it, each folder before its content.
@@ -80,5 +94,21 @@ std::set<std::string> ListFileNames(const ContainedPath& folder,
 // Throws Error kIo where a folder stands under the name of a file to write, to
 // be called before the content is computed. Links to folders can be replaced.
 void RequireNoFolder(const std::filesystem::path& path);
+
+// Removes a file or link if it exists. Throws Error kIo.
+void RemoveFile(const ContainedPath& path);
+
+// Removes a folder if it is empty; returns whether it did.
+bool RemoveFolderIfEmpty(const ContainedPath& path);
+
+// Removes this folder and those below it as far as they are empty.
+void RemoveEmptyFolders(const ContainedPath& folder);
+
+// Removes a folder and its content without following links. Throws Error kIo.
+void RemoveTree(const ContainedPath& folder);
+
+// Removes the temporaries of AtomicFile that killed programs left behind, in a
+// folder and all below it, but no folders of such names. Throws Error kIo.
+void RemoveTemporaries(const ContainedPath& folder);
 
 }  // namespace tsar

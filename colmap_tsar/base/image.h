@@ -20,6 +20,11 @@ struct Rgb {
   uint8_t b = 0;
 };
 
+// The luminance of a color, 0 to 255, with the weights of Rec. 601.
+TSAR_HD inline float GrayLevel(const Rgb& color) {
+  return 0.299f * color.r + 0.587f * color.g + 0.114f * color.b;
+}
+
 // A view of a row-major raster owned elsewhere, in host or device memory. Pixel
 // (x, y) is column x, row y. Views are copied by value into kernels.
 template <typename T>
@@ -41,8 +46,7 @@ struct ImageView {
   TSAR_HD T& operator()(int x, int y) const { return data[Index(x, y)]; }
 
   template <typename U>
-    requires std::is_same_v<U, T>
-  TSAR_HD operator ImageView<const U>() const {
+  requires std::is_same_v<U, T> TSAR_HD operator ImageView<const U>() const {
     return {data, width, height};
   }
 };

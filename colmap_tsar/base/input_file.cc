@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <sstream>
-#include <utility>
 
 #include <ext/stdio_filebuf.h>
 #include <fcntl.h>
@@ -59,22 +58,8 @@ class FileBuffer : public __gnu_cxx::stdio_filebuf<char> {
 }  // namespace
 
 // A buffer is always set, since some readers access that of a failed stream.
-InputFile::InputFile()
+InputFile::InputFile(const std::filesystem::path& path)
     : std::istream(nullptr), buffer_(std::make_unique<std::stringbuf>()) {
-  rdbuf(buffer_.get());
-}
-
-InputFile::InputFile(const std::filesystem::path& path) : InputFile() {
-  Open(path);
-}
-
-InputFile::~InputFile() = default;
-
-void InputFile::Open(const std::filesystem::path& path) {
-  exceptions(std::ios::goodbit);
-  std::unique_ptr<std::streambuf> buffer = std::make_unique<std::stringbuf>();
-  size_ = 0;
-  reason_.clear();
   // O_NOCTTY: a terminal must not become the controlling one.
   const int descriptor =
       open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -90,20 +75,19 @@ void InputFile::Open(const std::filesystem::path& path) {
   } else if (error != 0 || !has_state) {
     reason_ = std::strerror(error != 0 ? error : errno);
   }
-  if (!reason_.empty()) {
-    if (descriptor >= 0) {
-      close(descriptor);
-    }
-  } else {
+  if (reason_.empty()) {
     size_ = static_cast<uintmax_t>(state.st_size);
-    buffer = std::make_unique<FileBuffer>(path, descriptor);
+    buffer_ = std::make_unique<FileBuffer>(path, descriptor);
+  } else if (descriptor >= 0) {
+    close(descriptor);
   }
-  rdbuf(buffer.get());  // Also clears the state.
-  buffer_ = std::move(buffer);
+  rdbuf(buffer_.get());  // Also clears the state.
   if (!reason_.empty()) {
     setstate(std::ios::failbit);
   }
   exceptions(std::ios::badbit);
 }
+
+InputFile::~InputFile() = default;
 
 }  // namespace tsar

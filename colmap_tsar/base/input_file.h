@@ -21,12 +21,9 @@ namespace tsar {
 // take both for the end of the file otherwise.
 class InputFile : public std::istream {
  public:
-  InputFile();
+  // Links are followed.
   explicit InputFile(const std::filesystem::path& path);
   ~InputFile() override;
-
-  // Opens a file and closes the one open before. Links are followed.
-  void Open(const std::filesystem::path& path);
 
   // The size in bytes when the file was opened.
   uintmax_t Size() const { return size_; }

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <system_error>
 
+#include <sys/stat.h>
+
 namespace tsar {
 namespace {
 
@@ -74,6 +76,19 @@ fs::file_status SymlinkStatus(const fs::path& path) {
 bool IsWithin(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end())
              .first == folder.end();
+}
+
+int64_t TimeOf(const std::filesystem::path& path) {
+  struct stat state;
+  if (stat(path.c_str(), &state) != 0) {
+    return 0;
+  }
+  return ToNanoseconds(state.st_mtim);
+}
+
+int64_t ToNanoseconds(const timespec& time) {
+  constexpr int64_t kPerSecond = 1000000000;
+  return time.tv_sec * kPerSecond + time.tv_nsec;
 }
 
 }  // namespace tsar

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include <cstdint>
+#include <ctime>
 #include <filesystem>
 #include <string>
 
@@ -30,5 +32,9 @@ std::filesystem::file_status SymlinkStatus(const std::filesystem::path& path);
 // Whether a path is this folder or lies in it; compares names only.
 bool IsWithin(const std::filesystem::path& path,
               const std::filesystem::path& folder);
+
+// The modification time of a file in nanoseconds; 0 if there is no file.
+int64_t TimeOf(const std::filesystem::path& path);
+int64_t ToNanoseconds(const timespec& time);
 
 }  // namespace tsar

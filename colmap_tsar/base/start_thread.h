@@ -11,9 +11,6 @@
 
 namespace tsar {
 
-// The error for a failure to start a thread, with advice.
-Error NoMoreThreads(const std::system_error& error);
-
 // Starts a thread. Throws kOutOfMemory if the system allows no more or has no
 // memory for it. The caller must make sure that other running threads end then:
 // the vector that holds them joins them.
@@ -22,7 +19,10 @@ std::jthread StartThread(Function&& function) {
   try {
     return std::jthread(std::forward<Function>(function));
   } catch (const std::system_error& error) {
-    throw NoMoreThreads(error);
+    throw Error(ErrorCode::kOutOfMemory,
+                "no more threads can be started (" + error.code().message() +
+                    "); raise the limits of processes (ulimit -u) and memory "
+                    "(ulimit -v), or give a smaller num_threads");
   }
 }
 

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/cli/failure_report.h"
 
-#include "colmap_tsar/base/failure.h"
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/cli/standard_streams.h"
 

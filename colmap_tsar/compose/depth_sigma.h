@@ -40,8 +40,8 @@ struct ViewSigmaOptions {
 };
 
 // The standard deviation of each depth of a map that ComposeScene made, in the
-// units of the map, as positive halves (half.h); 0 where there is no depth.
-// inputs: as for the composition. noise: ViewEvidence::noise.
+// units of the map, as positive halves (arithmetic.h); 0 where there is no
+// depth. inputs: as for the composition. noise: ViewEvidence::noise.
 DeviceImage<uint16_t> ComputeSceneSigma(const ComposedMap& composed,
                                         const ComposeSceneInputs& inputs,
                                         const DepthResolution& resolution,

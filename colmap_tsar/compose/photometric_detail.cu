@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/compose/photometric_detail.h"
 
-#include "colmap_tsar/base/exponential.h"
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
 #include "colmap_tsar/view/gray.h"

@@ -3,8 +3,7 @@
 
 #include "colmap_tsar/compose/photometric_offset.h"
 
-#include "colmap_tsar/base/exponential.h"
-#include "colmap_tsar/base/logarithm.h"
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/view/denoise/window_variance.cuh"

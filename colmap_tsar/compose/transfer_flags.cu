@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/filter/confirmation.h"

@@ -8,8 +8,9 @@
 #include "colmap_tsar/device/device.h"
 
 #include <cstddef>
+#include <cstdint>
+#include <memory>
 #include <type_traits>
-#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -22,56 +23,51 @@ class Buffer {
 
  public:
   Buffer() = default;
-  Buffer(Device& device, size_t size) : device_(&device), size_(size) {
-    if (size > 0) {
-      data_ = static_cast<T*>(device.Allocate(size * sizeof(T)));
-    }
-  }
+  Buffer(Device& device, size_t size)
+      : data_(size > 0 ? static_cast<T*>(device.Allocate(size * sizeof(T)))
+                       : nullptr,
+              {&device}),
+        size_(size) {}
   Buffer(Device& device, const std::vector<T>& host)
       : Buffer(device, host.size()) {
     Upload(host.data());
   }
-  Buffer(Buffer&& other) noexcept { Swap(other); }
-  Buffer& operator=(Buffer&& other) noexcept {
-    Buffer moved(std::move(other));
-    Swap(moved);
-    return *this;
-  }
-  ~Buffer() {
-    if (data_ != nullptr) {
-      device_->Free(data_);
-    }
-  }
 
-  T* Data() { return data_; }
-  const T* Data() const { return data_; }
-  size_t Size() const { return size_; }
+  T* Data() { return data_.get(); }
+  const T* Data() const { return data_.get(); }
+  // 0 after the content was moved to another object.
+  size_t Size() const { return data_ ? size_ : 0; }
 
   void Upload(const T* host) {
-    if (size_ > 0) {
-      device_->CopyToDevice(data_, host, size_ * sizeof(T));
+    if (Size() > 0) {
+      Owner().CopyToDevice(Data(), host, size_ * sizeof(T));
     }
   }
   void Download(T* host) const {
-    if (size_ > 0) {
-      device_->CopyToHost(host, data_, size_ * sizeof(T));
+    if (Size() > 0) {
+      Owner().CopyToHost(host, Data(), size_ * sizeof(T));
     }
   }
   std::vector<T> ToHost() const {
-    std::vector<T> host(size_);
+    std::vector<T> host(Size());
     Download(host.data());
     return host;
   }
 
  private:
-  void Swap(Buffer& other) noexcept {
-    std::swap(device_, other.device_);
-    std::swap(data_, other.data_);
-    std::swap(size_, other.size_);
-  }
+  struct Free {
+    Device* device = nullptr;
+    void operator()(T* data) const {
+      // Only an object without data has no device.
+      if (device != nullptr) {
+        device->Free(data);
+      }
+    }
+  };
 
-  Device* device_ = nullptr;
-  T* data_ = nullptr;
+  Device& Owner() const { return *data_.get_deleter().device; }
+
+  std::unique_ptr<T, Free> data_;
   size_t size_ = 0;
 };
 
@@ -107,5 +103,11 @@ class DeviceImage {
   int height_ = 0;
   Buffer<T> buffer_;
 };
+
+// Bytes of a Buffer or DeviceImage of this many elements.
+template <typename T>
+constexpr int64_t BytesOf(int64_t num_elements) {
+  return num_elements * static_cast<int64_t>(sizeof(T));
+}
 
 }  // namespace tsar

@@ -13,8 +13,7 @@ namespace {
 
 class CpuDevice : public Device {
  public:
-  explicit CpuDevice(int num_threads)
-      : Device(DeviceKind::kCpu, num_threads) {}
+  explicit CpuDevice(int num_threads) : Device(DeviceKind::kCpu, num_threads) {}
 
   std::string Name() const override { return "CPU"; }
 

@@ -12,10 +12,10 @@
 #include "colmap_tsar/device/device.h"
 
 #ifdef __CUDACC__
-#include "colmap_tsar/device/cuda_check.h"
 #include "colmap_tsar/device/cuda_device.h"
 #endif
 
+#include <cstddef>
 #include <cstdint>
 
 namespace tsar {
@@ -110,6 +110,40 @@ void ParallelFor(Device& device, int width, int height, const Kernel& kernel) {
       }
     }
   });
+}
+
+namespace internal {
+
+template <typename T>
+struct FillKernel {
+  T* data;
+  T value;
+  TSAR_HD void operator()(int64_t i) const { data[i] = value; }
+};
+
+template <typename T>
+struct CopyKernel {
+  const T* source;
+  T* target;
+  TSAR_HD void operator()(int64_t i) const { target[i] = source[i]; }
+};
+
+}  // namespace internal
+
+// data[i] = value for i in [0, count).
+template <typename T>
+void Fill(Device& device, T* data, size_t count, const T& value) {
+  ParallelFor(device,
+              static_cast<int64_t>(count),
+              internal::FillKernel<T>{data, value});
+}
+
+// target[i] = source[i] for i in [0, count), both in the device's memory.
+template <typename T>
+void Copy(Device& device, const T* source, size_t count, T* target) {
+  ParallelFor(device,
+              static_cast<int64_t>(count),
+              internal::CopyKernel<T>{source, target});
 }
 
 }  // namespace tsar

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/compose/confidence_level.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 #include "colmap_tsar/matching/reprojection.cuh"
 
 #include <cmath>

@@ -25,12 +25,12 @@ struct FuseWorkspaceOptions {
   DeviceOptions devices;
   // The PLY file; the visibility of its points is written beside it.
   std::filesystem::path output_path;
-  // A file of image names, see io/image_list.h: only their pixels become
+  // A file of image names, see io/image_lists.h: only their pixels become
   // points, and all images serve as sources. Empty: all images.
   std::filesystem::path image_list_path;
   // Fuses the maps as they were before refinement.
   bool originals = false;
-  // See io/image_mask.h; empty: none.
+  // See io/masks_and_labels.h; empty: none.
   std::filesystem::path mask_path;
   // A box in the world frame; points outside of it are left out.
   std::optional<Eigen::AlignedBox3d> bounding_box;

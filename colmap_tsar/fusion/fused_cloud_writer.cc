@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 
-#include "colmap_tsar/base/remove_files.h"
+#include "colmap_tsar/base/folder.h"
 
 #include <algorithm>
 #include <bit>

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/image_list.h"
+#include "colmap_tsar/io/image_lists.h"
 #include "colmap_tsar/io/source_selector.h"
 #include "colmap_tsar/run/neighbor_order.h"
 #include "colmap_tsar/run/store/image_maps.h"

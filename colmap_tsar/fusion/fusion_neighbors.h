@@ -17,7 +17,7 @@ struct ChosenImages {
 };
 
 // Images that stereo/fusion.cfg does not list are not used, if that file
-// exists, and only those in a list of names are fused; see io/image_list.h.
+// exists, and only those in a list of names are fused; see io/image_lists.h.
 // list: empty: all.
 ChosenImages ChooseImages(const Workspace& workspace,
                           const std::filesystem::path& list = {});

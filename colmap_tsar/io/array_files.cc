@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/io/array_files.h"
 
-#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/base/arithmetic.h"
 
 #include <algorithm>
 #include <bit>
@@ -156,11 +156,7 @@ NpyArray ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
   const std::span<const uint8_t> magic = reader.Take(kMagic.size());
   const auto major = reader.Read<uint8_t>();
   reader.Read<uint8_t>();
-  if (!std::equal(
-          magic.begin(),
-          magic.end(),
-          kMagic.begin(),
-          [](uint8_t a, char b) { return a == static_cast<uint8_t>(b); }) ||
+  if (std::memcmp(magic.data(), kMagic.data(), kMagic.size()) != 0 ||
       major < 1 || major > 3) {
     throw reader.Corrupt("not a NumPy array of version 1 to 3");
   }

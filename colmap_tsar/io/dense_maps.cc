@@ -7,6 +7,9 @@
 
 #include <array>
 #include <optional>
+#include <sstream>
+
+#include <Eigen/LU>
 
 namespace tsar {
 namespace {
@@ -20,6 +23,7 @@ std::string Advice() {
   return "check " + OptionName("format") + ", or make the file again";
 }
 
+// The header of an OpenCV matrix of APD.
 struct MatrixHeader {
   size_t num_bytes = 0;
   int32_t rows = 0;
@@ -29,8 +33,8 @@ struct MatrixHeader {
 
 // Reads the header with or without a version; nullopt if the file's length does
 // not match it.
-std::optional<MatrixHeader> ReadHeader(std::span<const uint8_t> bytes,
-                                       bool has_version) {
+std::optional<MatrixHeader> ReadMatrixHeader(std::span<const uint8_t> bytes,
+                                             bool has_version) {
   MatrixHeader header;
   header.num_bytes = (has_version ? 4 : 3) * sizeof(int32_t);
   if (bytes.size() < header.num_bytes) {
@@ -56,7 +60,8 @@ std::optional<MatrixHeader> ReadHeader(std::span<const uint8_t> bytes,
   return header;
 }
 
-enum Content : uint8_t {
+// What a .dmap file of OpenMVS holds.
+enum DmapContent : uint8_t {
   kHasDepth = 1,
   kHasNormals = 2,
   kHasConfidence = 4,
@@ -74,15 +79,15 @@ Matrix ReadMatrix(ByteReader* reader) {
   return matrix;
 }
 
-struct Header {
+struct DmapHeader {
   uint8_t content = 0;
   uint32_t width = 0;
   uint32_t height = 0;
   std::string image_name;
 };
 
-Header ReadHeader(ByteReader* reader) {
-  Header header;
+DmapHeader ReadDmapHeader(ByteReader* reader) {
+  DmapHeader header;
   const auto magic = reader->Read<std::array<char, 2>>();
   header.content = reader->Read<uint8_t>();
   reader->Take(1 + 2 * sizeof(uint32_t));  // Padding, the image's size.
@@ -106,29 +111,81 @@ FloatMap ReadMap(int width, int height, int channels, ByteReader* reader) {
   return map;
 }
 
+Error CorruptCamera(const std::string& name, const std::string& what) {
+  return Error::File(ErrorCode::kCorrupt,
+                     name,
+                     what,
+                     "make the file again, or take it away to go without it");
+}
+
+// Reads the matrix that follows a word.
+template <typename Matrix>
+Matrix ReadMatrix(std::istringstream* text,
+                  const std::string& word,
+                  const std::string& name) {
+  std::string read;
+  *text >> read;
+  Matrix matrix;
+  for (int row = 0; row < matrix.rows(); ++row) {
+    for (int column = 0; column < matrix.cols(); ++column) {
+      *text >> matrix(row, column);
+    }
+  }
+  if (!*text || read != word) {
+    throw CorruptCamera(name,
+                        "not a camera: it has no \"" + word + "\" with " +
+                            std::to_string(matrix.size()) + " numbers");
+  }
+  return matrix;
+}
+
+// Sets `camera` from a calibration matrix and checks it. Throws Error kCorrupt,
+// naming camera.file, where a value is not finite, a focal length is not
+// positive, or the rotation is invalid.
+void SetCalibration(const Eigen::Matrix3d& k, StoredCamera* camera) {
+  camera->fx = k(0, 0);
+  camera->fy = k(1, 1);
+  camera->cx = k(0, 2);
+  camera->cy = k(1, 2);
+  if (!k.allFinite() || !camera->rotation.allFinite() ||
+      !camera->center.allFinite()) {
+    throw CorruptCamera(camera->file,
+                        "the camera has a value that is no number");
+  }
+  if (camera->fx <= 0.0 || camera->fy <= 0.0) {
+    throw CorruptCamera(camera->file,
+                        "the camera has a focal length that is not positive");
+  }
+  const double deviation = (camera->rotation * camera->rotation.transpose() -
+                            Eigen::Matrix3d::Identity())
+                               .cwiseAbs()
+                               .maxCoeff();
+  if (deviation > 1e-3 || camera->rotation.determinant() < 0.0) {
+    throw CorruptCamera(camera->file, "the camera's rotation is none");
+  }
+}
+
 }  // namespace
 
 FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name) {
   ByteReader reader(bytes, name, Advice());
   const auto type = reader.Read<int32_t>();
-  FloatMap map;
-  map.height = reader.Read<int32_t>();
-  map.width = reader.Read<int32_t>();
-  map.channels = reader.Read<int32_t>();
+  const auto height = reader.Read<int32_t>();
+  const auto width = reader.Read<int32_t>();
+  const auto channels = reader.Read<int32_t>();
   if (type != 1) {
     throw reader.Corrupt("not a .dmb of floats: its type is " +
                          std::to_string(type) + ", not 1");
   }
-  map.values.resize(RequireExactLength(
-      reader, map.width, map.height, map.channels, sizeof(float)));
-  reader.ReadAll<float>(map.values);
-  return map;
+  RequireExactLength(reader, width, height, channels, sizeof(float));
+  return ReadMap(width, height, channels, &reader);
 }
 
 FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name) {
   ByteReader reader(bytes, name, Advice());
-  const std::optional<MatrixHeader> with_version = ReadHeader(bytes, true);
-  const std::optional<MatrixHeader> without = ReadHeader(bytes, false);
+  const std::optional<MatrixHeader> with_version =
+      ReadMatrixHeader(bytes, true);
+  const std::optional<MatrixHeader> without = ReadMatrixHeader(bytes, false);
   if (with_version.has_value() == without.has_value()) {
     throw reader.Corrupt(
         "not a matrix of floats of the length (" +
@@ -137,18 +194,25 @@ FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name) {
   }
   const MatrixHeader header = with_version ? *with_version : *without;
   reader.Take(header.num_bytes);
-  FloatMap map;
-  map.width = header.columns;
-  map.height = header.rows;
-  map.channels = header.channels;
-  map.values.resize(reader.NumLeft() / sizeof(float));
-  reader.ReadAll<float>(map.values);
-  return map;
+  return ReadMap(header.columns, header.rows, header.channels, &reader);
+}
+
+StoredCamera ParseCamFile(std::span<const uint8_t> bytes,
+                          const std::string& name) {
+  std::istringstream text(std::string(bytes.begin(), bytes.end()));
+  const auto pose = ReadMatrix<Eigen::Matrix4d>(&text, "extrinsic", name);
+  const auto k = ReadMatrix<Eigen::Matrix3d>(&text, "intrinsic", name);
+  StoredCamera camera;
+  camera.file = name;
+  camera.rotation = pose.topLeftCorner<3, 3>();
+  camera.center = -camera.rotation.transpose() * pose.topRightCorner<3, 1>();
+  SetCalibration(k, &camera);
+  return camera;
 }
 
 Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name) {
   ByteReader reader(bytes, name, Advice());
-  const Header header = ReadHeader(&reader);
+  const DmapHeader header = ReadDmapHeader(&reader);
   if ((header.content & kHasDepth) == 0) {
     throw Error::File(ErrorCode::kUnsupported,
                       name,
@@ -187,7 +251,7 @@ Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name) {
 std::string ParseDmapImageName(std::span<const uint8_t> bytes,
                                const std::string& name) {
   ByteReader reader(bytes, name, Advice());
-  return ReadHeader(&reader).image_name;
+  return ReadDmapHeader(&reader).image_name;
 }
 
 }  // namespace tsar

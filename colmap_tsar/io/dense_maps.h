@@ -6,32 +6,52 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/io/float_map.h"
-#include "colmap_tsar/io/stored_camera.h"
 
 #include <cstdint>
 #include <span>
 #include <string>
 
+#include <Eigen/Core>
+
 namespace tsar {
+
+// Depth maps, normal maps and cameras of other programs. All functions take the
+// bytes of a file and its name, for messages. They throw Error kCorrupt where
+// the header is not of the described form, the length is not exactly what it
+// says, or a camera is invalid.
 
 // Reads a .dmb file of the family of Gipuma (ACMH, ACMM, ACMP, ACMMP): int32
 // type (1 = float), height, width, channels; then float32 row by row, the
 // channels of a pixel side by side. Depth is z in the camera frame, one
 // channel; normals have three, in the world frame. Pixels have integer
 // coordinates and K is used as it is, as in COLMAP's dense stage.
-//
-// name: the file, for messages. Throws Error kCorrupt where the header is not
-// of this form or the length is not exactly what it says.
 FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name);
 
 // Reads a .dmb or .bin file of APD and its successors: an OpenCV matrix as
 // int32 version, rows, columns, OpenCV type (5 = one float, 21 = three), then
 // the rows. Some versions omit the first word, which the file's length reveals.
-// Depth and normals are as in ParseDmb.
-//
-// name: the file, for messages. Throws Error kCorrupt where neither form, or
-// both, have exactly the file's length, or the matrix is not of floats.
+// Depth and normals are as in ParseDmb. Throws Error kCorrupt also where both
+// forms have exactly the file's length, or the matrix is not of floats.
 FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name);
+
+// The calibration that another program stored with a map, in its own units:
+// x_cam = rotation * (x_world - center).
+struct StoredCamera {
+  std::string file;  // For messages.
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  // Intrinsics of an image whose size may be unknown.
+  double fx = 1.0;
+  double fy = 1.0;
+  double cx = 0.0;
+  double cy = 0.0;
+};
+
+// Reads a cams/%08d_cam.txt of MVSNet and its successors: the word "extrinsic",
+// 4 x 4 numbers [R t; 0 1] with x_cam = R x + t, the word "intrinsic", 3 x 3
+// numbers K; the depth ranges that follow are ignored.
+StoredCamera ParseCamFile(std::span<const uint8_t> bytes,
+                          const std::string& name);
 
 // The content of a .dmap file of OpenMVS without its confidences, whose meaning
 // has changed between versions, and which are unbounded after its filter.
@@ -56,9 +76,7 @@ struct Dmap {
 // half a pixel off those of OpenMVS. The map's pixels show the same points in
 // both, so depths are copied pixel by pixel without resampling.
 //
-// name: the file, for messages. Throws Error kCorrupt where the file has not
-// this form or not exactly the length that it says, and kUnsupported where it
-// has no depth.
+// Throws Error kUnsupported where the file has no depth.
 Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name);
 
 // Reads only the name of the image, from the first kMaxDmapNameEnd bytes or

@@ -3,15 +3,14 @@
 
 #include "colmap_tsar/io/depth_image.h"
 
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/io/array_files.h"
-#include "colmap_tsar/io/exr_header.h"
+#include "colmap_tsar/io/picture_checks.h"
 #include "colmap_tsar/io/png.h"
-#include "colmap_tsar/io/tiff_strips.h"
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cstdlib>
 #include <optional>
 #include <string_view>
@@ -23,12 +22,7 @@ namespace tsar {
 namespace {
 
 std::string LowerExtension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(),
-                 extension.end(),
-                 extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension;
+  return FoldedCase(path.extension().string());
 }
 
 bool HasThreeEqualChannels(const FloatMap& map) {
@@ -56,25 +50,35 @@ void KeepFirstChannel(FloatMap* map) {
   map->channels = 1;
 }
 
-DepthImage ParsePng(std::span<const uint8_t> bytes, const std::string& name) {
-  const ByteReader reader(bytes, name);
+PngHeader RequirePngHeader(std::span<const uint8_t> bytes,
+                           const std::string& name) {
   const std::optional<PngHeader> header = ReadPngHeader(bytes);
   if (!header) {
-    throw reader.Corrupt("not a PNG file");
+    throw ByteReader(bytes, name).Corrupt("not a PNG file");
   }
-  if (header->bits_per_channel != 16 || !header->is_gray) {
+  return *header;
+}
+
+template <typename T>
+Image<T> DecodeValues(std::span<const uint8_t> bytes, const std::string& name) {
+  return DecodePng<T>(bytes, [&](const std::string& defect) {
+    return ByteReader(bytes, name)
+        .Corrupt("the PNG file is damaged: " + defect);
+  });
+}
+
+DepthImage ParsePng(std::span<const uint8_t> bytes, const std::string& name) {
+  const PngHeader header = RequirePngHeader(bytes, name);
+  if (header.bits_per_channel != 16 || !header.is_gray) {
     throw Error::File(
         ErrorCode::kUnsupported,
         name,
-        "a picture of " + std::to_string(header->bits_per_channel) + " bits" +
-            (header->is_gray ? "" : " in colors") + ", not a depth map",
+        "a picture of " + std::to_string(header.bits_per_channel) + " bits" +
+            (header.is_gray ? "" : " in colors") + ", not a depth map",
         "save depth as PNG of 16 bits in gray, or as EXR, TIFF, "
         "PFM or NPY");
   }
-  const Image<uint16_t> values =
-      DecodeGray16Png(bytes, [&](const std::string& defect) {
-        return reader.Corrupt("the PNG file is damaged: " + defect);
-      });
+  const Image<uint16_t> values = DecodeValues<uint16_t>(bytes, name);
   DepthImage image;
   image.is_integer = true;
   image.map.width = values.Width();
@@ -162,21 +166,14 @@ struct StoredNormals {
 
 StoredNormals ParseNormalPng(std::span<const uint8_t> bytes,
                              const std::string& name) {
-  const ByteReader reader(bytes, name);
-  const std::optional<PngHeader> header = ReadPngHeader(bytes);
-  if (!header) {
-    throw reader.Corrupt("not a PNG file");
-  }
+  const PngHeader header = RequirePngHeader(bytes, name);
   StoredNormals normals;
   normals.max_value = 65535.f;
-  if (!header->has_colors) {
+  if (!header.has_colors) {
     normals.map.channels = 1;
     return normals;
   }
-  const Image<Rgb16> values =
-      DecodePng16(bytes, [&](const std::string& defect) {
-        return reader.Corrupt("the PNG file is damaged: " + defect);
-      });
+  const Image<Rgb16> values = DecodeValues<Rgb16>(bytes, name);
   normals.map.width = values.Width();
   normals.map.height = values.Height();
   normals.map.channels = 3;
@@ -240,9 +237,8 @@ void DecodeIntegers(float max_value, std::vector<float>* values) {
 bool IsDepthImageName(const std::filesystem::path& path) {
   constexpr std::array<std::string_view, 6> kExtensions = {
       ".png", ".exr", ".tif", ".tiff", ".pfm", ".npy"};
-  return std::find(kExtensions.begin(),
-                   kExtensions.end(),
-                   LowerExtension(path)) != kExtensions.end();
+  return std::ranges::find(kExtensions, LowerExtension(path)) !=
+         kExtensions.end();
 }
 
 DepthImage ParseDepthImage(std::span<const uint8_t> bytes,

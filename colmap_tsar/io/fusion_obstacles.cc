@@ -63,10 +63,9 @@ std::vector<std::string> FindFusionObstacles(
   }
   const bool is_text =
       FindSparseModelFiles(sparse_folder)[1].extension() == ".txt";
-  const auto spaced = std::find_if(
-      model.images.begin(), model.images.end(), [](const auto& image) {
-        return image.name.find(' ') != std::string::npos;
-      });
+  const auto spaced = std::ranges::find_if(model.images, [](const auto& image) {
+    return image.name.find(' ') != std::string::npos;
+  });
   if (is_text && spaced != model.images.end()) {
     obstacles.push_back(
         sparse_folder.string() + ": the image \"" + spaced->name +

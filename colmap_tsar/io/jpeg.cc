@@ -3,11 +3,12 @@
 
 #include "colmap_tsar/io/jpeg.h"
 
-#include "colmap_tsar/io/photo_error.h"
+#include "colmap_tsar/io/photo_format.h"
 
 #include <csetjmp>
 #include <cstdio>
 #include <new>
+#include <type_traits>
 #include <vector>
 
 #include <jpeglib.h>
@@ -110,34 +111,27 @@ class JpegDecoder {
   bool is_damaged_ = false;
 };
 
-template <typename T>
-Image<T> Decode(std::span<const uint8_t> bytes,
-                const std::string& name,
-                J_COLOR_SPACE color_space) {
-  JpegDecoder decoder(bytes, name);
-  const JpegKind kind = decoder.Kind();
-  auto image = Image<T>::Uninitialized(kind.width, kind.height);
-  decoder.Decode(color_space,
-                 reinterpret_cast<uint8_t*>(image.Data()),
-                 static_cast<size_t>(kind.width) * sizeof(T));
-  return image;
-}
-
 }  // namespace
 
 JpegKind ReadJpegKind(std::span<const uint8_t> bytes, const std::string& name) {
   return JpegDecoder(bytes, name).Kind();
 }
 
-Image<Rgb> DecodeJpeg(std::span<const uint8_t> bytes, const std::string& name) {
-  static_assert(sizeof(Rgb) == 3);
-  return Decode<Rgb>(bytes, name, JCS_RGB);
+template <typename T>
+Image<T> DecodeJpeg(std::span<const uint8_t> bytes, const std::string& name) {
+  JpegDecoder decoder(bytes, name);
+  const JpegKind kind = decoder.Kind();
+  auto image = Image<T>::Uninitialized(kind.width, kind.height);
+  decoder.Decode(std::is_same_v<T, Rgb> ? JCS_RGB : JCS_GRAYSCALE,
+                 reinterpret_cast<uint8_t*>(image.Data()),
+                 static_cast<size_t>(kind.width) * sizeof(T));
+  return image;
 }
 
-Image<uint8_t> DecodeGrayJpeg(std::span<const uint8_t> bytes,
-                              const std::string& name) {
-  return Decode<uint8_t>(bytes, name, JCS_GRAYSCALE);
-}
+static_assert(sizeof(Rgb) == 3);
+template Image<Rgb> DecodeJpeg(std::span<const uint8_t>, const std::string&);
+template Image<uint8_t> DecodeJpeg(std::span<const uint8_t>,
+                                   const std::string&);
 
 void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name) {
   JpegDecoder decoder(bytes, name);

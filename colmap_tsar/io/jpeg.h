@@ -35,10 +35,9 @@ struct JpegKind {
 JpegKind ReadJpegKind(std::span<const uint8_t> bytes, const std::string& name);
 
 // Decodes the pixels as cv::imdecode does, for pictures that are not in CMYK.
-// The EXIF orientation is ignored.
-Image<Rgb> DecodeJpeg(std::span<const uint8_t> bytes, const std::string& name);
-Image<uint8_t> DecodeGrayJpeg(std::span<const uint8_t> bytes,
-                              const std::string& name);
+// The EXIF orientation is ignored. T: Rgb, or uint8_t for gray.
+template <typename T>
+Image<T> DecodeJpeg(std::span<const uint8_t> bytes, const std::string& name);
 
 // Decodes a picture of any kind only to find damage.
 void CheckJpeg(std::span<const uint8_t> bytes, const std::string& name);

@@ -5,35 +5,70 @@
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/finite.h"
 
 #include <algorithm>
 #include <bit>
-#include <span>
+#include <istream>
 #include <string>
 #include <utility>
 
 namespace tsar {
 namespace {
 
-void SetCount(int64_t* target, int64_t count) {
-  if (target != nullptr) {
-    *target = count;
+static_assert(std::endian::native == std::endian::little,
+              "maps are little-endian and read as they are");
+
+Error CorruptMap(const std::filesystem::path& path, const std::string& what) {
+  return Error::File(ErrorCode::kCorrupt,
+                     path.string(),
+                     "not a complete map: " + what,
+                     "run patch_match_stereo again for this image");
+}
+
+// Reads "123&" and returns 123, or -1 for anything else. Nine digits are more
+// than any file can have and fit an int.
+int ReadHeaderNumber(std::istream& stream) {
+  int number = 0;
+  for (int num_digits = 0; num_digits < 10; ++num_digits) {
+    const int character = stream.get();
+    if (character == '&') {
+      return num_digits > 0 ? number : -1;
+    }
+    if (character < '0' || character > '9' || num_digits == 9) {
+      return -1;
+    }
+    number = 10 * number + (character - '0');
   }
+  return -1;
+}
+
+// Whether a value is neither NaN nor infinite: x - x is 0 for finite values
+// alone. There are no branches, so that loops over maps are vectorized.
+bool IsFinite(float value) { return value - value == 0.f; }
+
+template <typename Reader, typename T>
+Image<T> ReadMap(const std::filesystem::path& path, int64_t* num_not_finite) {
+  Reader reader(path);
+  auto map = Image<T>::Uninitialized(reader.Size().width, reader.Size().height);
+  ForEachPiece(map.NumPixels(), [&](size_t first, size_t count) {
+    reader.Read(first, {map.Data() + first, count});
+  });
+  if (num_not_finite != nullptr) {
+    *num_not_finite = reader.NumNotFinite();
+  }
+  return map;
 }
 
 // Writes one map and hashes it on the way.
 class MapWriter {
  public:
-  MapWriter(int width, int height, int channels, AtomicFile* file)
-      : file_(file),
-        num_values_(static_cast<size_t>(width) * static_cast<size_t>(height) *
-                    static_cast<size_t>(channels)) {
+  MapWriter(const MapSize& size, AtomicFile* file)
+      : file_(file), num_values_(size.NumValues()) {
     written_.samples.reserve(kNumSamples);
-    Require(width > 0 && height > 0 && channels > 0, "empty");
-    const std::string header = std::to_string(width) + "&" +
-                               std::to_string(height) + "&" +
-                               std::to_string(channels) + "&";
+    Require(size.width > 0 && size.height > 0 && size.channels > 0, "empty");
+    const std::string header = std::to_string(size.width) + "&" +
+                               std::to_string(size.height) + "&" +
+                               std::to_string(size.channels) + "&";
     Put(header.data(), header.size());
   }
 
@@ -89,32 +124,124 @@ class MapWriter {
 
 }  // namespace
 
+MapReader::MapReader(const std::filesystem::path& path)
+    : path_(path), file_(std::make_unique<InputFile>(path)) {
+  if (file_->IsMissing()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "no such map",
+                      "run patch_match_stereo for this image");
+  }
+  if (file_->IsNoFile()) {
+    throw CorruptMap(path, file_->Reason());
+  }
+  if (!*file_) {
+    throw Error::File(ErrorCode::kIo,
+                      path.string(),
+                      "the map cannot be opened (" + file_->Reason() + ")",
+                      "check that you may read it");
+  }
+  ReadHeader(file_->Size());
+}
+
+void MapReader::RequireChannels(int channels, const char* kind) const {
+  if (size_.channels != channels) {
+    throw CorruptMap(path_,
+                     std::string(kind) + " has " + std::to_string(channels) +
+                         " channel(s), the header says " +
+                         std::to_string(size_.channels));
+  }
+}
+
+void MapReader::Read(int channel, size_t first_pixel, std::span<float> values) {
+  const size_t first =
+      static_cast<size_t>(channel) * size_.NumPixels() + first_pixel;
+  file_->seekg(
+      static_cast<std::streamoff>(header_size_ + first * sizeof(float)));
+  file_->read(reinterpret_cast<char*>(values.data()),
+              static_cast<std::streamsize>(values.size_bytes()));
+  if (!*file_) {
+    throw CorruptMap(path_, "reading it failed");
+  }
+}
+
+void MapReader::ReadHeader(uintmax_t num_bytes) {
+  if (num_bytes == 0) {
+    throw CorruptMap(path_, "the file is empty");
+  }
+  size_.width = ReadHeaderNumber(*file_);
+  size_.height = ReadHeaderNumber(*file_);
+  size_.channels = ReadHeaderNumber(*file_);
+  if (!*file_ || size_.width < 1 || size_.height < 1 || size_.channels < 1) {
+    throw CorruptMap(path_,
+                     "it does not begin with WIDTH&HEIGHT&CHANNELS& in digits");
+  }
+  header_size_ = static_cast<size_t>(file_->tellg());
+  const uintmax_t num_values = (num_bytes - header_size_) / sizeof(float);
+  const auto num_pixels = uintmax_t{size_.NumPixels()};
+  // Divisions are used, since the product of three untrusted numbers may
+  // overflow.
+  const bool fits =
+      num_values / num_pixels == static_cast<uintmax_t>(size_.channels) &&
+      num_values % num_pixels == 0 &&
+      (num_bytes - header_size_) % sizeof(float) == 0;
+  if (!fits) {
+    throw CorruptMap(path_,
+                     "the header says " + std::to_string(size_.width) + " x " +
+                         std::to_string(size_.height) + " x " +
+                         std::to_string(size_.channels) + ", the file has " +
+                         std::to_string(num_bytes) + " bytes");
+  }
+}
+
+DepthMapReader::DepthMapReader(const std::filesystem::path& path)
+    : reader_(path) {
+  reader_.RequireChannels(1, "a depth map");
+}
+
+void DepthMapReader::Read(size_t first_pixel, std::span<float> depths) {
+  reader_.Read(0, first_pixel, depths);
+  int num_bad = 0;
+  for (float& value : depths) {
+    const bool is_finite = IsFinite(value);
+    num_bad += is_finite ? 0 : 1;
+    value = is_finite && value > 0.f ? value : 0.f;
+  }
+  num_not_finite_ += num_bad;
+}
+
+NormalMapReader::NormalMapReader(const std::filesystem::path& path)
+    : reader_(path) {
+  reader_.RequireChannels(3, "a normal map");
+}
+
+void NormalMapReader::Read(size_t first_pixel, std::span<Vec3f> normals) {
+  for (size_t c = 0; c < channels_.size(); ++c) {
+    channels_[c].resize(normals.size());
+    reader_.Read(static_cast<int>(c), first_pixel, channels_[c]);
+  }
+  int num_bad = 0;
+  for (size_t i = 0; i < normals.size(); ++i) {
+    const Vec3f n = {channels_[0][i], channels_[1][i], channels_[2][i]};
+    const bool is_finite = IsFinite(n.x) && IsFinite(n.y) && IsFinite(n.z);
+    normals[i] = is_finite ? n : Vec3f{};
+    num_bad += is_finite ? 0 : 1;
+  }
+  num_not_finite_ += num_bad;
+}
+
 MapSize ReadMapSize(const std::filesystem::path& path) {
   return MapReader(path).Size();
 }
 
 Image<float> ReadDepthMap(const std::filesystem::path& path,
                           int64_t* num_not_finite) {
-  DepthMapReader reader(path);
-  auto depth =
-      Image<float>::Uninitialized(reader.Size().width, reader.Size().height);
-  ForEachPiece(depth.NumPixels(), [&](size_t first, size_t count) {
-    reader.Read(first, {depth.Data() + first, count});
-  });
-  SetCount(num_not_finite, reader.NumNotFinite());
-  return depth;
+  return ReadMap<DepthMapReader, float>(path, num_not_finite);
 }
 
 Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
                            int64_t* num_not_finite) {
-  NormalMapReader reader(path);
-  auto normal =
-      Image<Vec3f>::Uninitialized(reader.Size().width, reader.Size().height);
-  ForEachPiece(normal.NumPixels(), [&](size_t first, size_t count) {
-    reader.Read(first, {normal.Data() + first, count});
-  });
-  SetCount(num_not_finite, reader.NumNotFinite());
-  return normal;
+  return ReadMap<NormalMapReader, Vec3f>(path, num_not_finite);
 }
 
 PlanarMap ReadPlanarMap(const std::filesystem::path& path) {
@@ -123,20 +250,19 @@ PlanarMap ReadPlanarMap(const std::filesystem::path& path) {
   map.width = reader.Size().width;
   map.height = reader.Size().height;
   map.channels = reader.Size().channels;
-  map.values.resize(reader.Size().NumPixels() *
-                    static_cast<size_t>(map.channels));
+  map.values.resize(reader.Size().NumValues());
   reader.Read(0, 0, map.values);
   return map;
 }
 
 WrittenMap PutDepthMap(const Image<float>& depth, AtomicFile* file) {
-  MapWriter writer(depth.Width(), depth.Height(), 1, file);
+  MapWriter writer({depth.Width(), depth.Height(), 1}, file);
   writer.Write({depth.Data(), depth.NumPixels()});
   return writer.Written();
 }
 
 WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
-  MapWriter writer(normal.Width(), normal.Height(), 3, file);
+  MapWriter writer({normal.Width(), normal.Height(), 3}, file);
   std::vector<float> channel;
   for (float Vec3f::*element : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
     ForEachPiece(normal.NumPixels(), [&](size_t first, size_t count) {
@@ -151,7 +277,7 @@ WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
 }
 
 WrittenMap PutPlanarMap(const PlanarMap& map, AtomicFile* file) {
-  MapWriter writer(map.width, map.height, map.channels, file);
+  MapWriter writer({map.width, map.height, map.channels}, file);
   writer.Write(map.values);
   return writer.Written();
 }
@@ -169,10 +295,8 @@ void WriteNormalMap(const ContainedPath& path, const Image<Vec3f>& normal) {
 }
 
 void WritePlanarMap(const ContainedPath& path, const PlanarMap& map) {
-  const size_t num_values = static_cast<size_t>(map.width) *
-                            static_cast<size_t>(map.height) *
-                            static_cast<size_t>(map.channels);
-  if (map.values.size() != num_values) {
+  const MapSize size = {map.width, map.height, map.channels};
+  if (map.values.size() != size.NumValues()) {
     throw Error::File(ErrorCode::kMismatch,
                       path.string(),
                       "the number of values does not fit the map's size",

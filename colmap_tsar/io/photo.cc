@@ -5,15 +5,14 @@
 
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/io/jpeg.h"
-#include "colmap_tsar/io/photo_error.h"
 #include "colmap_tsar/io/photo_format.h"
-#include "colmap_tsar/io/picture_input.h"
+#include "colmap_tsar/io/picture_checks.h"
 #include "colmap_tsar/io/png.h"
-#include "colmap_tsar/io/tiff_strips.h"
 
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -79,11 +78,6 @@ cv::Mat DecodeOther(PhotoFormat format,
   return pixels;
 }
 
-PngError Damaged(const std::string& name) {
-  return
-      [&name](const std::string& defect) { return DamagedPhoto(name, defect); };
-}
-
 struct Content {
   Bytes bytes;
   PhotoFormat format;
@@ -100,41 +94,43 @@ Content ReadContent(PictureInput* file) {
   return content;
 }
 
-}  // namespace
-
-Image<Rgb> ReadPhoto(const std::filesystem::path& path) {
+// T: Rgb, or uint8_t for gray.
+template <typename T>
+Image<T> Read(const std::filesystem::path& path) {
+  constexpr bool kIsGray = std::is_same_v<T, uint8_t>;
   PictureInput file = OpenPhoto(path);
   const Content content = ReadContent(&file);
   if (content.is_plain_jpeg) {
-    return DecodeJpeg(content.bytes, file.Name());
+    return DecodeJpeg<T>(content.bytes, file.Name());
   }
   if (content.format == PhotoFormat::kPng) {
-    return DecodePng(content.bytes, Damaged(file.Name()));
+    return DecodePng<T>(content.bytes, [&](const std::string& defect) {
+      return DamagedPhoto(file.Name(), defect);
+    });
   }
   const cv::Mat pixels =
-      DecodeOther(content.format, content.bytes, cv::IMREAD_COLOR, file.Name());
-  static_assert(sizeof(Rgb) == 3);
-  auto image = Image<Rgb>::Uninitialized(pixels.cols, pixels.rows);
-  cv::Mat target(pixels.rows, pixels.cols, CV_8UC3, image.Data());
-  cv::cvtColor(pixels, target, cv::COLOR_BGR2RGB);
+      DecodeOther(content.format,
+                  content.bytes,
+                  kIsGray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR,
+                  file.Name());
+  auto image = Image<T>::Uninitialized(pixels.cols, pixels.rows);
+  cv::Mat target(pixels.rows, pixels.cols, pixels.type(), image.Data());
+  if (kIsGray) {
+    pixels.copyTo(target);
+  } else {
+    cv::cvtColor(pixels, target, cv::COLOR_BGR2RGB);
+  }
   return image;
 }
 
+}  // namespace
+
+Image<Rgb> ReadPhoto(const std::filesystem::path& path) {
+  return Read<Rgb>(path);
+}
+
 Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
-  PictureInput file = OpenPhoto(path);
-  const Content content = ReadContent(&file);
-  if (content.is_plain_jpeg) {
-    return DecodeGrayJpeg(content.bytes, file.Name());
-  }
-  if (content.format == PhotoFormat::kPng) {
-    return DecodeGrayPng(content.bytes, Damaged(file.Name()));
-  }
-  const cv::Mat pixels = DecodeOther(
-      content.format, content.bytes, cv::IMREAD_GRAYSCALE, file.Name());
-  auto image = Image<uint8_t>::Uninitialized(pixels.cols, pixels.rows);
-  cv::Mat target(pixels.rows, pixels.cols, CV_8UC1, image.Data());
-  pixels.copyTo(target);
-  return image;
+  return Read<uint8_t>(path);
 }
 
 bool HasAlpha(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <string_view>
+#include <utility>
 
 namespace tsar {
 namespace {
@@ -164,20 +165,22 @@ uint64_t DeclaredPnmSize(std::span<const uint8_t> head) {
 }  // namespace
 
 std::optional<PhotoFormat> FormatOf(std::span<const uint8_t> head) {
+  // The version of TIFF is 42, that of BigTIFF 43, in either byte order.
+  constexpr std::pair<std::string_view, PhotoFormat> kBeginnings[] = {
+      {"\xff\xd8\xff"sv, PhotoFormat::kJpeg},
+      {"\x89PNG\r\n\x1a\n"sv, PhotoFormat::kPng},
+      {"II*\0"sv, PhotoFormat::kTiff},
+      {"MM\0*"sv, PhotoFormat::kTiff},
+      {"II+\0"sv, PhotoFormat::kTiff},
+      {"MM\0+"sv, PhotoFormat::kTiff},
+      {"BM"sv, PhotoFormat::kBmp},
+      {kJp2Signature, PhotoFormat::kJpeg2000},
+      {"\xff\x4f\xff\x51"sv, PhotoFormat::kJpeg2000}};
   const std::string_view text = TextOf(head);
-  if (text.starts_with("\xff\xd8\xff"sv)) {
-    return PhotoFormat::kJpeg;
-  }
-  if (text.starts_with("\x89PNG\r\n\x1a\n"sv)) {
-    return PhotoFormat::kPng;
-  }
-  // The version is 42 for TIFF, 43 for BigTIFF, in either byte order.
-  if (text.starts_with("II*\0"sv) || text.starts_with("MM\0*"sv) ||
-      text.starts_with("II+\0"sv) || text.starts_with("MM\0+"sv)) {
-    return PhotoFormat::kTiff;
-  }
-  if (text.starts_with("BM"sv)) {
-    return PhotoFormat::kBmp;
+  for (const auto& [beginning, format] : kBeginnings) {
+    if (text.starts_with(beginning)) {
+      return format;
+    }
   }
   if (text.size() >= 12 && text.starts_with("RIFF"sv) &&
       text.substr(8, 4) == "WEBP"sv) {
@@ -186,10 +189,6 @@ std::optional<PhotoFormat> FormatOf(std::span<const uint8_t> head) {
   if (text.size() > 2 && text[0] == 'P' && IsSpace(text[2]) &&
       (text[1] == '2' || text[1] == '3' || text[1] == '5' || text[1] == '6')) {
     return PhotoFormat::kPnm;
-  }
-  if (text.starts_with(kJp2Signature) ||
-      text.starts_with("\xff\x4f\xff\x51"sv)) {
-    return PhotoFormat::kJpeg2000;
   }
   return std::nullopt;
 }
@@ -262,6 +261,36 @@ bool HasJpeg2000End(std::span<const uint8_t> bytes) {
     left = left.subspan(length);
   }
   return false;
+}
+
+Error DamagedPhoto(const std::string& name, const std::string& what) {
+  return Error::File(
+      ErrorCode::kCorrupt,
+      name,
+      "the image is damaged: " + what,
+      "make the workspace again with image_undistorter, from a whole photo");
+}
+
+Error UnreadablePhoto(const std::string& name, const std::string& what) {
+  return Error::File(ErrorCode::kCorrupt,
+                     name,
+                     "not a readable image: " + what,
+                     "make the workspace again with image_undistorter");
+}
+
+void RequirePossibleSize(const std::string& name,
+                         int64_t width,
+                         int64_t height) {
+  // A division is used, since the product of two untrusted numbers may
+  // overflow.
+  if (width > 0 && height > kMaxNumPixels / width) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      name,
+                      "has " + std::to_string(width) + " x " +
+                          std::to_string(height) +
+                          " pixels, more than the 2^30 that can be worked on",
+                      "run image_undistorter with a smaller --max_image_size");
+  }
 }
 
 }  // namespace tsar

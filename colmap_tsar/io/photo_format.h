@@ -3,9 +3,12 @@
 
 #pragma once
 
+#include "colmap_tsar/base/error.h"
+
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 
 namespace tsar {
 
@@ -39,5 +42,22 @@ bool EndsInMarker(PhotoFormat format, std::span<const uint8_t> tail);
 
 // Whether the data of JPEG 2000 are complete; other boxes may follow.
 bool HasJpeg2000End(std::span<const uint8_t> bytes);
+
+// OpenCV's limit; pixels are also indexed by an int.
+inline constexpr int64_t kMaxNumPixels = int64_t{1} << 30;
+
+// The errors of the files in this folder that decode photos. name: the file;
+// what: the reason, such as "it breaks off".
+//
+// The error for a known format with incomplete content (kCorrupt).
+Error DamagedPhoto(const std::string& name, const std::string& what);
+// The error for a file that cannot be decoded (kCorrupt).
+Error UnreadablePhoto(const std::string& name, const std::string& what);
+
+// Throws kUnsupported for too many pixels. Must be called before memory is
+// allocated for them.
+void RequirePossibleSize(const std::string& name,
+                         int64_t width,
+                         int64_t height);
 
 }  // namespace tsar

@@ -10,10 +10,11 @@
 #include <array>
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
-#include <map>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -25,13 +26,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little,
               "The readers of binary files copy little-endian numbers.");
 
-enum class NumberType { kI8, kU8, kI16, kU16, kI32, kU32, kF32, kF64 };
-
-size_t SizeOf(NumberType type) {
-  static const size_t sizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[static_cast<int>(type)];
-}
-
 template <typename T>
 double Load(const char* bytes) {
   T value;
@@ -39,39 +33,35 @@ double Load(const char* bytes) {
   return static_cast<double>(value);
 }
 
-double LoadNumber(const char* bytes, NumberType type) {
-  switch (type) {
-    case NumberType::kI8:
-      return Load<int8_t>(bytes);
-    case NumberType::kU8:
-      return Load<uint8_t>(bytes);
-    case NumberType::kI16:
-      return Load<int16_t>(bytes);
-    case NumberType::kU16:
-      return Load<uint16_t>(bytes);
-    case NumberType::kI32:
-      return Load<int32_t>(bytes);
-    case NumberType::kU32:
-      return Load<uint32_t>(bytes);
-    case NumberType::kF32:
-      return Load<float>(bytes);
-    case NumberType::kF64:
-      return Load<double>(bytes);
-  }
-  return 0;
-}
+struct NumberType {
+  std::string_view name;
+  std::string_view name_with_size;  // In newer files.
+  size_t size;
+  double (*load)(const char* bytes);
+};
+
+constexpr NumberType kNumberTypes[] = {
+    {"char", "int8", sizeof(int8_t), &Load<int8_t>},
+    {"uchar", "uint8", sizeof(uint8_t), &Load<uint8_t>},
+    {"short", "int16", sizeof(int16_t), &Load<int16_t>},
+    {"ushort", "uint16", sizeof(uint16_t), &Load<uint16_t>},
+    {"int", "int32", sizeof(int32_t), &Load<int32_t>},
+    {"uint", "uint32", sizeof(uint32_t), &Load<uint32_t>},
+    {"float", "float32", sizeof(float), &Load<float>},
+    {"double", "float64", sizeof(double), &Load<double>}};
+constexpr const NumberType* kByte = &kNumberTypes[1];
 
 struct Element {
   std::string name;
   uint64_t count = 0;
   bool has_list = false;
   std::vector<std::string> names;
-  std::vector<NumberType> types;
+  std::vector<const NumberType*> types;
 
   size_t Stride() const {
     size_t stride = 0;
-    for (const NumberType type : types) {
-      stride += SizeOf(type);
+    for (const NumberType* type : types) {
+      stride += type->size;
     }
     return stride;
   }
@@ -182,23 +172,6 @@ class PlyFile {
   }
 
   void ReadProperty(std::istringstream* words) {
-    static const std::map<std::string, NumberType> types = {
-        {"char", NumberType::kI8},
-        {"int8", NumberType::kI8},
-        {"uchar", NumberType::kU8},
-        {"uint8", NumberType::kU8},
-        {"short", NumberType::kI16},
-        {"int16", NumberType::kI16},
-        {"ushort", NumberType::kU16},
-        {"uint16", NumberType::kU16},
-        {"int", NumberType::kI32},
-        {"int32", NumberType::kI32},
-        {"uint", NumberType::kU32},
-        {"uint32", NumberType::kU32},
-        {"float", NumberType::kF32},
-        {"float32", NumberType::kF32},
-        {"double", NumberType::kF64},
-        {"float64", NumberType::kF64}};
     if (elements_.empty()) {
       Corrupt("a property comes before all elements");
     }
@@ -210,12 +183,17 @@ class PlyFile {
       element.has_list = true;
       return;
     }
-    const auto type = types.find(type_name);
-    if (!(*words >> name) || type == types.end()) {
+    const NumberType* type = std::find_if(
+        std::begin(kNumberTypes),
+        std::end(kNumberTypes),
+        [&](const NumberType& known) {
+          return type_name == known.name || type_name == known.name_with_size;
+        });
+    if (!(*words >> name) || type == std::end(kNumberTypes)) {
       Corrupt("a property has no name or an unknown type");
     }
     element.names.push_back(name);
-    element.types.push_back(type->second);
+    element.types.push_back(type);
   }
 
   // Throws if the rest of the file cannot hold the element's items of at least
@@ -245,25 +223,25 @@ class PlyFile {
 
   // The indices of x, y and z, and of red, green and blue, among the element's
   // properties; the colors are -1 unless all three are bytes.
-  std::array<int, 6> FindPlaces(const Element& element) const {
+  std::array<int, 6> FindProperties(const Element& element) const {
     static const std::array<std::string, 6> names = {
         "x", "y", "z", "red", "green", "blue"};
-    std::array<int, 6> places = {-1, -1, -1, -1, -1, -1};
+    std::array<int, 6> indices = {-1, -1, -1, -1, -1, -1};
     for (size_t i = 0; i < element.names.size(); ++i) {
       const auto found =
           std::find(names.begin(), names.end(), element.names[i]);
-      const auto place = static_cast<size_t>(found - names.begin());
-      if (place < 3 || (place < 6 && element.types[i] == NumberType::kU8)) {
-        places[place] = static_cast<int>(i);
+      const auto position = static_cast<size_t>(found - names.begin());
+      if (position < 3 || (position < 6 && element.types[i] == kByte)) {
+        indices[position] = static_cast<int>(i);
       }
     }
-    if (*std::min_element(places.begin(), places.begin() + 3) < 0) {
+    if (*std::min_element(indices.begin(), indices.begin() + 3) < 0) {
       Corrupt("its vertices have no x, y, z");
     }
-    if (*std::min_element(places.begin() + 3, places.end()) < 0) {
-      std::fill(places.begin() + 3, places.end(), -1);
+    if (*std::min_element(indices.begin() + 3, indices.end()) < 0) {
+      std::fill(indices.begin() + 3, indices.end(), -1);
     }
-    return places;
+    return indices;
   }
 
   // Whether this point is in the evenly spaced sample.
@@ -287,12 +265,6 @@ class PlyFile {
     }
   }
 
-  void CheckFinite(const Eigen::Vector3d& point, size_t index) const {
-    if (!point.allFinite()) {
-      Corrupt("vertex " + std::to_string(index) + " is not finite");
-    }
-  }
-
   double NextNumber() {
     const size_t start = rest_.find_first_not_of(" \t\r\n");
     rest_.remove_prefix(start == std::string_view::npos ? rest_.size() : start);
@@ -307,57 +279,61 @@ class PlyFile {
   }
 
   void ReadAscii(const Element& element) {
-    const std::array<int, 6> places = FindPlaces(element);
+    const std::array<int, 6> indices = FindProperties(element);
     // A number takes at least one digit.
     CheckSize(element, element.types.size());
-    Reserve(places);
+    Reserve(indices);
     std::vector<double> values(element.types.size());
     for (uint64_t i = 0; i < element.count; ++i) {
       for (double& value : values) {
         value = NextNumber();
       }
-      Take(i, places, [&](int place) {
-        return values[static_cast<size_t>(place)];
+      Take(i, indices, [&](int property) {
+        return values[static_cast<size_t>(property)];
       });
     }
   }
 
   void ReadBinary(const Element& element) {
-    const std::array<int, 6> places = FindPlaces(element);
+    const std::array<int, 6> indices = FindProperties(element);
     const size_t stride = element.Stride();
     CheckSize(element, stride);
-    Reserve(places);
+    Reserve(indices);
     std::vector<size_t> offsets = {0};
-    for (const NumberType type : element.types) {
-      offsets.push_back(offsets.back() + SizeOf(type));
+    for (const NumberType* type : element.types) {
+      offsets.push_back(offsets.back() + type->size);
     }
     for (uint64_t i = 0; i < element.count; ++i) {
       const char* vertex = rest_.data() + i * stride;
-      Take(i, places, [&](int place) {
-        const auto index = static_cast<size_t>(place);
-        return LoadNumber(vertex + offsets[index], element.types[index]);
+      Take(i, indices, [&](int property) {
+        const auto index = static_cast<size_t>(property);
+        return element.types[index]->load(vertex + offsets[index]);
       });
     }
   }
 
-  void Reserve(const std::array<int, 6>& places) {
+  void Reserve(const std::array<int, 6>& indices) {
     cloud_.points.reserve(num_wanted_);
-    cloud_.colors.reserve(places[3] >= 0 ? num_wanted_ : 0);
+    cloud_.colors.reserve(indices[3] >= 0 ? num_wanted_ : 0);
   }
 
   // Checks point `index` and adds it if it is in the sample. value: returns the
   // property at an index.
   template <typename Value>
   void Take(uint64_t index,
-            const std::array<int, 6>& places,
+            const std::array<int, 6>& indices,
             const Value& value) {
     std::array<double, 6> values = {};
     for (size_t k = 0; k < 6; ++k) {
-      values[k] = places[k] >= 0 ? value(places[k]) : 0.0;
+      values[k] = indices[k] >= 0 ? value(indices[k]) : 0.0;
     }
-    CheckFinite({values[0], values[1], values[2]}, index);
+    if (!std::all_of(values.begin(), values.begin() + 3, [](double value) {
+          return std::isfinite(value);
+        })) {
+      Corrupt("vertex " + std::to_string(index) + " is not finite");
+    }
     if (IsWanted(index)) {
-      AddPoint(values, places[3] >= 0);
+      AddPoint(values, indices[3] >= 0);
     }
   }
 

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/io/png.h"
 
-#include "colmap_tsar/io/photo_error.h"
+#include "colmap_tsar/io/photo_format.h"
 
 #include <algorithm>
 #include <array>
@@ -184,25 +184,15 @@ std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head) {
                    (head[25] & PNG_COLOR_MASK_ALPHA) != 0};
 }
 
-Image<Rgb> DecodePng(std::span<const uint8_t> bytes, const PngError& error) {
-  static_assert(sizeof(Rgb) == 3);
-  return PngDecoder(bytes, error).Decode<Rgb>();
+template <typename T>
+Image<T> DecodePng(std::span<const uint8_t> bytes, const PngError& error) {
+  return PngDecoder(bytes, error).Decode<T>();
 }
 
-Image<uint8_t> DecodeGrayPng(std::span<const uint8_t> bytes,
-                             const PngError& error) {
-  return PngDecoder(bytes, error).Decode<uint8_t>();
-}
-
-Image<uint16_t> DecodeGray16Png(std::span<const uint8_t> bytes,
-                                const PngError& error) {
-  return PngDecoder(bytes, error).Decode<uint16_t>();
-}
-
-Image<Rgb16> DecodePng16(std::span<const uint8_t> bytes,
-                         const PngError& error) {
-  static_assert(sizeof(Rgb16) == 6);
-  return PngDecoder(bytes, error).Decode<Rgb16>();
-}
+static_assert(sizeof(Rgb) == 3 && sizeof(Rgb16) == 6);
+template Image<Rgb> DecodePng(std::span<const uint8_t>, const PngError&);
+template Image<uint8_t> DecodePng(std::span<const uint8_t>, const PngError&);
+template Image<Rgb16> DecodePng(std::span<const uint8_t>, const PngError&);
+template Image<uint16_t> DecodePng(std::span<const uint8_t>, const PngError&);
 
 }  // namespace tsar

@@ -37,24 +37,17 @@ std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head);
 // Makes the error to throw for a file with this defect.
 using PngError = std::function<Error(const std::string& defect)>;
 
-// Decode any PNG file to 8 bits, as cv::imdecode() does. A declared size beyond
-// what the file can hold allocates no memory. Throw the result of `error`, and
-// std::bad_alloc.
-Image<Rgb> DecodePng(std::span<const uint8_t> bytes, const PngError& error);
-Image<uint8_t> DecodeGrayPng(std::span<const uint8_t> bytes,
-                             const PngError& error);
-
-// Decodes a gray picture of 16 bits.
-Image<uint16_t> DecodeGray16Png(std::span<const uint8_t> bytes,
-                                const PngError& error);
-
 struct Rgb16 {
   uint16_t r = 0;
   uint16_t g = 0;
   uint16_t b = 0;
 };
 
-// Decodes any PNG file to 16 bits: 255 of 8 bits becomes 65535.
-Image<Rgb16> DecodePng16(std::span<const uint8_t> bytes, const PngError& error);
+// Decodes a PNG file. T: Rgb or uint8_t for 8 bits, as cv::imdecode() decodes
+// any file; Rgb16 for 16 bits, where 255 of 8 bits becomes 65535; uint16_t only
+// for a gray picture of 16 bits. A declared size beyond what the file can hold
+// allocates no memory. Throws the result of `error`, and std::bad_alloc.
+template <typename T>
+Image<T> DecodePng(std::span<const uint8_t> bytes, const PngError& error);
 
 }  // namespace tsar

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -44,17 +43,6 @@ bool ReachesPercentile(int64_t num_small, int64_t num_angles) {
   return num_angles > 0 && num_small <= rank;
 }
 
-bool ReachAngle(const std::vector<Eigen::Vector3d>& points,
-                const Eigen::Vector3d& center_a,
-                const Eigen::Vector3d& center_b,
-                double min_tangent) {
-  const auto num_small = std::count_if(
-      points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
-        return !HasAngle(center_a, center_b, point, min_tangent);
-      });
-  return ReachesPercentile(num_small, static_cast<int64_t>(points.size()));
-}
-
 }  // namespace
 
 SourceSelector::SourceSelector(const SparseModel& model,
@@ -88,15 +76,13 @@ std::vector<int> SourceSelector::SelectSources(int reference,
   std::vector<int64_t> num_shared(model_.images.size(), 0);
   std::vector<int> candidates;
   for (const int point : image.point_indices) {
-    const auto p = static_cast<size_t>(point);
-    for (size_t i = track_begins_[p]; i < track_begins_[p + 1]; ++i) {
-      const int other = track_images_[i];
+    for (const int other : TrackOf(point)) {
       if (other != reference && num_shared[static_cast<size_t>(other)]++ == 0) {
         candidates.push_back(other);
       }
     }
   }
-  std::sort(candidates.begin(), candidates.end(), [&](int a, int b) {
+  std::ranges::sort(candidates, [&](int a, int b) {
     const int64_t shared_a = num_shared[static_cast<size_t>(a)];
     const int64_t shared_b = num_shared[static_cast<size_t>(b)];
     return shared_a != shared_b ? shared_a > shared_b : a < b;
@@ -123,26 +109,28 @@ std::vector<int> SourceSelector::SelectIndependent(
     return images;
   }
   std::vector<int> sources;
-  std::copy_if(images.begin(),
-               images.end(),
-               std::back_inserter(sources),
-               [&](int image) {
-                 return AreDifferent(points, reference, image) &&
-                        IsIndependent(points, image, sources);
-               });
+  for (const int image : images) {
+    if (ReachAngle(points, reference, image, min_tangent_) &&
+        IsIndependent(points, image, sources)) {
+      sources.push_back(image);
+    }
+  }
   return sources;
 }
 
 bool SourceSelector::HasOverlap(int reference) const {
   const std::vector<int>& points =
       model_.images[static_cast<size_t>(reference)].point_indices;
-  return std::any_of(points.begin(), points.end(), [&](int point) {
-    const auto p = static_cast<size_t>(point);
-    return std::any_of(&track_images_[track_begins_[p]],
-                       &track_images_[track_begins_[p]] +
-                           (track_begins_[p + 1] - track_begins_[p]),
-                       [&](int image) { return image != reference; });
+  return std::ranges::any_of(points, [&](int point) {
+    return std::ranges::any_of(TrackOf(point),
+                               [&](int image) { return image != reference; });
   });
+}
+
+std::span<const int> SourceSelector::TrackOf(int point) const {
+  const auto i = static_cast<size_t>(point);
+  return std::span(track_images_)
+      .subspan(track_begins_[i], track_begins_[i + 1] - track_begins_[i]);
 }
 
 std::vector<Eigen::Vector3d> SourceSelector::PointsOf(int reference) const {
@@ -158,13 +146,17 @@ std::vector<Eigen::Vector3d> SourceSelector::PointsOf(int reference) const {
   return points;
 }
 
-bool SourceSelector::AreDifferent(const std::vector<Eigen::Vector3d>& points,
-                                  int image_a,
-                                  int image_b) const {
-  return ReachAngle(points,
-                    centers_[static_cast<size_t>(image_a)],
-                    centers_[static_cast<size_t>(image_b)],
-                    min_tangent_);
+bool SourceSelector::ReachAngle(const std::vector<Eigen::Vector3d>& points,
+                                int image_a,
+                                int image_b,
+                                double min_tangent) const {
+  const Eigen::Vector3d& center_a = centers_[static_cast<size_t>(image_a)];
+  const Eigen::Vector3d& center_b = centers_[static_cast<size_t>(image_b)];
+  const auto num_small =
+      std::ranges::count_if(points, [&](const Eigen::Vector3d& point) {
+        return !HasAngle(center_a, center_b, point, min_tangent);
+      });
+  return ReachesPercentile(num_small, static_cast<int64_t>(points.size()));
 }
 
 bool SourceSelector::IsIndependent(const std::vector<Eigen::Vector3d>& points,
@@ -172,11 +164,8 @@ bool SourceSelector::IsIndependent(const std::vector<Eigen::Vector3d>& points,
                                    const std::vector<int>& sources) const {
   static const double min_tangent =
       std::tan(kSamePlaceDegrees * std::numbers::pi / 180.0);
-  return std::all_of(sources.begin(), sources.end(), [&](int source) {
-    return ReachAngle(points,
-                      centers_[static_cast<size_t>(image)],
-                      centers_[static_cast<size_t>(source)],
-                      min_tangent);
+  return std::ranges::all_of(sources, [&](int source) {
+    return ReachAngle(points, image, source, min_tangent);
   });
 }
 

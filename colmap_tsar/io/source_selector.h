@@ -6,6 +6,7 @@
 #include "colmap_tsar/io/sparse_model.h"
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -46,10 +47,16 @@ class SourceSelector {
   // The number of points of a reference that are sampled.
   static constexpr size_t kMaxNumPoints = 64;
 
+  // The images that see a point, one per observation.
+  std::span<const int> TrackOf(int point) const;
+  // A sample of the points that the reference sees.
   std::vector<Eigen::Vector3d> PointsOf(int reference) const;
-  bool AreDifferent(const std::vector<Eigen::Vector3d>& points,
-                    int image_a,
-                    int image_b) const;
+  // Whether the percentile of the triangulation angles of these points reaches
+  // the angle of this tangent.
+  bool ReachAngle(const std::vector<Eigen::Vector3d>& points,
+                  int image_a,
+                  int image_b,
+                  double min_tangent) const;
   bool IsIndependent(const std::vector<Eigen::Vector3d>& points,
                      int image,
                      const std::vector<int>& sources) const;

@@ -18,13 +18,6 @@
 namespace tsar {
 namespace {
 
-Error CorruptModel(const std::filesystem::path& path, const std::string& what) {
-  return Error::File(ErrorCode::kCorrupt,
-                     path.string(),
-                     what,
-                     "copy or make the sparse model again");
-}
-
 Camera MakeCamera(const SparseModelFiles& files, uint32_t id) {
   const SparseModelFiles::FileCamera& in = files.cameras.at(id);
   const bool has_two_focals = in.params.size() == 4;
@@ -97,16 +90,12 @@ template <typename T>
 void SortById(const std::filesystem::path& path,
               const char* kind,
               std::vector<T>* items) {
-  std::sort(items->begin(), items->end(), [](const T& a, const T& b) {
-    return a.id < b.id;
-  });
-  for (size_t i = 1; i < items->size(); ++i) {
-    if ((*items)[i - 1].id == (*items)[i].id) {
-      throw CorruptModel(path,
-                         std::string(kind) + " " +
-                             std::to_string((*items)[i].id) +
-                             " is there more than once");
-    }
+  std::ranges::sort(*items, {}, &T::id);
+  const auto twice = std::ranges::adjacent_find(*items, {}, &T::id);
+  if (twice != items->end()) {
+    throw CorruptModel(path,
+                       std::string(kind) + " " + std::to_string(twice->id) +
+                           " is there more than once");
   }
 }
 
@@ -169,48 +158,61 @@ void AddPoints(SparseModelFiles* files, SparseModel* model) {
   }
 }
 
-}  // namespace
+std::vector<std::string> MissingFiles(const std::filesystem::path& folder,
+                                      const std::string& extension) {
+  std::vector<std::string> missing;
+  for (const char* name : {"cameras", "images", "points3D"}) {
+    if (!Exists(folder / (name + extension))) {
+      missing.push_back(name + extension);
+    }
+  }
+  return missing;
+}
 
-int NumCameraParams(const std::filesystem::path& path,
-                    const std::string& model) {
-  if (model == "PINHOLE") {
-    return 4;
+std::string Joined(const std::vector<std::string>& names) {
+  std::string joined;
+  for (const std::string& name : names) {
+    joined += (joined.empty() ? "" : ", ") + name;
   }
-  if (model == "SIMPLE_PINHOLE") {
-    return 3;
+  return joined;
+}
+
+// Throws if only some files of a model exist: another folder's model may be a
+// different one.
+bool HoldsModel(const std::filesystem::path& folder) {
+  const std::vector<std::string> binary = MissingFiles(folder, ".bin");
+  const std::vector<std::string> text = MissingFiles(folder, ".txt");
+  if (binary.empty() || text.empty()) {
+    return true;
   }
-  // image_undistorter does not undistort these.
-  if (model == "EQUIRECTANGULAR") {
+  const std::vector<std::string>& fewer =
+      text.size() < binary.size() ? text : binary;
+  if (fewer.size() == 3) {
+    return false;
+  }
+  throw Error::File(ErrorCode::kNotFound,
+                    folder.string(),
+                    "the sparse model is not complete: " + Joined(fewer) +
+                        (fewer.size() == 1 ? " is" : " are") + " missing",
+                    "copy it again, or make the workspace with "
+                    "image_undistorter");
+}
+
+// Every path of an image is derived from its name, so a name must not leave the
+// workspace.
+void RequireSafeName(const std::filesystem::path& folder,
+                     const std::string& name) {
+  const std::filesystem::path path(name);
+  if (path.is_absolute() ||
+      std::find(path.begin(), path.end(), "..") != path.end()) {
     throw Error::File(ErrorCode::kUnsupported,
-                      path.string(),
-                      "a camera sees all directions (model " + model + ")",
-                      "render perspective images from the panoramas and "
-                      "reconstruct with those");
-  }
-  throw Error::File(ErrorCode::kUnsupported,
-                    path.string(),
-                    "a camera has lens distortion (model " + model + ")",
-                    "undistort first with image_undistorter");
-}
-
-void RequireOpened(const std::filesystem::path& path, const InputFile& file) {
-  if (!file) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "cannot be read (" + file.Reason() + ")",
-                      "check that it is a file and that you may read it");
+                      folder.string(),
+                      "the image name " + name + " leads out of the workspace",
+                      "rename the image and make the workspace again");
   }
 }
 
-void AddCamera(uint32_t id,
-               SparseModelFiles::FileCamera camera,
-               SparseModelFiles* files) {
-  if (!files->cameras.emplace(id, std::move(camera)).second) {
-    throw CorruptModel(
-        files->cameras_path,
-        "camera " + std::to_string(id) + " is there more than once");
-  }
-}
+}  // namespace
 
 const SparseModel::ModelImage* SparseModel::Find(
     const std::string& name) const {
@@ -237,7 +239,7 @@ std::array<std::filesystem::path, 3> FindSparseModelFiles(
         sparse_folder / ("cameras" + extension),
         sparse_folder / ("images" + extension),
         sparse_folder / ("points3D" + extension)};
-    if (std::all_of(paths.begin(), paths.end(), &Exists)) {
+    if (std::ranges::all_of(paths, &Exists)) {
       return paths;
     }
   }
@@ -250,19 +252,33 @@ std::array<std::filesystem::path, 3> FindSparseModelFiles(
 }
 
 SparseModel ReadSparseModel(const std::filesystem::path& sparse_folder) {
-  SparseModelFiles files;
-  const auto paths = FindSparseModelFiles(sparse_folder);
-  files.cameras_path = paths[0];
-  files.images_path = paths[1];
-  files.points_path = paths[2];
-  if (paths[0].extension() == ".bin") {
-    ReadSparseModelBinary(&files);
-  } else {
-    ReadSparseModelText(&files);
-  }
+  SparseModelFiles files =
+      ReadSparseModelFiles(FindSparseModelFiles(sparse_folder));
   SparseModel model;
   AddImages(&files, &model);
   AddPoints(&files, &model);
+  return model;
+}
+
+std::filesystem::path FindModelFolder(const std::filesystem::path& root) {
+  const std::filesystem::path sparse = root / "sparse";
+  for (const std::filesystem::path& folder : {sparse, sparse / "0"}) {
+    if (HoldsModel(folder)) {
+      return folder;
+    }
+  }
+  throw Error::File(ErrorCode::kNotFound,
+                    sparse.string(),
+                    "no sparse model: cameras, images and points3D, .bin or "
+                    ".txt, are neither there nor in its folder 0",
+                    "make the workspace with image_undistorter");
+}
+
+SparseModel ReadWorkspaceModel(const std::filesystem::path& model_folder) {
+  SparseModel model = ReadSparseModel(model_folder);
+  for (const SparseModel::ModelImage& image : model.images) {
+    RequireSafeName(model_folder, image.name);
+  }
   return model;
 }
 

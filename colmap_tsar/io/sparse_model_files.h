@@ -3,14 +3,14 @@
 
 #pragma once
 
-#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/error.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@
 namespace tsar {
 
 // The content of the files of a sparse model before ids are resolved and values
-// checked. Shared by the two formats.
+// checked.
 struct SparseModelFiles {
   struct FileCamera {
     std::string model;
@@ -52,64 +52,12 @@ struct SparseModelFiles {
   std::vector<uint32_t> track_image_ids;
 };
 
-// Read the files at the paths, which must be set. Throw Error kCorrupt,
-// kUnsupported or kIo.
-void ReadSparseModelBinary(SparseModelFiles* files);
-void ReadSparseModelText(SparseModelFiles* files);
+// Reads the files of cameras, images and points: binary if the first ends in
+// .bin, otherwise text. Throws Error kCorrupt, kUnsupported or kIo.
+SparseModelFiles ReadSparseModelFiles(
+    const std::array<std::filesystem::path, 3>& paths);
 
-// The number of parameters of a camera model that this program can use; throws
-// Error kUnsupported for the others.
-int NumCameraParams(const std::filesystem::path& path,
-                    const std::string& model);
-
-// Throws Error kIo if the file at the path could not be opened.
-void RequireOpened(const std::filesystem::path& path, const InputFile& file);
-
-// Adds a camera. Throws Error kCorrupt if the id is taken.
-void AddCamera(uint32_t id,
-               SparseModelFiles::FileCamera camera,
-               SparseModelFiles* files);
-
-// The fields that both formats of a sparse model have in the same order.
-// Reader: has Read<T>(), which returns the next field.
-
-template <typename Reader>
-void ReadCamera(uint32_t id,
-                std::string model,
-                Reader* reader,
-                SparseModelFiles* files) {
-  SparseModelFiles::FileCamera camera;
-  camera.model = std::move(model);
-  camera.width = reader->template Read<uint64_t>();
-  camera.height = reader->template Read<uint64_t>();
-  camera.params.resize(
-      static_cast<size_t>(NumCameraParams(files->cameras_path, camera.model)));
-  for (double& param : camera.params) {
-    param = reader->template Read<double>();
-  }
-  AddCamera(id, std::move(camera), files);
-}
-
-// Reads all fields of an image except its name.
-template <typename Reader>
-void ReadPose(Reader* reader, SparseModelFiles::FileImage* image) {
-  image->id = reader->template Read<uint32_t>();
-  for (double& value : image->quaternion) {
-    value = reader->template Read<double>();
-  }
-  for (double& value : image->translation) {
-    value = reader->template Read<double>();
-  }
-  image->camera_id = reader->template Read<uint32_t>();
-}
-
-// Reads the fields of a point except its color, error and track.
-template <typename Reader>
-void ReadPosition(Reader* reader, SparseModelFiles::FilePoint* point) {
-  point->id = reader->template Read<uint64_t>();
-  for (int i = 0; i < 3; ++i) {
-    point->position(i) = reader->template Read<double>();
-  }
-}
+// The error kCorrupt for a file of the model.
+Error CorruptModel(const std::filesystem::path& path, const std::string& what);
 
 }  // namespace tsar

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/map_io.h"
 
 #include <algorithm>
@@ -80,10 +80,7 @@ WrittenMap WrittenMapFromText(const std::string& text) {
 }
 
 std::vector<uint32_t> ReadSamples(const std::filesystem::path& path) {
-  const MapSize size = ReadMapSize(path);
-  const size_t num_values = static_cast<size_t>(size.width) *
-                            static_cast<size_t>(size.height) *
-                            static_cast<size_t>(size.channels);
+  const size_t num_values = ReadMapSize(path).NumValues();
   InputFile file(path);
   const uintmax_t header_size = file.Size() - num_values * sizeof(uint32_t);
   std::vector<uint32_t> samples(kNumSamples);
@@ -110,7 +107,7 @@ bool IsAnyOf(const std::filesystem::path& path,
              Scrutiny scrutiny) {
   // The hash is computed lazily, since it reads the full file.
   std::optional<uint64_t> hash;
-  return std::any_of(maps.begin(), maps.end(), [&](const WrittenMap& map) {
+  return std::ranges::any_of(maps, [&](const WrittenMap& map) {
     if (scrutiny == Scrutiny::kTimeAndSamples && HasTimeAndSamples(path, map)) {
       return true;
     }

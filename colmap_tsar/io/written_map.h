@@ -15,7 +15,7 @@ namespace tsar {
 // a map also after edits.
 struct WrittenMap {
   uint64_t hash = 0;  // Content hash, see content_hash.h.
-  // Modification time, see file_time.h; 0: unknown.
+  // Modification time, see path.h; 0: unknown.
   int64_t time = 0;
   // The bits of some values, see SamplePosition(); empty for other files.
   // Applying a mask or a threshold to a map leaves most of them unchanged, and

@@ -3,9 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/avx2.h"
 #include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/exponential.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/matching/bilinear.cuh"

@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/base/rounding.h"
 #include "colmap_tsar/matching/gray_pair.h"
 
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/matching/patch_match.h"
 
-#include "colmap_tsar/base/exponential.h"
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/pixel_costs.cuh"

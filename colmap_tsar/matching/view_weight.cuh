@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/base/exponential.h"
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/macros.h"
 
 namespace tsar {

@@ -3,8 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/base/exponential.h"
-#include "colmap_tsar/base/logarithm.h"
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
 

@@ -4,8 +4,8 @@
 #include "colmap_tsar/run/evidence_store.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/run/store/evidence_file.h"
 
 #include <utility>

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/io/map_reader.h"
+#include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/unmatched_depths.h"
 #include "colmap_tsar/view/uploaded_view.h"

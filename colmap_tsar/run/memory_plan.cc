@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/compose/stage_memory.h"
-#include "colmap_tsar/device/working_bytes.h"
-#include "colmap_tsar/io/label_image.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/io/masks_and_labels.h"
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/scene/model_scene.h"
 #include "colmap_tsar/view/reduce_view.h"

@@ -3,13 +3,13 @@
 
 #include "colmap_tsar/run/refine_passes.h"
 
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/image_name_hash.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/compose/measure_image.h"
 #include "colmap_tsar/compose/photometric_detail.h"
-#include "colmap_tsar/device/scoped_synchronization.h"
+#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/view/reduce_view.h"

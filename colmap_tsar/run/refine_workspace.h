@@ -30,14 +30,14 @@ struct WorkspaceRefineOptions {
   std::optional<MapType> input_type;
   // A text file with the names of the images to refine; empty: all.
   std::filesystem::path image_list_path;
-  // The folder with the masks of images, see io/image_mask.h; empty:
+  // The folder with the masks of images, see io/masks_and_labels.h; empty:
   // none. Masked pixels are no evidence for anything and get no depth.
   std::filesystem::path mask_path;
   // The folder with the depth priors of images, see priors/prior_folder.h;
   // empty: none. prior_type: the meaning of their values.
   std::filesystem::path prior_path;
   PriorType prior_type = PriorType::kAuto;
-  // The folder with the label images of images, see io/label_image.h;
+  // The folder with the label images of images, see io/masks_and_labels.h;
   // empty: none. Their segments correct the textureless regions.
   std::filesystem::path region_path;
   DeviceOptions devices;

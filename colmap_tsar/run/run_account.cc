@@ -4,7 +4,6 @@
 #include "colmap_tsar/run/run_account.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/run/shard_entries.h"
 #include "colmap_tsar/run/store/manifest.h"

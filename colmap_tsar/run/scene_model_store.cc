@@ -4,8 +4,8 @@
 #include "colmap_tsar/run/scene_model_store.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/scene/find_scene.h"

@@ -4,7 +4,7 @@
 #include "colmap_tsar/view/device_views.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/device/scoped_synchronization.h"
+#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/view/denoise/denoise.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
 #include "colmap_tsar/view/gray.h"

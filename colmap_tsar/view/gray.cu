@@ -8,10 +8,6 @@
 namespace tsar {
 namespace {
 
-TSAR_HD float GrayLevel(const Rgb& c) {
-  return 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
-}
-
 struct GrayKernel {
   ImageView<const Rgb> color;
   ImageView<float> gray;

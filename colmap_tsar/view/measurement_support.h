@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/logarithm.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/view/view_votes.h"
 

@@ -43,8 +43,8 @@ struct RefinedMaps {
   // without a model of the scene.
   Image<uint16_t> planes{};
   // The standard deviation of each depth in the units of the map, provided that
-  // its surface is the right one, as a half (half.h); 0 = no depth. Empty if
-  // not requested.
+  // its surface is the right one, as a half (arithmetic.h); 0 = no depth. Empty
+  // if not requested.
   Image<uint16_t> sigma{};
 };
 

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/unmatched_depths.h"
 
-#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/distinct_matches.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/gray.h"

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/uploaded_view.h"
 
-#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/view/gray.h"
 
 #include <algorithm>

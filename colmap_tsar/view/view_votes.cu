@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/view/view_votes.h"
 
-#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/scene/evidence/observed_source.h"
 #include "colmap_tsar/scene/evidence/source_surface.h"

@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/exponential.h"
-#include "colmap_tsar/base/half.h"
-#include "colmap_tsar/base/logarithm.h"
+#include "colmap_tsar/base/arithmetic.h"
+
 #include "colmap_tsar/base/random.h"
 
 #include <algorithm>

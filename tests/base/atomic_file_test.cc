@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 
-#include "colmap_tsar/base/remove_files.h"
+#include "colmap_tsar/base/folder.h"
 
 #include <chrono>
 #include <csignal>

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/warning.h"
 
 #include <filesystem>

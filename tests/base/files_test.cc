@@ -67,22 +67,6 @@ TEST_F(InputFileTest, ReadsAsStreamsDo) {
   EXPECT_EQ(ReadAll(file), "econd\n");
 }
 
-TEST_F(InputFileTest, OpensAnotherFile) {
-  WriteText(path_, "one");
-  WriteText(folder_.Path() / "other", "another");
-  InputFile file;
-  EXPECT_EQ(file.get(), InputFile::traits_type::eof());
-  file.Open(folder_.Path() / "missing");
-  EXPECT_FALSE(file);
-  EXPECT_TRUE(file.IsMissing());
-  file.Open(path_);
-  EXPECT_EQ(ReadAll(file), "one");
-  file.Open(folder_.Path() / "other");
-  EXPECT_EQ(ReadAll(file), "another");
-  EXPECT_FALSE(file.IsMissing());
-  EXPECT_EQ(file.Size(), 7u);
-}
-
 TEST_F(InputFileTest, FollowsLinksAndReadsEmptyFiles) {
   WriteText(path_, "");
   std::filesystem::create_symlink(path_, folder_.Path() / "link");

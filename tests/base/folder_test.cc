@@ -4,7 +4,6 @@
 #include "colmap_tsar/base/folder.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/run/store/links.h"
 
 #include <csignal>

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/base/image.h"
 
-#include "colmap_tsar/base/gray_level.h"
 #include "colmap_tsar/base/vector.h"
 
 #include <algorithm>

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/curved_surface.h"
-#include "colmap_tsar/base/cylinder.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/plane_fit.h"
 #include "colmap_tsar/base/random.h"

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/compose/apply_cylinders.h"
 
-#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/compose/depth_sigma.h"
 
-#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/base/arithmetic.h"
 
 #include <cmath>
 #include <memory>

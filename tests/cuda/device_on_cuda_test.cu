@@ -5,10 +5,9 @@
 
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/connected_components.h"
-#include "colmap_tsar/device/copy.h"
-#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 
 #include <algorithm>
 #include <climits>

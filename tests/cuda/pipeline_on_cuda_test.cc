@@ -7,7 +7,7 @@
 #include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/compose/transfer_flags.h"
-#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/refine_option_list.h"

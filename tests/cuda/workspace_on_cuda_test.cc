@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/device/cuda_staging.h"
+#include "colmap_tsar/device/cuda_device.h"
 #include "colmap_tsar/run/device_view_cache.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/refine_devices.h"

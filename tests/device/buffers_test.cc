@@ -5,10 +5,9 @@
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 
 #include <cstdint>
 #include <utility>

@@ -4,7 +4,7 @@
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/connected_components.h"
-#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 
 #include <utility>
 #include <vector>

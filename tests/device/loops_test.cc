@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 

@@ -4,7 +4,7 @@
 """A CPU and a GPU compute the same bits: code for both calls no function that
 their libraries, or their instructions, round differently. Addition,
 multiplication, division and square root are rounded alike everywhere; what else
-is needed consists of these, as in base/exponential.h."""
+is needed consists of these, as in base/arithmetic.h."""
 import argparse
 import os
 import re

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/io/patch_match_config.h"
+#include "colmap_tsar/io/image_lists.h"
 #include "colmap_tsar/tools/import/image_order.h"
 
 #include "tests/fuzz/fuzz_target.h"

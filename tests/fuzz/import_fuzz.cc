@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/io/dense_maps.h"
-#include "colmap_tsar/io/stored_camera.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/base/arithmetic.h"
+#include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/io/sigma_map.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

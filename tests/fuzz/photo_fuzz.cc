@@ -2,10 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/io/jpeg.h"
-#include "colmap_tsar/io/photo_error.h"
 #include "colmap_tsar/io/photo_format.h"
+#include "colmap_tsar/io/picture_checks.h"
 #include "colmap_tsar/io/png.h"
-#include "colmap_tsar/io/tiff_strips.h"
 
 #include "tests/fuzz/fuzz_target.h"
 #include <opencv2/core.hpp>
@@ -25,8 +24,8 @@ void ReadJpeg(std::span<const uint8_t> input) {
     }
     CheckJpeg(input, "photo.jpg");
     if (!kind.is_cmyk) {
-      DecodeGrayJpeg(input, "photo.jpg");
-      DecodeJpeg(input, "photo.jpg");
+      DecodeJpeg<uint8_t>(input, "photo.jpg");
+      DecodeJpeg<Rgb>(input, "photo.jpg");
     }
   });
 }
@@ -49,8 +48,8 @@ void ReadFrame(std::span<const uint8_t> input) {
     const auto damaged = [](const std::string& defect) {
       return DamagedPhoto("photo.png", defect);
     };
-    Accepts([&] { DecodePng(input, damaged); });
-    Accepts([&] { DecodeGrayPng(input, damaged); });
+    Accepts([&] { DecodePng<Rgb>(input, damaged); });
+    Accepts([&] { DecodePng<uint8_t>(input, damaged); });
   }
 }
 

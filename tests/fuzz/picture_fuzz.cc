@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/depth_image.h"
-#include "colmap_tsar/io/gray_png.h"
 
 #include <cstdlib>
 

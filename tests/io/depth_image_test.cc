@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/io/depth_image.h"
 
-#include "colmap_tsar/io/exr_header.h"
+#include "colmap_tsar/io/picture_checks.h"
 
 #include <array>
 #include <cmath>

@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/io/image_list.h"
-
-#include "colmap_tsar/io/workspace_model.h"
+#include "colmap_tsar/io/image_lists.h"
+#include "colmap_tsar/io/sparse_model.h"
 
 #include <utility>
 

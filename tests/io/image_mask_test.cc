@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/io/image_mask.h"
-
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/io/masks_and_labels.h"
 
 #include <algorithm>
 #include <string>

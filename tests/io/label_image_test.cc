@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/io/label_image.h"
+#include "colmap_tsar/io/masks_and_labels.h"
 
 #include <algorithm>
 #include <string>

@@ -3,11 +3,11 @@
 
 #include "colmap_tsar/io/map_io.h"
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/content_hash.h"
-#include "colmap_tsar/base/file_time.h"
-#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_shape.h"
-#include "colmap_tsar/io/sigma_map.h"
 
 #include <algorithm>
 #include <cmath>

@@ -27,7 +27,7 @@ std::vector<uint8_t> AsBytes(const std::string& text) {
 }
 
 Image<Rgb> Decode(const std::string& file) {
-  return DecodePng(AsBytes(file), [](const std::string& defect) {
+  return DecodePng<Rgb>(AsBytes(file), [](const std::string& defect) {
     return Error::File(ErrorCode::kCorrupt, "a.png", defect, "");
   });
 }
@@ -103,8 +103,8 @@ void ExpectPixelsOfOpenCv(const std::string& file) {
     return Error::File(ErrorCode::kCorrupt, "a.png", defect, "");
   };
   testing::internal::CaptureStderr();
-  Image<Rgb> rgb = DecodePng(bytes, error);
-  Image<uint8_t> gray = DecodeGrayPng(bytes, error);
+  Image<Rgb> rgb = DecodePng<Rgb>(bytes, error);
+  Image<uint8_t> gray = DecodePng<uint8_t>(bytes, error);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   cv::Mat bgr;
   cv::cvtColor(cv::Mat(rgb.Height(), rgb.Width(), CV_8UC3, rgb.Data()),

@@ -4,7 +4,7 @@
 #include "colmap_tsar/io/written_map.h"
 
 #include "colmap_tsar/base/content_hash.h"
-#include "colmap_tsar/base/file_time.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/map_io.h"
 
 #include <chrono>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/io/label_image.h"
+#include "colmap_tsar/io/masks_and_labels.h"
 #include "colmap_tsar/run/load_view.h"
 
 #include <cmath>

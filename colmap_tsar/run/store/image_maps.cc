@@ -6,10 +6,9 @@
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/device/thread_pool.h"
-#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
-#include "colmap_tsar/io/sigma_map.h"
 
 #include <algorithm>
 #include <string>

@@ -22,7 +22,7 @@ struct ImageMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
   Image<uint8_t> confidence;  // See confidence_level.h.
-  Image<float> sigma;         // See sigma_map.h.
+  Image<float> sigma;         // See companion_maps.h.
   Image<uint8_t> provenance;  // See refined_maps.h.
   Image<uint16_t> planes;     // See refined_maps.h.
 };

@@ -11,7 +11,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/io/workspace_model.h"
+#include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/json_file.h"
 #include "colmap_tsar/run/store/links.h"

@@ -4,12 +4,11 @@
 #include "colmap_tsar/run/store/result_files.h"
 
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/run/store/record.h"
-
 #include <algorithm>
 #include <optional>
+#include "colmap_tsar/base/folder.h"
 
 namespace tsar {
 

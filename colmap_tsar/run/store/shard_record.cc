@@ -9,7 +9,6 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/json_file.h"
 

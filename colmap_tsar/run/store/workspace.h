@@ -5,11 +5,11 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/io/image_mask.h"
+#include "colmap_tsar/io/image_lists.h"
+#include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/io/map_reader.h"
 #include "colmap_tsar/io/map_shape.h"
-#include "colmap_tsar/io/patch_match_config.h"
+#include "colmap_tsar/io/masks_and_labels.h"
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/priors/prior_folder.h"
@@ -97,9 +97,9 @@ class Workspace {
   // maps. Stored maps of other images and types may be outdated.
   void TrustStoredOriginals();
 
-  // From now on, images have the masks in this folder, see image_mask.h; none
-  // where it is empty. Throws Error: what FindImageMasks throws, kBadOption (it
-  // is the folder of the images).
+  // From now on, images have the masks in this folder, see masks_and_labels.h;
+  // none where it is empty. Throws Error: what FindImageMasks throws,
+  // kBadOption (it is the folder of the images).
   void UseMasks(const std::filesystem::path& folder);
   bool HasMask(int image) const { return !MaskPath(image).empty(); }
   // Empty where the image has no mask.
@@ -123,8 +123,8 @@ class Workspace {
   // Throws what CheckPrior throws; zeros for an image without a prior.
   PriorMemory CheckPrior(int image) const;
   // From now on, images have the label images in this folder, see
-  // label_image.h; none where it is empty. Throws Error: what FindLabelImages
-  // throws, kBadOption (it is the folder of the images).
+  // masks_and_labels.h; none where it is empty. Throws Error: what
+  // FindLabelImages throws, kBadOption (it is the folder of the images).
   void UseLabelImages(const std::filesystem::path& folder);
   // Empty where the image has no label image.
   std::filesystem::path LabelImagePath(int image) const;

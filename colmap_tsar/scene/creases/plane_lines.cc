@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/scene/creases/plane_lines.h"
 
-#include "colmap_tsar/base/gray_level.h"
+#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/median.h"
 
 #include <algorithm>

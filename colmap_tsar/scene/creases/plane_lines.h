@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/base/to_vec3f.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/scene/evidence/observed_view.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"

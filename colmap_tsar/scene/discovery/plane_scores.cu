@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/scene/discovery/plane_scores.h"
 
+#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 
@@ -100,11 +101,6 @@ struct ScoreKernel {
     return sums[0];
   }
 };
-
-Vec3f ToVec3f(const Eigen::Vector3d& vector) {
-  const Eigen::Vector3f rounded = vector.cast<float>();
-  return {rounded.x(), rounded.y(), rounded.z()};
-}
 
 // A ball around the box and all points within reach of it; of radius 0 where
 // the box is empty.

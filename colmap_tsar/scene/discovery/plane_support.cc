@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/scene/discovery/plane_support.h"
 
+#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/to_vec3f.h"
 #include "colmap_tsar/view/planes/plane_uncertainty.h"
 
 #include <algorithm>

@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/scene/evidence/source_surface.h"
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/atomic.h"
-#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 
 #include <cmath>
@@ -21,12 +21,7 @@ constexpr int kFrontRadius = 2;
 constexpr int kMinFrontPixels = 8;  // Out of 25.
 constexpr float kOneFront = 0.03f;
 
-// Positive floats are ordered as their bits are.
-TSAR_HD inline int BitsOf(float value) {
-  int bits = 0;
-  memcpy(&bits, &value, sizeof(bits));
-  return bits;
-}
+// The inverse of BitsOf(); positive floats are ordered as their bits are.
 TSAR_HD inline float FromBits(int bits) {
   float value = 0.f;
   memcpy(&value, &bits, sizeof(value));

@@ -5,9 +5,8 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 #include "colmap_tsar/scene/evidence/observed_source.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/scene/labeling/color_regions.h"

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 #include "colmap_tsar/scene/evidence/observed_source.h"
 #include "colmap_tsar/scene/evidence/observed_view.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"

@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene/labeling/plane_costs.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 #include "colmap_tsar/priors/prior_likelihood.h"
 #include "colmap_tsar/scene/evidence/observed_source.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"

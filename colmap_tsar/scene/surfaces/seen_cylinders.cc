@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/scene/surfaces/seen_cylinders.h"
 
-#include "colmap_tsar/base/cylinder.h"
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/curved_surface.h"
 #include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/base/to_vec3f.h"
 #include "colmap_tsar/scene/surfaces/axis_camera.h"
 #include "colmap_tsar/scene/surfaces/outline_edges.h"
 

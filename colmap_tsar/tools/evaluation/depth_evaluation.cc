@@ -8,10 +8,9 @@
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/files_of_images.h"
-#include "colmap_tsar/io/image_mask.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
+#include "colmap_tsar/io/masks_and_labels.h"
 #include "colmap_tsar/io/photo.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 

@@ -30,7 +30,7 @@ struct DepthEvaluationOptions {
   // empty; see GroundTruthFolder.
   std::filesystem::path ground_truth_path;
 
-  // The folder with the masks of images, see io/image_mask.h; empty:
+  // The folder with the masks of images, see io/masks_and_labels.h; empty:
   // none. Masked pixels are not scored.
   std::filesystem::path mask_path;
 

@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/io/dense_maps.h"
 #include "colmap_tsar/io/sparse_model.h"
-#include "colmap_tsar/io/stored_camera.h"
 
 #include <vector>
 

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/io/dense_maps.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/io/stored_camera.h"
 
 #include <filesystem>
 #include <optional>

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/io/image_list.h"
+#include "colmap_tsar/io/image_lists.h"
 
 #include <algorithm>
 #include <charconv>

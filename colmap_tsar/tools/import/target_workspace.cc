@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/base/remove_files.h"
-#include "colmap_tsar/io/workspace_model.h"
+#include "colmap_tsar/io/sparse_model.h"
 
 #include <string>
 #include <system_error>

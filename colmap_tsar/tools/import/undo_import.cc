@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/tools/import/import_record.h"
 #include "colmap_tsar/tools/import/import_store.h"

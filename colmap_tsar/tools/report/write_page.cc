@@ -5,8 +5,9 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/remove_files.h"
+
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/output_folder.h"

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 
-#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"

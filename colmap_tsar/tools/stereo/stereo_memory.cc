@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/tools/stereo/stereo_memory.h"
 
-#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/tools/stereo/fill_under_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/view/device_views.h"

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/remove_files.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/tools/stereo/fill_under_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_claim.h"

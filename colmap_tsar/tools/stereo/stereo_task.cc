@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/tools/stereo/stereo_task.h"
 
-#include "colmap_tsar/base/image_name_hash.h"
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/run/load_view.h"

@@ -25,8 +25,8 @@ struct StereoImageFiles {
   // those of a run on all images, which an empty path stands for. The
   // photometric maps of the images that they depend on are kept, too.
   std::filesystem::path image_list_path;
-  // The folder with the masks of images, see io/image_mask.h. Masked pixels get
-  // no depth, and those of sources confirm none.
+  // The folder with the masks of images, see io/masks_and_labels.h. Masked
+  // pixels get no depth, and those of sources confirm none.
   std::filesystem::path mask_path;
   // The folder with the depth priors of images, see priors/prior_folder.h, and
   // the meaning of their values. Without options.planar_prior they have no use.

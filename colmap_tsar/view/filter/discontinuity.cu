@@ -4,7 +4,7 @@
 #include "colmap_tsar/view/filter/discontinuity.h"
 
 #include "colmap_tsar/device/connected_components.h"
-#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/parallel_for.h"
 
 #include <cmath>
 

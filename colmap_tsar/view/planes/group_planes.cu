@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 
 #include <cmath>
 

@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/plane_fit.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 
 #include <cstdint>
 

@@ -3,8 +3,7 @@
 
 #include "colmap_tsar/view/regions/region_planes.h"
 
-#include "colmap_tsar/device/copy.h"
-#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/view/regions/weighted_sum.h"
 

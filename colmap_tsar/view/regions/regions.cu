@@ -4,9 +4,8 @@
 #include "colmap_tsar/view/regions/regions.h"
 
 #include "colmap_tsar/device/connected_components.h"
-#include "colmap_tsar/device/copy.h"
-#include "colmap_tsar/device/fill.h"
-#include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 
 #include <algorithm>
 #include <utility>

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/view/superpixels/correlation.h"
 
-#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/view/superpixels/spread_round.h"
 #include "colmap_tsar/view/superpixels/trust.h"

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/connected_components.h"
-#include "colmap_tsar/device/fill.h"
-#include "colmap_tsar/device/scan.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 
 #include <cstdint>
 #include <utility>

@@ -4,7 +4,7 @@
 #include "colmap_tsar/view/superpixels/slic.h"
 
 #include "colmap_tsar/device/atomic.h"
-#include "colmap_tsar/device/fill.h"
+#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/view/superpixels/cielab.h"
 #include "colmap_tsar/view/superpixels/fragments.h"
 

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/view/superpixels/spread_round.h"
 
-#include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
 
 #include <cmath>

@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/run/store/result_files.h"
 
-#include "colmap_tsar/base/half.h"
+#include "colmap_tsar/base/arithmetic.h"
+#include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/io/sigma_map.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/write_back.h"

@@ -3,8 +3,8 @@
 
 #include "tests/tools/export/export_fixture.h"
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/half.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/image_maps.h"
 

@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/tools/report/write_page.h"
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/half.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/run/store/write_back.h"

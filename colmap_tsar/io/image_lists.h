@@ -11,6 +11,22 @@
 
 namespace tsar {
 
+// Text files that name images of the sparse model.
+
+struct ListedImage {
+  int image = 0;  // Index into SparseModel::images.
+  int line = 0;   // Counted from 1.
+};
+
+// Reads a text file with one image name per line, as COLMAP's image_list_path.
+// Blank lines, blanks around names and line ends of any system are ignored.
+// option: the option that names the file. Throws Error: kNotFound (it cannot be
+// read), kCorrupt (a line is no text), kMismatch (a line names no image of the
+// model, or none does), with the number of the line.
+std::vector<ListedImage> ReadImageList(const std::filesystem::path& path,
+                                       const SparseModel& model,
+                                       const std::string& option);
+
 // One depth map to estimate: indices into SparseModel::images.
 struct StereoProblem {
   int reference = -1;

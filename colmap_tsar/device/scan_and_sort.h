@@ -7,9 +7,15 @@
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/buffer.h"
 
+#include <cstddef>
 #include <cstdint>
 
 namespace tsar {
+
+// The exclusive prefix sums: element i of the result is values[0] + ... +
+// values[i - 1]. It has count + 1 elements, the last of which is the total.
+// values: count elements in the device's memory.
+Buffer<int> ExclusiveSum(const int* values, size_t count, Device& device);
 
 // A view of PixelGroups for kernels.
 struct PixelGroupsView {

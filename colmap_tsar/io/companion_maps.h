@@ -11,17 +11,25 @@
 
 namespace tsar {
 
+// The maps of a refined workspace beside depth and normal maps. All readers
+// throw Error kNotFound (no such file), and kCorrupt for anything but such a
+// map.
+
+// Read a picture of one channel of 8 or 16 bits: confidence, provenance and
+// plane maps.
+Image<uint8_t> ReadGrayPng(const std::filesystem::path& path);
+Image<uint16_t> ReadGray16Png(const std::filesystem::path& path);
+
 // Sigma maps: the standard deviation of each depth, in the units of the depth
 // map; 0 where there is no depth. Files are arrays of NumPy's format (.npy,
 // version 1.0) of little-endian half floats ('<f2'), height x width, row by
 // row.
 
 // Writes a map into a file that the caller commits. halves: the bits of each
-// value, see half.h.
+// value, see arithmetic.h.
 void PutSigmaMap(const Image<uint16_t>& halves, AtomicFile* file);
 
-// Reads a map. Throws Error: kNotFound (no such file), kCorrupt (not exactly
-// such an array, or a value is negative or not finite).
+// Reads a map; no value may be negative or not finite.
 Image<float> ReadSigmaMap(const std::filesystem::path& path);
 
 }  // namespace tsar

@@ -1,34 +1,57 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/io/patch_match_config.h"
+#include "colmap_tsar/io/image_lists.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/source_selector.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
-#include <memory>
+#include <numeric>
 #include <unordered_set>
+#include <utility>
 
 namespace tsar {
 namespace {
+
+// Upper bound of the length of file names.
+constexpr size_t kMaxNameLength = 4096;
+// The byte order mark that some editors write at the beginning of a text.
+constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
+
+std::string Trimmed(const std::string& text) {
+  constexpr const char* kBlank = " \t\r\n\v\f";
+  const size_t first = text.find_first_not_of(kBlank);
+  return first == std::string::npos
+             ? ""
+             : text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
 
 struct ConfigLine {
   int number = 0;
   std::string text;
 };
 
-std::string Trimmed(const std::string& text) {
-  constexpr const char* kBlank = " \t\r\n\v\f";
-  const size_t first = text.find_first_not_of(kBlank);
-  if (first == std::string::npos) {
-    return "";
+// The index of the image of a name that stands in this line of a file.
+int IndexOf(const std::string& name,
+            const SparseModel& model,
+            const std::filesystem::path& path,
+            int line,
+            const std::string& advice) {
+  const int index = model.IndexOf(name);
+  if (index < 0) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "line " + std::to_string(line) + " names " + name +
+                          ", which is not in the sparse model",
+                      advice);
   }
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+  return index;
 }
 
 // The lines that are neither blank nor comments.
@@ -117,12 +140,9 @@ class ConfigParser {
   }
 
   std::vector<int> AllBut(int reference) const {
-    std::vector<int> images;
-    for (int i = 0; i < static_cast<int>(model_.images.size()); ++i) {
-      if (i != reference) {
-        images.push_back(i);
-      }
-    }
+    std::vector<int> images(model_.images.size());
+    std::iota(images.begin(), images.end(), 0);
+    images.erase(images.begin() + reference);
     return images;
   }
 
@@ -170,15 +190,11 @@ class ConfigParser {
   }
 
   int FindImage(const ConfigLine& line, const std::string& name) const {
-    const int index = model_.IndexOf(name);
-    if (index < 0) {
-      throw Error::File(ErrorCode::kMismatch,
-                        path_.string(),
-                        "line " + std::to_string(line.number) + " names " +
-                            name + ", which is not in the sparse model",
-                        "correct the name or make the workspace again");
-    }
-    return index;
+    return IndexOf(name,
+                   model_,
+                   path_,
+                   line.number,
+                   "correct the name or make the workspace again");
   }
 
   Error Corrupt(const ConfigLine& line, const std::string& what) const {
@@ -195,6 +211,45 @@ class ConfigParser {
 };
 
 }  // namespace
+
+std::vector<ListedImage> ReadImageList(const std::filesystem::path& path,
+                                       const SparseModel& model,
+                                       const std::string& option) {
+  InputFile file(path);
+  if (!file) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "the list of images is missing or cannot be read (" +
+                          file.Reason() + ")",
+                      "check " + option);
+  }
+  std::vector<ListedImage> images;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    if (number == 1 && line.starts_with(kByteOrderMark)) {
+      line.erase(0, 3);
+    }
+    const std::string name = Trimmed(line);
+    if (name.empty()) {
+      continue;
+    }
+    if (name.size() > kMaxNameLength || HasControlCharacter(name)) {
+      throw Error::File(ErrorCode::kCorrupt,
+                        path.string(),
+                        "line " + std::to_string(number) + " is no image name",
+                        "give a text file with one image name per line");
+    }
+    images.push_back(
+        {IndexOf(name, model, path, number, "correct the line"), number});
+  }
+  if (images.empty()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the list names no image",
+                      "write one image name per line");
+  }
+  return images;
+}
 
 std::vector<StereoProblem> ReadPatchMatchConfig(
     const std::filesystem::path& path,

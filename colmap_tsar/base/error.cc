@@ -1,8 +1,6 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/failure.h"
-
 #include "colmap_tsar/base/error.h"
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 
 #include "colmap_tsar/device/parallel_for.h"
 
@@ -12,10 +12,22 @@
 #include <bit>
 
 #include <cub/device/device_radix_sort.cuh>
+#include <cub/device/device_scan.cuh>
 #endif
 
 namespace tsar {
 namespace {
+
+Buffer<int> ExclusiveSumOnCpu(const int* values, size_t count, Device& device) {
+  Buffer<int> sums(device, count + 1);
+  int sum = 0;
+  for (size_t i = 0; i < count; ++i) {
+    sums.Data()[i] = sum;
+    sum += values[i];
+  }
+  sums.Data()[count] = sum;
+  return sums;
+}
 
 // A counting sort; pixels of no group form one more label.
 PixelGroups GroupPixelsOnCpu(ImageView<const int> labels,
@@ -42,6 +54,32 @@ PixelGroups GroupPixelsOnCpu(ImageView<const int> labels,
 }
 
 #ifdef __CUDACC__
+
+// Computes inclusive sums shifted by one element, so that no value is read
+// beyond the last.
+Buffer<int> ExclusiveSumOnGpu(const int* values, size_t count, Device& device) {
+  CudaDevice& cuda = static_cast<CudaDevice&>(device);
+  Buffer<int> sums(device, count + 1);
+  Fill(device, sums.Data(), 1, 0);
+  if (count == 0) {
+    return sums;
+  }
+  // Without scratch memory, its size is set instead.
+  size_t num_bytes = 0;
+  const auto sum = [&](void* scratch, const char* what) {
+    CheckCuda(cub::DeviceScan::InclusiveSum(scratch,
+                                            num_bytes,
+                                            values,
+                                            sums.Data() + 1,
+                                            static_cast<int64_t>(count),
+                                            cuda.Stream()),
+              what);
+  };
+  sum(nullptr, "preparing a prefix sum");
+  Buffer<char> scratch(device, num_bytes);
+  sum(scratch.Data(), "a prefix sum");
+  return sums;
+}
 
 struct InitSortKernel {
   const int* labels;
@@ -86,30 +124,24 @@ PixelGroups GroupPixelsOnGpu(ImageView<const int> labels,
       InitSortKernel{labels.data, num_labels, keys.Data(), pixels.Data()});
   const int num_bits =
       std::max(1, static_cast<int>(std::bit_width<uint32_t>(num_labels)));
+  // Without scratch memory, its size is set instead.
   size_t num_bytes = 0;
-  CheckCuda(cub::DeviceRadixSort::SortPairs(nullptr,
-                                            num_bytes,
-                                            keys.Data(),
-                                            sorted_keys.Data(),
-                                            pixels.Data(),
-                                            groups.pixels.Data(),
-                                            num_pixels,
-                                            0,
-                                            num_bits,
-                                            cuda.Stream()),
-            "preparing to sort pixels");
+  const auto sort = [&](void* scratch, const char* what) {
+    CheckCuda(cub::DeviceRadixSort::SortPairs(scratch,
+                                              num_bytes,
+                                              keys.Data(),
+                                              sorted_keys.Data(),
+                                              pixels.Data(),
+                                              groups.pixels.Data(),
+                                              num_pixels,
+                                              0,
+                                              num_bits,
+                                              cuda.Stream()),
+              what);
+  };
+  sort(nullptr, "preparing to sort pixels");
   Buffer<char> scratch(device, num_bytes);
-  CheckCuda(cub::DeviceRadixSort::SortPairs(scratch.Data(),
-                                            num_bytes,
-                                            keys.Data(),
-                                            sorted_keys.Data(),
-                                            pixels.Data(),
-                                            groups.pixels.Data(),
-                                            num_pixels,
-                                            0,
-                                            num_bits,
-                                            cuda.Stream()),
-            "sorting pixels");
+  sort(scratch.Data(), "sorting pixels");
   ParallelFor(
       device,
       num_pixels + 1,
@@ -121,6 +153,15 @@ PixelGroups GroupPixelsOnGpu(ImageView<const int> labels,
 #endif
 
 }  // namespace
+
+Buffer<int> ExclusiveSum(const int* values, size_t count, Device& device) {
+#ifdef __CUDACC__
+  if (device.IsCuda()) {
+    return ExclusiveSumOnGpu(values, count, device);
+  }
+#endif
+  return ExclusiveSumOnCpu(values, count, device);
+}
 
 PixelGroups GroupPixels(ImageView<const int> labels,
                         int num_labels,

@@ -1,20 +1,49 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/io/sigma_map.h"
+#include "colmap_tsar/io/companion_maps.h"
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/half.h"
 #include "colmap_tsar/base/input_file.h"
-#include "colmap_tsar/io/npy_header.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/io/array_files.h"
+#include "colmap_tsar/io/png.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace tsar {
 namespace {
+
+// T: uint8_t or uint16_t; throws for anything but a gray picture of such
+// numbers.
+template <typename T>
+Image<T> ReadGray(const std::filesystem::path& path) {
+  constexpr int kNumBits = 8 * sizeof(T);
+  if (!Exists(path)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "there is no such file",
+                      "refine the workspace first");
+  }
+  const PngError error = [&](const std::string&) {
+    return Error::File(ErrorCode::kCorrupt,
+                       path.string(),
+                       "is not a picture with one channel of " +
+                           std::to_string(kNumBits) + " bits",
+                       "refine the workspace again");
+  };
+  const std::vector<uint8_t> bytes = ReadFileBytes(path);
+  const std::optional<PngHeader> header = ReadPngHeader(bytes);
+  if (!header || !header->is_gray || header->bits_per_channel != kNumBits) {
+    throw error("");
+  }
+  return DecodePng<T>(bytes, error);
+}
 
 // The bits of positive infinity, the first half that is not finite.
 constexpr uint16_t kFirstNotFinite = 0x7c00;
@@ -33,6 +62,14 @@ Error CorruptSigmaMap(const std::filesystem::path& path,
 }
 
 }  // namespace
+
+Image<uint8_t> ReadGrayPng(const std::filesystem::path& path) {
+  return ReadGray<uint8_t>(path);
+}
+
+Image<uint16_t> ReadGray16Png(const std::filesystem::path& path) {
+  return ReadGray<uint16_t>(path);
+}
 
 void PutSigmaMap(const Image<uint16_t>& halves, AtomicFile* file) {
   const std::string header = HeaderOf(halves.Width(), halves.Height());
