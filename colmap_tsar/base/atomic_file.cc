@@ -42,6 +42,14 @@ void FlushFile(const Folder& folder, const std::string& name) {
   }
 }
 
+bool AreSame(const Folder& a, const Folder& b) {
+  struct stat state_a;
+  struct stat state_b;
+  return fstat(a.Descriptor(), &state_a) == 0 &&
+         fstat(b.Descriptor(), &state_b) == 0 &&
+         state_a.st_dev == state_b.st_dev && state_a.st_ino == state_b.st_ino;
+}
+
 // Buffered writing to a file descriptor that remembers the system's error.
 class DescriptorBuffer : public std::streambuf {
  public:
@@ -246,18 +254,6 @@ void AtomicFile::Commit() {
   state_->committed = true;
   state_->folder.Flush();
 }
-
-namespace {
-
-bool AreSame(const Folder& a, const Folder& b) {
-  struct stat state_a;
-  struct stat state_b;
-  return fstat(a.Descriptor(), &state_a) == 0 &&
-         fstat(b.Descriptor(), &state_b) == 0 &&
-         state_a.st_dev == state_b.st_dev && state_a.st_ino == state_b.st_ino;
-}
-
-}  // namespace
 
 void CreateFolders(const ContainedPath& path) { Folder::Create(path); }
 

@@ -141,7 +141,7 @@ MapReader::MapReader(const std::filesystem::path& path)
                       "the map cannot be opened (" + file_->Reason() + ")",
                       "check that you may read it");
   }
-  ReadHeader(file_->Size());
+  ReadHeader();
 }
 
 void MapReader::RequireChannels(int channels, const char* kind) const {
@@ -165,7 +165,8 @@ void MapReader::Read(int channel, size_t first_pixel, std::span<float> values) {
   }
 }
 
-void MapReader::ReadHeader(uintmax_t num_bytes) {
+void MapReader::ReadHeader() {
+  const uintmax_t num_bytes = file_->Size();
   if (num_bytes == 0) {
     throw CorruptMap(path_, "the file is empty");
   }

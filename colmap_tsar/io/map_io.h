@@ -42,9 +42,9 @@ struct MapSize {
   }
 };
 
-// An open map, of which any part can be read: maps of hundreds
-// of megabytes then pass through the processor's cache instead of memory.
-// Pixels are indexed row by row. The file stays open if its name is replaced.
+// An open map, of which any part can be read: maps of hundreds of megabytes
+// then pass through the processor's cache instead of memory. Pixels are indexed
+// row by row. The file stays open if its name is replaced.
 class MapReader {
  public:
   explicit MapReader(const std::filesystem::path& path);
@@ -58,7 +58,7 @@ class MapReader {
   void Read(int channel, size_t first_pixel, std::span<float> values);
 
  private:
-  void ReadHeader(uintmax_t num_bytes);
+  void ReadHeader();
 
   std::filesystem::path path_;
   std::unique_ptr<InputFile> file_;

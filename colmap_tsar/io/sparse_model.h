@@ -23,7 +23,7 @@ class SparseModel {
     Camera camera;
     // The number of images before it in the file, by which COLMAP's visibility
     // files of fused points refer to images.
-    int place_in_file = 0;
+    int index_in_file = 0;
     // Indices into `points`, ascending, one per observation: a point that the
     // image sees twice is listed twice.
     std::vector<int> point_indices;
@@ -68,5 +68,12 @@ std::filesystem::path FindModelFolder(const std::filesystem::path& root);
 // Reads the model in that folder. Throws Error: kUnsupported (an image's name
 // leaves the workspace), and those of ReadSparseModel.
 SparseModel ReadWorkspaceModel(const std::filesystem::path& model_folder);
+
+// What in a sparse model COLMAP's stereo_fusion stumbles over where this
+// library does not, a line for users each: coordinates far from the origin,
+// which single precision rounds by a quarter of a pixel and more, and names of
+// images with spaces where the model is text. sparse_folder: where it was read.
+std::vector<std::string> FindFusionObstacles(
+    const SparseModel& model, const std::filesystem::path& sparse_folder);
 
 }  // namespace tsar

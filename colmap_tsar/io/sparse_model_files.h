@@ -32,7 +32,7 @@ struct SparseModelFiles {
     double translation[3] = {};
     uint32_t camera_id = 0;
     std::string name;
-    int place = 0;  // Index in the file.
+    int index_in_file = 0;
   };
   struct FilePoint {
     uint64_t id = 0;

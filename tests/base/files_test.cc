@@ -118,17 +118,6 @@ TEST_F(InputFileTest, ADiskThatFailsIsNotTheEndOfTheFile) {
   });
 }
 
-// A file that could not be read leaves nothing behind for the next one.
-TEST_F(InputFileTest, OpensAnotherFileAfterOneThatFails) {
-  InputFile file("/proc/self/mem");
-  EXPECT_THROW(file.get(), Error);
-  file.Open(folder_.Path() / "missing");
-  EXPECT_FALSE(file);
-  WriteText(path_, "one");
-  file.Open(path_);
-  EXPECT_EQ(ReadAll(file), "one");
-}
-
 namespace fs = std::filesystem;
 
 class PictureFileTest : public ::testing::Test {

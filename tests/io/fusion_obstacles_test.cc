@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/io/fusion_obstacles.h"
+#include "colmap_tsar/io/sparse_model.h"
 
 #include "tests/support/test_workspace.h"
 
