@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <ranges>
 #include <system_error>
 #include <utility>
 
@@ -143,16 +144,6 @@ Walk OpenChain(const ContainedPath& path, bool creates) {
   return again;
 }
 
-[[noreturn]] void ThrowWalkError(const Walk& walk, const ContainedPath& path) {
-  if (walk.error == ENOENT) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "no such folder",
-                      "check that the workspace is complete");
-  }
-  ThrowSystemError(path.Path(), "the folder cannot be opened", walk.error);
-}
-
 // Returns 0 or the system's error number.
 int RemoveFolder(const ContainedPath& path) {
   const std::optional<Folder> parent = Folder::OpenIfThere(path.Parent());
@@ -174,11 +165,14 @@ OwnedDescriptor::~OwnedDescriptor() {
 }
 
 Folder::Folder(const ContainedPath& path) : path_(path) {
-  Walk walk = OpenChain(path, false);
-  if (walk.error != 0) {
-    ThrowWalkError(walk, path);
+  std::optional<Folder> folder = OpenIfThere(path);
+  if (!folder) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path.string(),
+                      "no such folder",
+                      "check that the workspace is complete");
   }
-  descriptor_ = std::move(walk.folder);
+  descriptor_ = std::move(folder->descriptor_);
 }
 
 std::optional<Folder> Folder::OpenIfThere(const ContainedPath& path) {
@@ -187,7 +181,7 @@ std::optional<Folder> Folder::OpenIfThere(const ContainedPath& path) {
     return std::nullopt;
   }
   if (walk.error != 0) {
-    ThrowWalkError(walk, path);
+    ThrowSystemError(path.Path(), "the folder cannot be opened", walk.error);
   }
   return Folder(path, std::move(walk.folder));
 }
@@ -316,9 +310,9 @@ bool RemoveFolderIfEmpty(const ContainedPath& path) {
 
 void RemoveEmptyFolders(const ContainedPath& folder) {
   const std::vector<TreeEntry> tree = ListTree(folder);
-  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
-    if (entry->is_folder) {
-      RemoveFolderIfEmpty(entry->path);
+  for (const TreeEntry& entry : std::views::reverse(tree)) {
+    if (entry.is_folder) {
+      RemoveFolderIfEmpty(entry.path);
     }
   }
   RemoveFolderIfEmpty(folder);
@@ -332,11 +326,11 @@ void RemoveTree(const ContainedPath& folder) {
       ThrowSystemError(path.Path(), "cannot be removed", error);
     }
   };
-  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
-    if (entry->is_folder) {
-      remove_folder(entry->path);
+  for (const TreeEntry& entry : std::views::reverse(tree)) {
+    if (entry.is_folder) {
+      remove_folder(entry.path);
     } else {
-      RemoveFile(entry->path);
+      RemoveFile(entry.path);
     }
   }
   remove_folder(folder);

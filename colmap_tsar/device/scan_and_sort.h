@@ -30,8 +30,9 @@ struct PixelGroupsView {
   }
 };
 
-// The pixels of a raster sorted by label: those of label k are
-// pixels[begin[k]] ... pixels[begin[k + 1] - 1], in raster order.
+// The pixels of a raster sorted by label, such as that of a superpixel: those
+// of label k are pixels[begin[k]] ... pixels[begin[k + 1] - 1], in raster
+// order.
 struct PixelGroups {
   Buffer<int> begin;  // num_labels + 1 offsets
   // The indices of all pixels of the raster; those of no group are the last.

@@ -15,8 +15,8 @@ namespace tsar {
 // throw Error kNotFound (no such file), and kCorrupt for anything but such a
 // map.
 
-// Read a picture of one channel of 8 or 16 bits: confidence, provenance and
-// plane maps.
+// Read a picture of one channel: confidence and provenance maps have 8 bits,
+// plane maps (the number of the scene plane of each pixel) 16.
 Image<uint8_t> ReadGrayPng(const std::filesystem::path& path);
 Image<uint16_t> ReadGray16Png(const std::filesystem::path& path);
 

@@ -43,7 +43,8 @@ bool EndsInMarker(PhotoFormat format, std::span<const uint8_t> tail);
 // Whether the data of JPEG 2000 are complete; other boxes may follow.
 bool HasJpeg2000End(std::span<const uint8_t> bytes);
 
-// OpenCV's limit; pixels are also indexed by an int.
+// The most pixels of a photo: OpenCV's limit. Pixels are also indexed by an
+// int.
 inline constexpr int64_t kMaxNumPixels = int64_t{1} << 30;
 
 // The errors of the files in this folder that decode photos. name: the file;

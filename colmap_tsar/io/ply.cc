@@ -253,18 +253,6 @@ class PlyFile {
            index >= static_cast<uint64_t>(next * step);
   }
 
-  void AddPoint(const std::array<double, 6>& values, bool has_color) {
-    cloud_.points.emplace_back(values[0], values[1], values[2]);
-    if (has_color) {
-      // A text may hold anything; NaN becomes 0.
-      const auto byte = [](double value) {
-        return static_cast<uint8_t>(value > 0.0 ? std::min(value, 255.0) : 0.0);
-      };
-      cloud_.colors.push_back(
-          {byte(values[3]), byte(values[4]), byte(values[5])});
-    }
-  }
-
   double NextNumber() {
     const size_t start = rest_.find_first_not_of(" \t\r\n");
     rest_.remove_prefix(start == std::string_view::npos ? rest_.size() : start);
@@ -332,8 +320,17 @@ class PlyFile {
         })) {
       Corrupt("vertex " + std::to_string(index) + " is not finite");
     }
-    if (IsWanted(index)) {
-      AddPoint(values, indices[3] >= 0);
+    if (!IsWanted(index)) {
+      return;
+    }
+    cloud_.points.emplace_back(values[0], values[1], values[2]);
+    if (indices[3] >= 0) {
+      // A text may hold anything; NaN becomes 0.
+      const auto byte = [](double value) {
+        return static_cast<uint8_t>(value > 0.0 ? std::min(value, 255.0) : 0.0);
+      };
+      cloud_.colors.push_back(
+          {byte(values[3]), byte(values[4]), byte(values[5])});
     }
   }
 
