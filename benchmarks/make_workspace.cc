@@ -7,21 +7,20 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/option_set.h"
 
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <string>
 
 #include "benchmarks/scene/room_workspace.h"
-#include <opencv2/core.hpp>
 
 namespace tsar {
 namespace {
 
 int Main(int argc, char** argv) {
-  std::string workspace_path;
+  std::filesystem::path workspace_path;
   int seed = 1;
   int num_threads = -1;
   RoomWorkspaceOptions scene;
@@ -54,10 +53,9 @@ int Main(int argc, char** argv) {
   if (std::filesystem::exists(workspace_path, error) &&
       !std::filesystem::is_empty(workspace_path, error)) {
     throw Error(ErrorCode::kBadOption,
-                "--workspace_path: " + workspace_path +
+                "--workspace_path: " + workspace_path.string() +
                     " is there already; remove it or give another folder");
   }
-  cv::setNumThreads(1);
   ThreadPool threads(num_threads);
   Progress progress(std::cerr, false);
   progress.Start(scene.num_images);
@@ -71,10 +69,5 @@ int Main(int argc, char** argv) {
 }  // namespace tsar
 
 int main(int argc, char** argv) {
-  try {
-    return tsar::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "ERROR: " << error.what() << std::endl;
-    return 1;
-  }
+  return tsar::RunCommand(&tsar::Main, argc, argv);
 }

@@ -13,27 +13,25 @@
 // Options that begin with --benchmark_ are Google Benchmark's.
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/device/thread_pool.h"
 
 #include <chrono>
-#include <exception>
 #include <filesystem>
-#include <iostream>
 #include <string>
 #include <vector>
 
 #include "benchmarks/scene/room_workspace.h"
 #include "benchmarks/stages/cases.h"
 #include <benchmark/benchmark.h>
-#include <opencv2/core.hpp>
 #include <unistd.h>
 
 namespace tsar {
 namespace {
 
 struct StagesCommand {
-  std::string workspace_path;
+  std::filesystem::path workspace_path;
   std::string device = "auto";
   int gpu_index = 0;
   int num_threads = -1;
@@ -151,7 +149,6 @@ int Main(int argc, char** argv) {
                                              benchmarks.data())) {
     return 1;
   }
-  cv::setNumThreads(1);
   const bool is_cuda =
       command.device == "cuda" ||
       (command.device == "auto" && Device::NumCudaDevices() > 0);
@@ -193,10 +190,5 @@ int Main(int argc, char** argv) {
 }  // namespace tsar
 
 int main(int argc, char** argv) {
-  try {
-    return tsar::Main(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "ERROR: " << error.what() << std::endl;
-    return 1;
-  }
+  return tsar::RunCommand(&tsar::Main, argc, argv);
 }

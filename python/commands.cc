@@ -24,6 +24,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "python/bindings.h"
@@ -149,18 +150,26 @@ py::dict ToDict(const RunSummary& summary) {
   return dict;
 }
 
-py::dict Refine(const py::dict& options, const py::tuple& listeners) {
-  auto command = ToCommand<RefineCommand>(options);
-  command.UsePreset();
-  SetGiven(options, &command);
-  RunSummary summary;
+// Returns the summary of the command's work; see WorkWhileServingPython.
+template <typename Command>
+auto Run(const std::string& name,
+         const Command& command,
+         const py::tuple& listeners) {
+  decltype(command.Run(std::declval<Progress&>(), {})) summary;
   WorkWhileServingPython(
-      "refine",
+      name,
       ToPythonListeners(listeners),
       [&](Progress& progress, const std::function<bool()>& should_stop) {
         summary = command.Run(progress, should_stop);
       });
-  return ToDict(summary);
+  return summary;
+}
+
+py::dict Refine(const py::dict& options, const py::tuple& listeners) {
+  auto command = ToCommand<RefineCommand>(options);
+  command.UsePreset();
+  SetGiven(options, &command);
+  return ToDict(Run("refine", command, listeners));
 }
 
 py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
@@ -181,13 +190,7 @@ py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
 
 py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<StereoCommand>(options);
-  StereoSummary summary;
-  WorkWhileServingPython(
-      "stereo",
-      ToPythonListeners(listeners),
-      [&](Progress& progress, const std::function<bool()>& should_stop) {
-        summary = command.Run(progress, should_stop);
-      });
+  const StereoSummary summary = Run("stereo", command, listeners);
   py::dict dropped_priors;
   for (const StereoSummary::ImageReason& image : summary.dropped_priors) {
     dropped_priors[ToText(image.name)] = ToText(image.reason);
@@ -214,15 +217,9 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
 
 py::dict Fuse(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<FuseCommand>(options);
-  FuseSummary summary;
-  WorkWhileServingPython(
-      "fuse",
-      ToPythonListeners(listeners),
-      [&](Progress& progress, const std::function<bool()>& should_stop) {
-        summary = command.Run(progress, should_stop);
-      });
+  const FuseSummary summary = Run("fuse", command, listeners);
   py::dict dict;
-  dict["output_path"] = std::filesystem::path(command.output_path);
+  dict["output_path"] = command.options.output_path;
   dict["device"] = summary.devices;
   dict["num_images"] = summary.num_images;
   dict["num_masks"] = summary.num_masks;
@@ -233,14 +230,8 @@ py::dict Fuse(const py::dict& options, const py::tuple& listeners) {
 }
 
 py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
-  const ImportOptions import = ToCommand<ImportCommand>(options).Parse();
-  ImportSummary summary;
-  WorkWhileServingPython(
-      "import_maps",
-      ToPythonListeners(listeners),
-      [&](Progress& progress, const std::function<bool()>& should_stop) {
-        summary = ImportWorkspace(import, progress, should_stop);
-      });
+  const auto command = ToCommand<ImportCommand>(options);
+  const ImportSummary summary = Run("import_maps", command, listeners);
   py::list warnings;
   for (const std::string& warning : summary.warnings) {
     warnings.append(ToText(warning));
@@ -300,15 +291,9 @@ py::dict Report(const py::dict& options, const py::tuple& listeners) {
 
 py::dict Export(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<ExportCommand>(options);
-  ExportSummary summary;
-  WorkWhileServingPython(
-      "export",
-      ToPythonListeners(listeners),
-      [&](Progress& progress, const std::function<bool()>& should_stop) {
-        summary = command.Run(progress, should_stop);
-      });
+  const ExportSummary summary = Run("export", command, listeners);
   py::dict dict;
-  dict["output_path"] = std::filesystem::path(command.output_path);
+  dict["output_path"] = command.options.output_path;
   dict["num_images"] = summary.num_images;
   dict["num_with_depth"] = summary.num_with_depth;
   dict["num_masks"] = summary.num_masks;
@@ -327,21 +312,14 @@ void BindCommands(py::module_* module) {
   module->def("help_json_of_report", &HelpJson<ReportCommand>);
   module->def("help_json_of_export", &HelpJson<ExportCommand>);
   module->def("suggest_names", &SuggestNames);
-  module->def("refine", &Refine, py::arg("options"), py::arg("listeners"));
-  module->def("restore",
-              &RestoreOriginals,
-              py::arg("workspace_path"),
-              py::arg("conflicts"));
-  module->def("stereo", &Stereo, py::arg("options"), py::arg("listeners"));
-  module->def("fuse", &Fuse, py::arg("options"), py::arg("listeners"));
-  module->def(
-      "import_maps", &ImportMaps, py::arg("options"), py::arg("listeners"));
-  module->def("undo_imports",
-              &UndoImports,
-              py::arg("workspace_path"),
-              py::arg("conflicts"));
-  module->def("report", &Report, py::arg("options"), py::arg("listeners"));
-  module->def("export", &Export, py::arg("options"), py::arg("listeners"));
+  module->def("refine", &Refine);
+  module->def("restore", &RestoreOriginals);
+  module->def("stereo", &Stereo);
+  module->def("fuse", &Fuse);
+  module->def("import_maps", &ImportMaps);
+  module->def("undo_imports", &UndoImports);
+  module->def("report", &Report);
+  module->def("export", &Export);
 }
 
 }  // namespace tsar

@@ -89,21 +89,8 @@ py::dict EvaluateCloudAgainstScans(const std::filesystem::path& cloud_path,
 }  // namespace
 
 void BindEvaluate(py::module_* module) {
-  module->def("evaluate_depth",
-              &EvaluateDepth,
-              py::arg("workspace_path"),
-              py::arg("input_type"),
-              py::arg("ground_truth_path"),
-              py::arg("mask_path"),
-              py::arg("tolerances"));
-  module->def("evaluate_cloud",
-              &EvaluateCloudAgainstScans,
-              py::arg("cloud_path"),
-              py::arg("scans_path"),
-              py::arg("tolerances"),
-              py::arg("voxel_size"),
-              py::arg("beam_radius"),
-              py::arg("beam_angle"));
+  module->def("evaluate_depth", &EvaluateDepth);
+  module->def("evaluate_cloud", &EvaluateCloudAgainstScans);
 }
 
 }  // namespace tsar

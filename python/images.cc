@@ -166,23 +166,10 @@ void BindImages(py::module_* module) {
   // Raises for what is none.
   module->def("check_input_type",
               [](const std::string& input_type) { ToMapType(input_type); });
-  module->def("read_images", &ReadImages, py::arg("workspace_path"));
-  module->def("read_map",
-              &ReadMap,
-              py::arg("workspace_path"),
-              py::arg("image_name"),
-              py::arg("input_type"),
-              py::arg("kind"));
-  module->def("has_depth_map",
-              &HasDepthMap,
-              py::arg("workspace_path"),
-              py::arg("image_name"),
-              py::arg("input_type"));
-  module->def("read_depth_map_size",
-              &ReadDepthMapSize,
-              py::arg("workspace_path"),
-              py::arg("image_name"),
-              py::arg("input_type"));
+  module->def("read_images", &ReadImages);
+  module->def("read_map", &ReadMap);
+  module->def("has_depth_map", &HasDepthMap);
+  module->def("read_depth_map_size", &ReadDepthMapSize);
 }
 
 }  // namespace tsar

@@ -160,12 +160,8 @@ py::tuple ReadPlaneMap(const std::filesystem::path& path) {
 }  // namespace
 
 void BindPlanes(py::module_* module) {
-  module->def("read_planes",
-              &ReadPlanes,
-              py::arg("workspace_path"),
-              py::arg("input_type"),
-              py::arg("min_area"));
-  module->def("read_plane_map", &ReadPlaneMap, py::arg("path"));
+  module->def("read_planes", &ReadPlanes);
+  module->def("read_plane_map", &ReadPlaneMap);
 }
 
 }  // namespace tsar

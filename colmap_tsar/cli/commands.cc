@@ -119,41 +119,41 @@ int TellAboutProgram(int argc, char** argv) {
 
 const std::vector<Command>& Commands() {
   static const std::vector<Command> commands = {
-      {"tsar_refine",
-       "Complete the depth and normal maps before stereo_fusion",
-       &Reported<&RunTsarRefine>},
+    {"tsar_refine",
+     "Complete the depth and normal maps before stereo_fusion",
+     &Reported<&RunTsarRefine>},
 #if TSAR_TOOL_STEREO
-      {"tsar_stereo",
-       "Make the depth and normal maps from the images",
-       &Reported<&RunTsarStereo>},
+    {"tsar_stereo",
+     "Make the depth and normal maps from the images",
+     &Reported<&RunTsarStereo>},
 #endif
-      {"tsar_fuse",
-       "Fuse the depth maps into a point cloud",
-       &Reported<&RunTsarFuse>},
+    {"tsar_fuse",
+     "Fuse the depth maps into a point cloud",
+     &Reported<&RunTsarFuse>},
 #if TSAR_TOOL_IMPORT
-      {"tsar_import",
-       "Bring depth of other programs and sensors into a workspace",
-       &Reported<&RunTsarImport>},
+    {"tsar_import",
+     "Bring depth of other programs and sensors into a workspace",
+     &Reported<&RunTsarImport>},
 #endif
 #if TSAR_TOOL_REPORT
-      {"tsar_report",
-       "Write a page that shows maps and points before and after",
-       &Reported<&RunTsarReport>},
+    {"tsar_report",
+     "Write a page that shows maps and points before and after",
+     &Reported<&RunTsarReport>},
 #endif
 #if TSAR_TOOL_PLANE_EXPORT
-      {"tsar_planes",
-       "Write walls, floors and other planes of a refined workspace",
-       &Reported<&RunTsarPlanes>},
+    {"tsar_planes",
+     "Write walls, floors and other planes of a refined workspace",
+     &Reported<&RunTsarPlanes>},
 #endif
 #if TSAR_TOOL_EXPORT
-      {"tsar_export",
-       "Export depth, normals and more for other programs",
-       &Reported<&RunTsarExport>},
+    {"tsar_export",
+     "Export depth, normals and more for other programs",
+     &Reported<&RunTsarExport>},
 #endif
 #if TSAR_TOOL_EVALUATION
-      {"tsar_evaluate",
-       "Score depth maps or a point cloud against ground truth",
-       &Reported<&RunTsarEvaluate>},
+    {"tsar_evaluate",
+     "Score depth maps or a point cloud against ground truth",
+     &Reported<&RunTsarEvaluate>},
 #endif
   };
   return commands;

@@ -12,10 +12,9 @@
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/export/export_format.h"
 
+#include <functional>
 #include <iostream>
 #include <optional>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -33,11 +32,10 @@ constexpr const char* kSummary =
     "in the camera's frame, in units of the sparse model; 0 is no depth.";
 
 void PrintSummary(const ExportSummary& summary, const ExportCommand& command) {
-  std::cout << "Exported " << summary.num_images
-            << (summary.num_images == 1 ? " image" : " images") << " to "
-            << Printable(command.output_path)
-            << "\n  with depth: " << summary.num_with_depth
-            << (summary.num_with_depth == 1 ? " image, " : " images, ")
+  std::cout << "Exported " << Counted(summary.num_images, "image") << " to "
+            << Printable(command.options.output_path.string())
+            << "\n  with depth: " << Counted(summary.num_with_depth, "image")
+            << ", "
             << 100.0 * static_cast<double>(summary.num_depths) /
                    static_cast<double>(summary.num_pixels)
             << " % of all pixels\n";
@@ -54,7 +52,7 @@ void PrintSummary(const ExportSummary& summary, const ExportCommand& command) {
 void ExportCommand::AddTo(OptionSet* set) {
   set->AddRequired("workspace_path", &workspace_path, "The dense workspace.");
   set->AddRequired("output_path",
-                   &output_path,
+                   &options.output_path,
                    "The folder to write. It must not be there, or be "
                    "empty, or hold an earlier export (--overwrite 1).");
   set->AddChoice(
@@ -65,13 +63,12 @@ void ExportCommand::AddTo(OptionSet* set) {
       "The maps to export. If not given: geometric, or photometric where only "
       "those were refined or are there.",
       set);
-  set->Add("mask_path",
-           &mask_path,
-           "The folder with masks of the undistorted images, named as for "
-           "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), no "
-           "depth is exported; nerfstudio gets the masks as well.");
+  AddMaskPath(&options.mask_path,
+              "Where a mask is black (0), no depth is exported; nerfstudio "
+              "gets the masks as well.",
+              set);
   set->Add("cloud_path",
-           &cloud_path,
+           &options.cloud_path,
            "For nerfstudio: a cloud of tsar_fuse or stereo_fusion (PLY), which "
            "becomes ply_file_path, the points that its methods start from.");
   set->Add("depth_scale",
@@ -84,27 +81,23 @@ void ExportCommand::AddTo(OptionSet* set) {
            &options.overwrite,
            "Replace an earlier export. A folder with anything else in it "
            "is never touched.");
-  set->Add("num_threads",
-           &options.num_threads,
-           "Number of CPU threads; -1: one for each core. Fewer where the "
-           "images are too large for the main memory.",
-           {-1, 4096});
+  AddNumThreads("num_threads",
+                &options.num_threads,
+                set,
+                " Fewer where the images are too large for the main memory.");
 }
 
 ExportSummary ExportCommand::Run(
     Progress& progress, const std::function<bool()>& should_stop) const {
-  ExportOptions all = options;
-  all.format = ParseExportFormat(format);
-  all.output_path = output_path;
-  all.mask_path = mask_path;
-  all.cloud_path = cloud_path;
+  ExportOptions parsed = options;
+  parsed.format = ParseExportFormat(format);
   const Workspace workspace =
       OpenWorkspaceWithMaps(workspace_path, ParseMapType(input_type));
-  return ExportWorkspace(workspace, all, progress, should_stop);
+  return ExportWorkspace(workspace, parsed, progress, should_stop);
 }
 
 std::string ExportCommand::TrainingCommand() const {
-  const std::string folder = ShellWord(output_path);
+  const std::string folder = ShellWord(options.output_path.string());
   switch (ParseExportFormat(format)) {
     case ExportFormat::kNerfstudio:
       return "ns-train depth-nerfacto --data " + folder;
@@ -125,11 +118,8 @@ int RunTsarExport(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const Interruption interruption;
-  const ExportSummary summary =
-      command.Run(progress, [&] { return interruption.Requested(); });
-  PrintSummary(summary, command);
+  PrintSummary(RunInterruptibly(std::bind_front(&ExportCommand::Run, &command)),
+               command);
   return 0;
 }
 

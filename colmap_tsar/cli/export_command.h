@@ -7,6 +7,7 @@
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/tools/export/export_workspace.h"
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -14,13 +15,10 @@ namespace tsar {
 
 // The arguments of tsar_export, from the command line or from Python.
 struct ExportCommand {
-  std::string workspace_path;
-  std::string output_path;
+  std::filesystem::path workspace_path;
   std::string format;
   std::string input_type;
-  std::string mask_path;
-  std::string cloud_path;
-  // Without the format and the paths, which the members above hold.
+  // The options that the members above do not hold.
   ExportOptions options;
 
   void AddTo(OptionSet* set);

@@ -6,14 +6,13 @@
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
-#include "colmap_tsar/cli/output_file.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/run/store/image_maps.h"
 
+#include <filesystem>
+#include <functional>
 #include <iomanip>
 #include <iostream>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -34,10 +33,10 @@ void Override(T given, T* value) {
 }
 
 void PrintSummary(const FuseSummary& summary, const FuseCommand& command) {
-  std::cout << "Fused " << summary.num_images
-            << (summary.num_images == 1 ? " image" : " images") << " into "
+  std::cout << "Fused " << Counted(summary.num_images, "image") << " into "
             << summary.num_points
-            << " points: " << Printable(command.output_path) << "\n";
+            << " points: " << Printable(command.options.output_path.string())
+            << "\n";
   PrintMasks(summary.num_masks, summary.num_images, std::cout);
   std::cout << "Time: " << std::fixed << std::setprecision(1) << summary.seconds
             << " s on " << Printable(summary.devices) << "\n";
@@ -57,7 +56,7 @@ void FuseCommand::AddTo(OptionSet* set) {
                    &workspace_path,
                    "The dense workspace, refined or not.");
   set->AddRequired("output_path",
-                   &output_path,
+                   &options.output_path,
                    "The PLY file to write; beside it, with .vis behind its "
                    "name, the images that see each point. Files that are there "
                    "are replaced with --overwrite 1 alone.");
@@ -68,15 +67,13 @@ void FuseCommand::AddTo(OptionSet* set) {
       "those were refined or are there.",
       set);
   set->Add("image_list_path",
-           &image_list_path,
+           &options.image_list_path,
            "A text file with one image name per line: the pixels of these "
            "alone become points; all others are asked about them. If empty, "
            "all.");
-  set->Add("mask_path",
-           &mask_path,
-           "The folder with masks of the undistorted images, named as for "
-           "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), depths "
-           "count as missing.");
+  AddMaskPath(&options.mask_path,
+              "Where a mask is black (0), depths count as missing.",
+              set);
   set->Add("bounding_box_path",
            &bounding_box_path,
            "A text file with the smallest x, y and z of the points to keep, "
@@ -120,10 +117,6 @@ void FuseCommand::AddTo(OptionSet* set) {
            "middle becomes a point; 1 gives the densest cloud.",
            {-1, 1000});
   AddDeviceArguments(group, &devices, set);
-  set->Add(group + "num_threads",
-           &devices.num_threads,
-           "Number of CPU threads; -1: one for each core.",
-           {-1, 4096});
 }
 
 FusionOptions FuseCommand::Fusion() const {
@@ -139,21 +132,20 @@ FusionOptions FuseCommand::Fusion() const {
 
 FuseSummary FuseCommand::Run(Progress& progress,
                              const std::function<bool()>& should_stop) const {
-  FuseWorkspaceOptions options;
-  options.fusion = Fusion();
-  options.devices = devices.Parse();
-  options.output_path = output_path;
-  options.image_list_path = image_list_path;
-  options.mask_path = mask_path;
+  FuseWorkspaceOptions parsed = options;
+  parsed.fusion = Fusion();
+  parsed.devices = devices.Parse();
   if (!bounding_box_path.empty()) {
-    options.bounding_box = ReadBoundingBox(bounding_box_path);
+    parsed.bounding_box = ReadBoundingBox(bounding_box_path);
   }
   const Workspace workspace =
       OpenWorkspaceWithMaps(workspace_path, ParseMapType(input_type));
-  for (const std::string& path : {output_path, output_path + ".vis"}) {
+  std::filesystem::path visibility_path = options.output_path;
+  visibility_path += ".vis";
+  for (const auto& path : {options.output_path, visibility_path}) {
     RequireWritableOutput(workspace_path, path, "point cloud", overwrite);
   }
-  return FuseWorkspace(workspace, options, progress, should_stop);
+  return FuseWorkspace(workspace, parsed, progress, should_stop);
 }
 
 int RunTsarFuse(int argc, char** argv) {
@@ -166,11 +158,8 @@ int RunTsarFuse(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const Interruption interruption;
-  const FuseSummary summary =
-      command.Run(progress, [&] { return interruption.Requested(); });
-  PrintSummary(summary, command);
+  PrintSummary(RunInterruptibly(std::bind_front(&FuseCommand::Run, &command)),
+               command);
   return 0;
 }
 

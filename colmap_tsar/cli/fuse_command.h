@@ -8,6 +8,7 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/fusion/fuse_workspace.h"
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -15,12 +16,9 @@ namespace tsar {
 
 // The arguments of tsar_fuse, from the command line or from Python.
 struct FuseCommand {
-  std::string workspace_path;
-  std::string output_path;
+  std::filesystem::path workspace_path;
   std::string input_type;
-  std::string image_list_path;
-  std::string mask_path;
-  std::string bounding_box_path;
+  std::filesystem::path bounding_box_path;
   bool overwrite = false;
   std::string preset = "default";
   // -1: the value of the preset.
@@ -31,6 +29,8 @@ struct FuseCommand {
   int check_num_images = -1;
   int point_spacing = -1;
   DeviceArguments devices;
+  // The options that the members above do not hold.
+  FuseWorkspaceOptions options;
 
   void AddTo(OptionSet* set);
 

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
@@ -13,9 +12,9 @@
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/import/undo_import.h"
 
+#include <filesystem>
+#include <functional>
 #include <iostream>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -31,89 +30,90 @@ constexpr const char* kSummary =
     "back.";
 
 int UndoImports(const ImportCommand& command) {
-  if (!command.input_path.empty() || !command.format.empty()) {
+  if (!command.options.match.input_path.empty() || !command.format.empty()) {
     throw Error(
         ErrorCode::kBadOption,
         "--restore undoes imports; leave --input_path and --format out");
   }
-  const WorkspaceLock lock(command.workspace_path);
-  const UndoResult result = UndoImport(
-      command.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
-  std::cout << "Undid the import of " << result.num_images
-            << (result.num_images == 1 ? " image" : " images") << ".\n";
+  const std::filesystem::path& root = command.options.workspace_path;
+  const WorkspaceLock lock(root);
+  const UndoResult result =
+      UndoImport(root, ParseRestoreConflicts(command.restore_conflicts));
+  std::cout << "Undid the import of " << Counted(result.num_images, "image")
+            << ".\n";
   ReportRestored(result.kept, result.superseded, result.conflicts);
   return 0;
 }
 
-void AddInputOptions(ImportCommand* command, OptionSet* options) {
-  options->AddRequired("workspace_path",
-                       &command->workspace_path,
-                       "The dense workspace to import into.");
-  options->Add("input_path",
-               &command->input_path,
-               "The folder with the other program's maps; for acm and apd also "
-               "the one above it, which holds cams/.");
-  options->AddChoice("format",
-                     &command->format,
-                     {"acm", "apd", "openmvs", "depth"},
-                     "Whose maps they are; depth: PNG of 16 bits, EXR, TIFF, "
-                     "PFM or NPY, called as the images are.");
-  options->Add("normal_path",
-               &command->normal_path,
-               "For depth: a folder with normal maps (EXR, TIFF, PFM or NPY of "
-               "three channels, x right, y down, z forward). If empty, normals "
-               "are computed from depth.");
+void AddInputOptions(ImportCommand* command, OptionSet* set) {
+  set->AddRequired("workspace_path",
+                   &command->options.workspace_path,
+                   "The dense workspace to import into.");
+  set->Add("input_path",
+           &command->options.match.input_path,
+           "The folder with the other program's maps; for acm and apd also "
+           "the one above it, which holds cams/.");
+  set->AddChoice("format",
+                 &command->format,
+                 {"acm", "apd", "openmvs", "depth"},
+                 "Whose maps they are; depth: PNG of 16 bits, EXR, TIFF, "
+                 "PFM or NPY, called as the images are.");
+  set->Add("normal_path",
+           &command->options.match.normal_path,
+           "For depth: a folder with normal maps (EXR, TIFF, PFM or NPY of "
+           "three channels, x right, y down, z forward). If empty, normals "
+           "are computed from depth.");
   AddMapType(
       "output_type",
       &command->output_type,
       "The type of maps to write; for acm also which of its depth maps is "
       "taken.",
-      options);
-  options->AddChoice("index_order",
-                     &command->index_order,
-                     {"image_id", "name"},
-                     "Which images acm's and apd's numbers mean: ordered by "
-                     "COLMAP's image id, as colmap2mvsnet does, or by name.");
-  options->Add("image_list",
-               &command->image_list,
-               "A file with one image name per line, for the numbers 0, 1, 2, "
-               "... in the names of the maps. For openmvs and depth, numbers "
-               "count instead of names then.");
+      set);
+  set->AddChoice("index_order",
+                 &command->index_order,
+                 {"image_id", "name"},
+                 "Which images acm's and apd's numbers mean: ordered by "
+                 "COLMAP's image id, as colmap2mvsnet does, or by name.");
+  set->Add("image_list",
+           &command->options.match.image_list,
+           "A file with one image name per line, for the numbers 0, 1, 2, "
+           "... in the names of the maps. For openmvs and depth, numbers "
+           "count instead of names then.");
 }
 
-void AddConversionOptions(ImportCommand* command, OptionSet* options) {
-  options->Add("depth_scale",
-               &command->import.depth_scale,
-               "Units of the sparse model per stored unit of depth. 0: 0.001 "
-               "for depth images of integers (millimeters), otherwise 1.",
-               {0.0, 1e12});
-  options->Add("scale_to_sparse",
-               &command->import.scale_to_sparse,
-               "Give the depths of each image a scale of their own, by the "
-               "sparse points that it sees, as depth from one image needs.");
-  options->Add("check_scale",
-               &command->import.check_scale,
-               "Refuse depths that are off those of the sparse points by over "
-               "20 % in all images alike.");
-  options->AddChoice("normal_frame",
-                     &command->normal_frame,
-                     {"auto", "world", "camera"},
-                     "The frame of the other program's normals; auto: world "
-                     "for acm and apd, camera for the others.");
-  options->Add("import_costs",
-               &command->import.import_costs,
-               "Take acm's costs over instead of letting tsar_refine compute "
-               "its own. They are noise where the image has no texture.");
-  options->Add("overwrite",
-               &command->import.overwrite,
-               "Replace maps of this type that another program wrote. They are "
-               "kept for --restore 1.");
-  options->Add("restore",
-               &command->restore,
-               "Undo all imports: put the former maps back, remove what was "
-               "imported, and do nothing else. What others wrote in its place "
-               "since is never removed.");
-  AddRestoreConflicts(&command->restore_conflicts, options);
+void AddConversionOptions(ImportCommand* command, OptionSet* set) {
+  set->Add("depth_scale",
+           &command->options.depth_scale,
+           "Units of the sparse model per stored unit of depth. 0: 0.001 "
+           "for depth images of integers (millimeters), otherwise 1.",
+           {0.0, 1e12});
+  set->Add("scale_to_sparse",
+           &command->options.scale_to_sparse,
+           "Give the depths of each image a scale of their own, by the "
+           "sparse points that it sees, as depth from one image needs.");
+  set->Add("check_scale",
+           &command->options.check_scale,
+           "Refuse depths that are off those of the sparse points by over "
+           "20 % in all images alike.");
+  set->AddChoice("normal_frame",
+                 &command->normal_frame,
+                 {"auto", "world", "camera"},
+                 "The frame of the other program's normals; auto: world "
+                 "for acm and apd, camera for the others.");
+  set->Add("import_costs",
+           &command->options.import_costs,
+           "Take acm's costs over instead of letting tsar_refine compute "
+           "its own. They are noise where the image has no texture.");
+  set->Add("overwrite",
+           &command->options.overwrite,
+           "Replace maps of this type that another program wrote. They are "
+           "kept for --restore 1.");
+  set->Add("restore",
+           &command->restore,
+           "Undo all imports: put the former maps back, remove what was "
+           "imported, and do nothing else. What others wrote in its place "
+           "since is never removed.");
+  AddRestoreConflicts(&command->restore_conflicts, set);
 }
 
 ExternalFormat ToFormat(const std::string& text) {
@@ -123,8 +123,8 @@ ExternalFormat ToFormat(const std::string& text) {
                              : ExternalFormat::kDepth;
 }
 
-void RequireGiven(const std::string& name, const std::string& value) {
-  if (value.empty()) {
+void RequireGiven(const std::string& name, bool is_given) {
+  if (!is_given) {
     throw Error(ErrorCode::kBadOption,
                 OptionName(name) + " is missing; give it");
   }
@@ -132,33 +132,30 @@ void RequireGiven(const std::string& name, const std::string& value) {
 
 }  // namespace
 
-void ImportCommand::AddTo(OptionSet* options) {
-  AddInputOptions(this, options);
-  AddConversionOptions(this, options);
+void ImportCommand::AddTo(OptionSet* set) {
+  AddInputOptions(this, set);
+  AddConversionOptions(this, set);
 }
 
-ImportOptions ImportCommand::Parse() const {
-  RequireGiven("format", format);
-  RequireGiven("input_path", input_path);
-  if (!normal_path.empty() && format != "depth") {
+ImportSummary ImportCommand::Run(
+    Progress& progress, const std::function<bool()>& should_stop) const {
+  RequireGiven("format", !format.empty());
+  RequireGiven("input_path", !options.match.input_path.empty());
+  if (!options.match.normal_path.empty() && format != "depth") {
     throw Error(ErrorCode::kBadOption,
                 OptionName("normal_path") + " is for " + OptionName("format") +
                     " depth; the other formats have their normals beside "
                     "their depth");
   }
-  ImportOptions options = import;
-  options.workspace_path = workspace_path;
-  options.match.format = ToFormat(format);
-  options.match.input_path = input_path;
-  options.match.normal_path = normal_path;
-  options.match.type = *ParseMapType(output_type);
-  options.match.index_order =
+  ImportOptions parsed = options;
+  parsed.match.format = ToFormat(format);
+  parsed.match.type = *ParseMapType(output_type);
+  parsed.match.index_order =
       index_order == "name" ? IndexOrder::kName : IndexOrder::kImageId;
-  options.match.image_list = image_list;
-  options.normal_frame = normal_frame == "world"    ? NormalFrame::kWorld
-                         : normal_frame == "camera" ? NormalFrame::kCamera
-                                                    : NormalFrame::kAuto;
-  return options;
+  parsed.normal_frame = normal_frame == "world"    ? NormalFrame::kWorld
+                        : normal_frame == "camera" ? NormalFrame::kCamera
+                                                   : NormalFrame::kAuto;
+  return ImportWorkspace(parsed, progress, should_stop);
 }
 
 int RunTsarImport(int argc, char** argv) {
@@ -174,11 +171,7 @@ int RunTsarImport(int argc, char** argv) {
   if (command.restore) {
     return UndoImports(command);
   }
-  const ImportOptions import = command.Parse();
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const Interruption interruption;
-  PrintSummary(ImportWorkspace(
-                   import, progress, [&] { return interruption.Requested(); }),
+  PrintSummary(RunInterruptibly(std::bind_front(&ImportCommand::Run, &command)),
                std::cout);
   return 0;
 }

@@ -3,7 +3,12 @@
 
 #pragma once
 
+#include "colmap_tsar/base/progress.h"
+
+#include <iostream>
+
 #include <signal.h>
+#include <unistd.h>
 
 namespace tsar {
 
@@ -23,5 +28,14 @@ class Interruption {
   struct sigaction previous_interrupt_;
   struct sigaction previous_terminate_;
 };
+
+// Returns what the work returns. Its arguments are a Progress that writes to
+// standard error, and a function that tells whether it has been interrupted.
+template <typename Work>
+auto RunInterruptibly(const Work& work) {
+  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
+  const Interruption interruption;
+  return work(progress, [&] { return interruption.Requested(); });
+}
 
 }  // namespace tsar

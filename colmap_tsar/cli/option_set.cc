@@ -9,7 +9,6 @@
 #include "colmap_tsar/cli/name_suggestion.h"
 
 #include <algorithm>
-#include <filesystem>
 #include <iostream>
 #include <utility>
 
@@ -65,7 +64,7 @@ void OptionSet::Add(const std::string& name,
 }
 
 void OptionSet::AddRequired(const std::string& name,
-                            std::string* value,
+                            std::filesystem::path* value,
                             const std::string& description) {
   options_.push_back({name, description, value, {}, {}, true});
 }
@@ -143,7 +142,7 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
 
 CommandHelp OptionSet::Help() const {
   // Parse reads its value and does not keep it.
-  static std::string no_project_path;
+  static std::filesystem::path no_project_path;
   CommandHelp help{command_, summary_, example_, options_};
   help.options.push_back(
       {kProjectPath, kProjectPathHelp, &no_project_path, {}, {}, false});

@@ -6,6 +6,7 @@
 #include "colmap_tsar/cli/option_help.h"
 #include "colmap_tsar/cli/option_value.h"
 
+#include <filesystem>
 #include <map>
 #include <set>
 #include <string>
@@ -29,17 +30,15 @@ class OptionSet {
   OptionSet(std::string command, std::string summary, std::string example);
 
   // Adds an option; the value that the target has now is the default. Names
-  // must be unique; the target must outlive this object. A text whose name ends
-  // in "_path" or "_list" is a file or a folder to the help and to the shells
-  // that complete it.
+  // must be unique; the target must outlive this object.
   void Add(const std::string& name,
            OptionTarget target,
            const std::string& description,
            const OptionRange& range = {});
 
-  // Adds an option that must be given and must not be empty.
+  // Adds a file or folder that must be given and must not be empty.
   void AddRequired(const std::string& name,
-                   std::string* value,
+                   std::filesystem::path* value,
                    const std::string& description);
 
   // Adds an option whose value must be one of the choices.

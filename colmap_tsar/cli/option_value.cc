@@ -134,6 +134,8 @@ void Option::Set(const std::string& text, const std::string& where) const {
         using T = std::remove_pointer_t<decltype(value)>;
         if constexpr (std::is_same_v<T, bool>) {
           *value = ParseBool(text, where);
+        } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
+          *value = text;
         } else if constexpr (std::is_same_v<T, std::string>) {
           if (!settings.empty()) {
             SetSettings(settings, text, where);
@@ -154,6 +156,8 @@ std::string Option::Text() const {
           return *value ? "1" : "0";
         } else if constexpr (std::is_same_v<T, std::string>) {
           return *value;
+        } else if constexpr (std::is_same_v<T, std::filesystem::path>) {
+          return value->string();
         } else {
           return NumberText(*value);
         }
@@ -162,8 +166,7 @@ std::string Option::Text() const {
 }
 
 bool Option::IsPath() const {
-  return std::holds_alternative<std::string*>(target) && choices.empty() &&
-         (name.ends_with("_path") || name.ends_with("_list"));
+  return std::holds_alternative<std::filesystem::path*>(target);
 }
 
 std::string Option::ValueHint() const {
@@ -177,7 +180,10 @@ std::string Option::ValueHint() const {
     return "0|1";
   }
   if (std::holds_alternative<std::string*>(target)) {
-    return IsPath() ? "PATH" : "TEXT";
+    return "TEXT";
+  }
+  if (IsPath()) {
+    return "PATH";
   }
   const bool is_integer = std::holds_alternative<int*>(target) ||
                           std::holds_alternative<int64_t*>(target);

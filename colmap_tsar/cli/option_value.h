@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <string>
@@ -19,8 +20,13 @@ struct OptionRange {
 };
 
 // The variable that an option sets.
-using OptionTarget =
-    std::variant<bool*, int*, int64_t*, float*, double*, std::string*>;
+using OptionTarget = std::variant<bool*,
+                                  int*,
+                                  int64_t*,
+                                  float*,
+                                  double*,
+                                  std::string*,
+                                  std::filesystem::path*>;
 
 // One option of a command: where its value goes and what it may be.
 struct Option {
@@ -45,8 +51,7 @@ struct Option {
   // The target's present value as Set would read it. Numbers keep every bit.
   std::string Text() const;
 
-  // Whether the value is a file or a folder: a text, not one of choices, whose
-  // name ends in "_path" or "_list".
+  // Whether the value is a file or a folder.
   bool IsPath() const;
 
   // The kind of value, for the help: INT, NUMBER, 0|1, PATH, TEXT,

@@ -50,10 +50,6 @@ std::string Quoted(const std::filesystem::path& path) {
   return ShellWord(Printable(path.string()));
 }
 
-std::string Images(int64_t count) {
-  return std::to_string(count) + (count == 1 ? " image" : " images");
-}
-
 // where: the file that says why priors were dropped, in brackets, or empty.
 void PrintPriors(const std::optional<int64_t>& num_priors,
                  int num_images,
@@ -61,7 +57,8 @@ void PrintPriors(const std::optional<int64_t>& num_priors,
                  const std::string& where,
                  std::ostream& out) {
   if (num_priors) {
-    out << "  depth priors for " << *num_priors << " of " << Images(num_images);
+    out << "  depth priors for " << *num_priors << " of "
+        << Counted(num_images, "image");
     if (num_dropped > 0) {
       out << ", " << num_dropped << " of them not used" << where;
     }
@@ -80,7 +77,7 @@ void PrintPriors(const RunSummary& summary, std::ostream& out) {
 void PrintImages(const RunSummary& summary, std::ostream& out) {
   if (summary.pass == RefinePass::kObserve) {
     out << "Shard " << ToString(summary.shard) << ", "
-        << Images(summary.num_images) << ": " << summary.num_observed
+        << Counted(summary.num_images, "image") << ": " << summary.num_observed
         << " observed, " << summary.num_skipped
         << " observed before or not to be observed\n";
     PrintMasks(summary.num_masks, summary.num_images, out);
@@ -88,14 +85,14 @@ void PrintImages(const RunSummary& summary, std::ostream& out) {
     return;
   }
   if (summary.pass == RefinePass::kModel) {
-    out << Images(summary.num_images)
+    out << Counted(summary.num_images, "image")
         << ": the planes of the scene have been found\n";
     return;
   }
   if (summary.pass == RefinePass::kCompose) {
     out << "Shard " << ToString(summary.shard) << ", ";
   }
-  out << Images(summary.num_images) << ": " << summary.num_refined
+  out << Counted(summary.num_images, "image") << ": " << summary.num_refined
       << " refined";
   if (summary.num_skipped > 0) {
     out << ", " << summary.num_skipped << " done before with the same options";
@@ -152,7 +149,7 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
   out << "Time: " << Fixed(summary.wall_seconds, 1) << " s on "
       << Printable(summary.device);
   if (summary.num_workers > 1) {
-    out << ", " << Images(summary.num_workers) << " at a time";
+    out << ", " << Counted(summary.num_workers, "image") << " at a time";
   }
   if (summary.wall_seconds > 0.0) {
     out << "; " << Fixed(summary.num_refined / summary.wall_seconds, 2)
@@ -186,11 +183,16 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
 
 }  // namespace
 
+std::string Counted(int64_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
 void PrintMasks(const std::optional<int64_t>& num_masks,
                 int num_images,
                 std::ostream& out) {
   if (num_masks) {
-    out << "  masks for " << *num_masks << " of " << Images(num_images) << "\n";
+    out << "  masks for " << *num_masks << " of "
+        << Counted(num_images, "image") << "\n";
   }
 }
 
@@ -206,7 +208,7 @@ void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
 void PrintSummary(const RunSummary& summary, std::ostream& out) {
   if (summary.pass == RefinePass::kAll && summary.num_refined == 0 &&
       summary.kept.empty()) {
-    out << Images(summary.num_images) << ": nothing to do, "
+    out << Counted(summary.num_images, "image") << ": nothing to do, "
         << summary.num_skipped << " done before with the same options";
     if (summary.num_not_listed > 0) {
       out << ", " << summary.num_not_listed << " not in the list";

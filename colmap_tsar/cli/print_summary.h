@@ -8,12 +8,16 @@
 #include <cstdint>
 #include <optional>
 #include <ostream>
+#include <string>
 #include <vector>
 
 namespace tsar {
 
 struct ImportSummary;
 struct StereoSummary;
+
+// "1 image" or "2 images".
+std::string Counted(int64_t count, const std::string& noun);
 
 // Prints for the user what was done, the effect, the time, and the next command
 // to run.

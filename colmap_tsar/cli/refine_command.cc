@@ -11,7 +11,6 @@
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/priors/prior_type.h"
-#include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
@@ -24,8 +23,6 @@
 #include <type_traits>
 #include <utility>
 #include <variant>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -47,7 +44,7 @@ constexpr const char* kSummary =
 
 void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
   options->AddRequired("workspace_path",
-                       &command->workspace_path,
+                       &command->workspace.workspace_path,
                        "The dense workspace, as image_undistorter makes it and "
                        "patch_match_stereo fills it.");
   AddMapType("input_type",
@@ -57,20 +54,19 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
              "there are no geometric ones.",
              options);
   options->Add("image_list_path",
-               &command->image_list_path,
+               &command->workspace.image_list_path,
                "A text file with one image name per line: refine these alone, "
                "to the same maps as among all. The others serve as sources, "
                "and stay as they are. If empty, refine all.");
-  options->Add("mask_path",
-               &command->mask_path,
-               "The folder with masks of the undistorted images, named as for "
-               "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), what "
-               "the maps hold is no evidence for anything, and the refined "
-               "maps have no depth. Images without a mask are used as a "
-               "whole.");
-  AddPriorOptions("", &command->prior_path, &command->prior_type, options);
+  AddMaskPath(&command->workspace.mask_path,
+              "Where a mask is black (0), what the maps hold is no evidence "
+              "for anything, and the refined maps have no depth. Images "
+              "without a mask are used as a whole.",
+              options);
+  AddPriorOptions(
+      "", &command->workspace.prior_path, &command->prior_type, options);
   options->Add("region_path",
-               &command->region_path,
+               &command->workspace.region_path,
                "The folder with label images of the undistorted images, "
                "a.jpg.png or a.png for a.jpg, of any program for segmentation: "
                "PNG files of one channel with 8 or 16 bits, a number for each "
@@ -79,7 +75,7 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                "image edges where most depths measured in it contradict these "
                "and confirm its own. Images may be without one.");
   options->Add("output_path",
-               &command->output_path,
+               &command->workspace.output_path,
                "Write a second workspace here, with links to the images, and "
                "leave the first as it is. If empty, refine in place.");
   options->Add("restore",
@@ -98,14 +94,13 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                      "The method of this project; the published one as this "
                      "project reads it; or its equations as printed, for "
                      "scenes in meters. Options that are given come on top.");
-  AddDeviceArguments(group, &command->devices, options);
-  options->Add(
-      group + "num_threads",
-      &command->devices.num_threads,
-      "Number of CPU threads; -1: one for each core. On the CPU, those "
-      "that compute; a few more read and write files. With GPUs, two "
-      "fifths of them read files and as many write, at most ten per GPU.",
-      {-1, 4096});
+  AddDeviceArguments(
+      group,
+      &command->devices,
+      options,
+      " On the CPU, those that compute; a few more read and write files. With "
+      "GPUs, two fifths of them read files and as many write, at most ten per "
+      "GPU.");
 #if TSAR_TOOL_REPORT
   options->Add(
       group + "debug_path",
@@ -179,33 +174,27 @@ void AddRefineOptions(RefineCommand* command, OptionSet* options) {
 }
 
 int RestoreWorkspace(const RefineCommand& command) {
-  if (!command.output_path.empty()) {
-    throw Error(ErrorCode::kBadOption,
-                "--restore puts maps back in place; leave --output_path out");
-  }
-  if (!command.image_list_path.empty()) {
-    throw Error(ErrorCode::kBadOption,
-                "--restore puts the maps of all images back; leave "
-                "--image_list_path out");
-  }
-  if (!command.mask_path.empty()) {
-    throw Error(ErrorCode::kBadOption,
-                "--restore puts whole maps back; leave --mask_path out");
-  }
-  if (!command.prior_path.empty()) {
-    throw Error(ErrorCode::kBadOption,
-                "--restore puts maps back as they were; leave --prior_path "
-                "out");
-  }
-  if (!command.region_path.empty()) {
-    throw Error(ErrorCode::kBadOption,
-                "--restore looks at no regions; leave --region_path out");
-  }
-  const WorkspaceLock lock(command.workspace_path);
+  const WorkspaceRefineOptions& given = command.workspace;
+  const auto refuse = [](const std::filesystem::path& path,
+                         const std::string& option,
+                         const std::string& reason) {
+    if (!path.empty()) {
+      throw Error(ErrorCode::kBadOption,
+                  "--restore " + reason + "; leave " + option + " out");
+    }
+  };
+  refuse(given.output_path, "--output_path", "puts maps back in place");
+  refuse(given.image_list_path,
+         "--image_list_path",
+         "puts the maps of all images back");
+  refuse(given.mask_path, "--mask_path", "puts whole maps back");
+  refuse(given.prior_path, "--prior_path", "puts maps back as they were");
+  refuse(given.region_path, "--region_path", "looks at no regions");
+  const WorkspaceLock lock(given.workspace_path);
   const RestoreResult result = Restore(
-      command.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
-  std::cout << "Put the original maps of " << result.num_restored
-            << (result.num_restored == 1 ? " image" : " images") << " back.\n";
+      given.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
+  std::cout << "Put the original maps of "
+            << Counted(result.num_restored, "image") << " back.\n";
   for (const std::filesystem::path& output : result.relinked) {
     std::cout << "Made the links of " << Printable(output.string())
               << " to these maps again.\n";
@@ -231,30 +220,24 @@ void RefineCommand::UsePreset() {
 
 RunSummary RefineCommand::Run(Progress& progress,
                               const std::function<bool()>& should_stop) const {
-  WorkspaceRefineOptions workspace;
-  workspace.workspace_path = workspace_path;
-  workspace.output_path = output_path;
-  workspace.image_list_path = image_list_path;
-  workspace.mask_path = mask_path;
-  workspace.prior_path = prior_path;
-  workspace.prior_type = ParsePriorType(prior_type);
-  workspace.region_path = region_path;
-  workspace.input_type = ParseMapType(input_type);
-  workspace.devices = devices.Parse();
-  workspace.shard = ParseShard(shard);
-  workspace.pass = ParsePass(pass);
+  WorkspaceRefineOptions parsed = workspace;
+  parsed.prior_type = ParsePriorType(prior_type);
+  parsed.input_type = ParseMapType(input_type);
+  parsed.devices = devices.Parse();
+  parsed.shard = ParseShard(shard);
+  parsed.pass = ParsePass(pass);
   std::unique_ptr<RefineObserver> pictures;
 #if TSAR_TOOL_REPORT
   if (!debug_path.empty()) {
-    workspace.Check();
+    parsed.Check();
     refine.Check();
     const std::string option = OptionName("debug_path");
-    if (workspace.pass != RefinePass::kAll) {
+    if (parsed.pass != RefinePass::kAll) {
       throw Error(ErrorCode::kBadOption,
                   option + ": shards draw no pictures; leave it out, or run " +
                       OptionName("pass") + " all");
     }
-    for (const std::string& root : {workspace_path, output_path}) {
+    for (const auto& root : {parsed.workspace_path, parsed.output_path}) {
       if (!root.empty()) {
         RequireOutsideInputs(root, debug_path, option);
       }
@@ -262,11 +245,7 @@ RunSummary RefineCommand::Run(Progress& progress,
     pictures = std::make_unique<DebugPictures>(debug_path);
   }
 #endif
-  return RefineWorkspace(workspace,
-                         refine,
-                         progress,
-                         should_stop,
-                         pictures.get());
+  return RefineWorkspace(parsed, refine, progress, should_stop, pictures.get());
 }
 
 int RunTsarRefine(int argc, char** argv) {
@@ -286,17 +265,16 @@ int RunTsarRefine(int argc, char** argv) {
   if (command.restore) {
     return RestoreWorkspace(command);
   }
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const Interruption interruption;
   const RunSummary summary =
-      command.Run(progress, [&] { return interruption.Requested(); });
+      RunInterruptibly(std::bind_front(&RefineCommand::Run, &command));
   PrintSummary(summary, std::cout);
   if (summary.RefinedNone()) {
     // The next command would find no refined maps.
     const RunSummary::KeptImage& first = summary.kept.front();
     throw Error(ErrorCode::kNotFound,
-                command.workspace_path + ": no image could be refined; " +
-                    first.name + ": " + first.reason);
+                command.workspace.workspace_path.string() +
+                    ": no image could be refined; " + first.name + ": " +
+                    first.reason);
   }
   return 0;
 }

@@ -6,9 +6,10 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -16,22 +17,18 @@ namespace tsar {
 
 // The arguments of tsar_refine, from the command line or from Python.
 struct RefineCommand {
-  std::string workspace_path;
   std::string input_type;
-  std::string image_list_path;
-  std::string mask_path;
-  std::string prior_path;
   std::string prior_type = "auto";
-  std::string region_path;
-  std::string output_path;
   bool restore = false;
   std::string restore_conflicts = "report";
   std::string preset = "default";
   DeviceArguments devices;
-  std::string debug_path;
+  std::filesystem::path debug_path;
   std::string shard;
   std::string pass = "all";
   std::string experiment;
+  // The options that the members above do not hold.
+  WorkspaceRefineOptions workspace;
   RefineOptions refine;
 
   void AddTo(OptionSet* options);

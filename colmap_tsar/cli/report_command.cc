@@ -10,7 +10,7 @@
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
-#include "colmap_tsar/cli/output_file.h"
+#include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/priors/prior_type.h"
@@ -23,10 +23,7 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
-#include <utility>
 #include <vector>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -64,10 +61,10 @@ void WriteReport(const Workspace& workspace, const ReportCommand& command) {
   // without the run having failed.
   const std::string index =
       Printable((page.report_path / "index.html").string());
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const Interruption interruption;
-  const int num_images = WritePage(
-      workspace, page, progress, [&] { return interruption.Requested(); });
+  const int num_images =
+      RunInterruptibly([&](Progress& progress, const auto& should_stop) {
+        return WritePage(workspace, page, progress, should_stop);
+      });
   if (!page.after_path.empty() && page.before_path.empty() && !page.fuse) {
     Warn(
         "no --before_path: the page compares the cloud after with points of "
@@ -75,9 +72,8 @@ void WriteReport(const Workspace& workspace, const ReportCommand& command) {
         "--fuse default make both clouds, or --fuse colmap the one before "
         "where stereo_fusion made the one after");
   }
-  std::cout << "Wrote a page about " << num_images
-            << (num_images == 1 ? " image" : " images") << "\nOpen " << index
-            << " in a browser" << std::endl;
+  std::cout << "Wrote a page about " << Counted(num_images, "image")
+            << "\nOpen " << index << " in a browser" << std::endl;
 }
 
 void AddPageOptions(ReportCommand* command, OptionSet* options) {
@@ -92,7 +88,7 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
       options);
   options->Add(
       "report_path",
-      &command->report_path,
+      &command->page.report_path,
       "The folder of the page. If not given: report in the workspace.");
   options->Add("overwrite",
                &command->page.overwrite,
@@ -100,7 +96,7 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
                "--output_path names. A folder with anything else in it, also "
                "in the folders of a page, is never touched.");
   options->Add("debug_path",
-               &command->debug_path,
+               &command->page.debug_path,
                "What --TsarRefine.debug_path was when the workspace was "
                "refined: shows superpixels, edges, lines, regions and surfaces "
                "over the images.");
@@ -111,12 +107,12 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
       options);
   options->Add(
       "before_path",
-      &command->before_path,
+      &command->page.before_path,
       "The cloud (PLY) that stereo_fusion made of the maps before, for "
       "the 3D view. If not given, the view shows points of the original maps "
       "themselves.");
   options->Add("after_path",
-               &command->after_path,
+               &command->page.after_path,
                "The cloud that it made of the refined maps. If not given, "
                "neither may --before_path be, and the view shows points of "
                "these maps.");
@@ -132,12 +128,12 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
 
 void AddScoreOptions(ReportCommand* command, OptionSet* options) {
   options->Add("ground_truth_path",
-               &command->ground_truth_path,
+               &command->page.ground_truth_path,
                "Depth maps to score the maps against, before and after, as "
                "tsar_evaluate depth takes them.");
   options->Add(
       "scans_path",
-      &command->scans_path,
+      &command->page.scans_path,
       "Laser scans to score both clouds against: a MeshLab project, as "
       "tsar_evaluate cloud takes it.");
   options->Add("tolerances",
@@ -156,11 +152,10 @@ void AddSizeOptions(ReportCommand* command, OptionSet* options) {
                &command->max_points,
                "Most points in the 3D view, before and after each.",
                {1, 20000000});
-  options->Add("num_threads",
-               &command->page.num_threads,
-               "Number of CPU threads; -1: one for each core. Fewer where the "
-               "images are too large for the main memory.",
-               {-1, 4096});
+  AddNumThreads("num_threads",
+                &command->page.num_threads,
+                options,
+                " Fewer where the images are too large for the main memory.");
   options->Add("output_path",
                &command->output_path,
                "The picture to draw, if any: a row for each image, with depth "
@@ -185,21 +180,21 @@ void ReportCommand::Check() const {
   if (WantsPage()) {
     return;
   }
-  for (const auto& [key, value] :
-       {std::pair("debug_path", &debug_path),
-        std::pair("before_path", &before_path),
-        std::pair("after_path", &after_path),
-        std::pair("fuse", &fuse),
-        std::pair("ground_truth_path", &ground_truth_path),
-        std::pair("scans_path", &scans_path)}) {
-    if (!value->empty()) {
+  const auto refuse = [](const std::string& key, bool is_given) {
+    if (is_given) {
       throw Error(ErrorCode::kBadOption,
                   OptionName(key) + " is for a page, and with " +
                       OptionName("output_path") +
                       " alone there is none; give " +
                       OptionName("report_path") + ", too, or leave it out");
     }
-  }
+  };
+  refuse("debug_path", !page.debug_path.empty());
+  refuse("before_path", !page.before_path.empty());
+  refuse("after_path", !page.after_path.empty());
+  refuse("fuse", !fuse.empty());
+  refuse("ground_truth_path", !page.ground_truth_path.empty());
+  refuse("scans_path", !page.scans_path.empty());
 }
 
 Workspace ReportCommand::Open() const {
@@ -222,7 +217,7 @@ void ReportCommand::WritePicture(const Workspace& workspace) const {
   const std::vector<int> refined = FindRefinedImages(workspace);
   if (refined.empty()) {
     throw Error::File(ErrorCode::kNotFound,
-                      workspace_path,
+                      workspace_path.string(),
                       "has no refined " + ToString(workspace.Type()) + " maps",
                       "run tsar_refine on it first");
   }
@@ -235,13 +230,9 @@ void ReportCommand::WritePicture(const Workspace& workspace) const {
 
 PageOptions ReportCommand::Page(const Workspace& workspace) const {
   PageOptions result = page;
-  result.report_path = report_path.empty() ? workspace.Root() / "report"
-                                           : std::filesystem::path(report_path);
-  result.debug_path = debug_path;
-  result.before_path = before_path;
-  result.after_path = after_path;
-  result.ground_truth_path = ground_truth_path;
-  result.scans_path = scans_path;
+  if (page.report_path.empty()) {
+    result.report_path = workspace.Root() / "report";
+  }
   result.tolerances = ParseTolerances(tolerances);
   result.max_num_points = max_points;
   if (!fuse.empty()) {
@@ -265,7 +256,8 @@ int RunTsarReport(int argc, char** argv) {
   const Workspace workspace = command.Open();
   if (command.WantsPicture()) {
     command.WritePicture(workspace);
-    std::cout << "Wrote " << Printable(command.output_path) << std::endl;
+    std::cout << "Wrote " << Printable(command.output_path.string())
+              << std::endl;
   }
   if (command.WantsPage()) {
     WriteReport(workspace, command);

@@ -7,26 +7,21 @@
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/report/write_page.h"
 
+#include <filesystem>
 #include <string>
 
 namespace tsar {
 
 // The arguments of tsar_report, from the command line or from Python.
 struct ReportCommand {
-  std::string workspace_path;
+  std::filesystem::path workspace_path;
   std::string input_type;
-  std::string report_path;
-  std::string debug_path;
-  std::string prior_path;
+  std::filesystem::path prior_path;
   std::string prior_type = "auto";
-  std::string before_path;
-  std::string after_path;
   std::string fuse;  // A preset of fusion; empty: nothing is fused.
-  std::string ground_truth_path;
-  std::string scans_path;
   std::string tolerances = "0.02,0.1";
   int max_points = 300000;
-  std::string output_path;
+  std::filesystem::path output_path;
   int num_images = 3;
   // The options of the page that the members above do not hold.
   PageOptions page;
@@ -41,7 +36,9 @@ struct ReportCommand {
   Workspace Open() const;
 
   bool WantsPicture() const { return !output_path.empty(); }
-  bool WantsPage() const { return output_path.empty() || !report_path.empty(); }
+  bool WantsPage() const {
+    return output_path.empty() || !page.report_path.empty();
+  }
 
   // Draws the picture. Throws Error: kNotFound where nothing was refined, and
   // what RequireWritableOutput, ReadComparisonRow and WritePng throw.

@@ -3,12 +3,16 @@
 
 #include "colmap_tsar/cli/shared_options.h"
 
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/priors/prior_type.h"
+#include "colmap_tsar/run/store/input_folders.h"
 
 #include <algorithm>
 #include <iostream>
+#include <system_error>
 
 namespace tsar {
 namespace {
@@ -51,18 +55,17 @@ std::string FirstAndNumber(const std::vector<std::filesystem::path>& paths) {
 }  // namespace
 
 DeviceOptions DeviceArguments::Parse() const {
-  DeviceOptions options;
-  options.choice = ParseDeviceChoice(device);
-  options.gpu_indices = ParseGpuIndices(gpu_index);
-  options.num_threads = num_threads;
-  options.cache_size = cache_size;
-  options.Check();
-  return options;
+  DeviceOptions parsed = options;
+  parsed.choice = ParseDeviceChoice(device);
+  parsed.gpu_indices = ParseGpuIndices(gpu_index);
+  parsed.Check();
+  return parsed;
 }
 
 void AddDeviceArguments(const std::string& group,
                         DeviceArguments* arguments,
-                        OptionSet* options) {
+                        OptionSet* options,
+                        const std::string& remark) {
   options->AddChoice(group + "device",
                      &arguments->device,
                      {"auto", "cuda", "cpu"},
@@ -72,11 +75,23 @@ void AddDeviceArguments(const std::string& group,
                "The GPUs to use, as numbers from 0 on with commas between "
                "them, such as 0,1; -1 takes every GPU of the machine.");
   options->Add(group + "cache_size",
-               &arguments->cache_size,
+               &arguments->options.cache_size,
                "Main memory for the images at work, in gigabytes; at most four "
                "fifths of the machine's count. Fewer images are worked on at a "
                "time where it does not suffice.",
                {0.001, 1e6});
+  AddNumThreads(
+      group + "num_threads", &arguments->options.num_threads, options, remark);
+}
+
+void AddNumThreads(const std::string& name,
+                   int* value,
+                   OptionSet* options,
+                   const std::string& remark) {
+  options->Add(name,
+               value,
+               "Number of CPU threads; -1: one for each core." + remark,
+               {-1, 4096});
 }
 
 void AddMapType(const std::string& name,
@@ -90,8 +105,18 @@ void AddMapType(const std::string& name,
       description);
 }
 
+void AddMaskPath(std::filesystem::path* value,
+                 const std::string& effect,
+                 OptionSet* options) {
+  options->Add("mask_path",
+               value,
+               "The folder with masks of the undistorted images, named as for "
+               "COLMAP: a.jpg.png for a.jpg. " +
+                   effect);
+}
+
 void AddPriorOptions(const std::string& use,
-                     std::string* prior_path,
+                     std::filesystem::path* prior_path,
                      std::string* prior_type,
                      OptionSet* options) {
   options->Add("prior_path", prior_path, kPriorFiles + use);
@@ -164,6 +189,40 @@ void RequireNoneLost(const std::vector<std::filesystem::path>& lost) {
                 FirstAndNumber(lost) +
                     ": this map has been refined, and its original is gone; "
                     "run patch_match_stereo again for this image");
+  }
+}
+
+void RequireWritableOutput(const std::filesystem::path& workspace_path,
+                           const std::filesystem::path& output_path,
+                           const std::string& kind,
+                           bool overwrite,
+                           const std::string& option_key) {
+  const std::string option = OptionName(option_key);
+  RequireOutsideInputs(workspace_path, output_path, option);
+  std::error_code error;
+  const std::filesystem::path folder = UserPath(output_path).Root();
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "no such folder to write the " + kind + " into",
+                      "make it, or choose another " + option);
+  }
+  if (!std::filesystem::exists(
+          std::filesystem::symlink_status(output_path, error))) {
+    return;
+  }
+  if (!std::filesystem::is_regular_file(output_path, error)) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      output_path.string(),
+                      "is there already and is no " + kind,
+                      "choose another " + option);
+  }
+  if (!overwrite) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      output_path.string(),
+                      "is there already",
+                      "give " + OptionName("overwrite") +
+                          " 1 to replace it, or choose another " + option);
   }
 }
 

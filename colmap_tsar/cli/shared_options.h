@@ -14,25 +14,32 @@
 
 namespace tsar {
 
-// Options that several commands have.
+// Options that several commands have, and checks of their values.
 
 // DeviceOptions as a user types them.
 struct DeviceArguments {
   std::string device = ToString(DeviceOptions().choice);
   std::string gpu_index = GpuIndicesText(DeviceOptions().gpu_indices);
-  int num_threads = DeviceOptions().num_threads;
-  double cache_size = DeviceOptions().cache_size;
+  // The options that the members above do not hold.
+  DeviceOptions options;
 
   // Throws kBadOption.
   DeviceOptions Parse() const;
 };
 
-// Adds the options for the devices and the memory of a command, but for
-// num_threads, which each command describes itself. group: the prefix of their
-// names, such as "TsarRefine.".
+// Adds the options for the devices and the memory of a command. group: the
+// prefix of their names, such as "TsarRefine.". remark: see AddNumThreads.
 void AddDeviceArguments(const std::string& group,
                         DeviceArguments* arguments,
-                        OptionSet* options);
+                        OptionSet* options,
+                        const std::string& remark = "");
+
+// Adds a number of CPU threads. remark: sentences after its description, each
+// after a space, or empty.
+void AddNumThreads(const std::string& name,
+                   int* value,
+                   OptionSet* options,
+                   const std::string& remark = "");
 
 // Adds a choice of maps, such as --input_type. description: "The maps to ...".
 void AddMapType(const std::string& name,
@@ -40,10 +47,15 @@ void AddMapType(const std::string& name,
                 const std::string& description,
                 OptionSet* options);
 
+// Adds --mask_path. effect: what a mask changes, in sentences.
+void AddMaskPath(std::filesystem::path* value,
+                 const std::string& effect,
+                 OptionSet* options);
+
 // Adds --prior_path and --prior_type. use: sentences after the description of
 // the files, each after a space, or empty.
 void AddPriorOptions(const std::string& use,
-                     std::string* prior_path,
+                     std::filesystem::path* prior_path,
                      std::string* prior_type,
                      OptionSet* options);
 
@@ -61,5 +73,16 @@ void ReportRestored(const std::vector<std::filesystem::path>& kept,
 
 // Throws Error kMismatch where refined maps have lost their originals.
 void RequireNoneLost(const std::vector<std::filesystem::path>& lost);
+
+// Checks, before the work is done, whether a command may write a file to a path
+// that an option gives. Throws Error kNotFound where its folder is missing,
+// kUnsupported where it lies among the inputs of the workspace, where it is
+// something else than a file, and where the file exists and is not to be
+// overwritten. kind: the name of the kind of file, "picture".
+void RequireWritableOutput(const std::filesystem::path& workspace_path,
+                           const std::filesystem::path& output_path,
+                           const std::string& kind,
+                           bool overwrite,
+                           const std::string& option_key = "output_path");
 
 }  // namespace tsar

@@ -8,9 +8,8 @@
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/priors/prior_type.h"
 
+#include <functional>
 #include <iostream>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -20,26 +19,24 @@ constexpr const char* kSummary =
     "patch_match_stereo does, on NVIDIA GPUs and also without any. It needs "
     "the undistorted images and the sparse model, and writes photometric maps "
     "(all depths), geometric maps (those that other images confirm, and "
-    "between "
-    "them what a planar prior fills) and their matching costs. Run it after "
-    "image_undistorter, and tsar_refine or "
-    "stereo_fusion after it. It can be interrupted at any time: the same "
-    "command goes on where it stopped.";
+    "between them what a planar prior fills) and their matching costs. Run it "
+    "after image_undistorter, and tsar_refine or stereo_fusion after it. It "
+    "can be interrupted at any time: the same command goes on where it "
+    "stopped.";
 
 void AddRunOptions(StereoCommand* command, OptionSet* options) {
   options->AddRequired("workspace_path",
                        &command->workspace_path,
                        "The dense workspace, as image_undistorter makes it.");
   options->Add("image_list_path",
-               &command->image_list_path,
+               &command->files.image_list_path,
                "A text file with one image name per line: make the maps of "
                "these alone, the same as among all. Of others that they need "
                "for it, photometric maps are left as well. If empty, all.");
-  options->Add("mask_path",
-               &command->mask_path,
-               "The folder with masks of the undistorted images, named as for "
-               "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), no "
-               "depth is made. Images without a mask are matched as a whole.");
+  AddMaskPath(&command->files.mask_path,
+              "Where a mask is black (0), no depth is made. Images without a "
+              "mask are matched as a whole.",
+              options);
   AddPriorOptions(
       " A prior is aligned with the depths measured on texture in its image "
       "and takes part where planar_prior fills: its planes replace those "
@@ -47,7 +44,7 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
       "are none. Measured depths stay as they are, and a prior that explains "
       "too little of them is not used. tsar_refine takes the same folder; "
       "filled depths are nothing to it, so give the priors to it as well.",
-      &command->prior_path,
+      &command->files.prior_path,
       &command->prior_type,
       options);
   options->Add("overwrite",
@@ -56,10 +53,6 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
                "other options, or from images, masks or depth priors that have "
                "changed since.");
   AddDeviceArguments("TsarStereo.", &command->devices, options);
-  options->Add("TsarStereo.num_threads",
-               &command->devices.num_threads,
-               "Number of CPU threads; -1: one for each core.",
-               {-1, 4096});
 }
 
 void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
@@ -146,14 +139,16 @@ void StereoCommand::AddTo(OptionSet* options) {
 
 StereoSummary StereoCommand::Run(
     Progress& progress, const std::function<bool()>& should_stop) const {
-  return MatchWorkspace(
-      workspace_path,
-      devices.Parse(),
-      stereo,
-      overwrite,
-      progress,
-      should_stop,
-      {image_list_path, mask_path, prior_path, ParsePriorType(prior_type)});
+  const DeviceOptions parsed_devices = devices.Parse();
+  StereoImageFiles parsed_files = files;
+  parsed_files.prior_type = ParsePriorType(prior_type);
+  return MatchWorkspace(workspace_path,
+                        parsed_devices,
+                        stereo,
+                        overwrite,
+                        progress,
+                        should_stop,
+                        parsed_files);
 }
 
 int RunTsarStereo(int argc, char** argv) {
@@ -164,9 +159,7 @@ int RunTsarStereo(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const Interruption interruption;
-  PrintSummary(command.Run(progress, [&] { return interruption.Requested(); }),
+  PrintSummary(RunInterruptibly(std::bind_front(&StereoCommand::Run, &command)),
                std::cout);
   return 0;
 }

@@ -8,6 +8,7 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
+#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -15,10 +16,8 @@ namespace tsar {
 
 // The arguments of tsar_stereo, from the command line or from Python.
 struct StereoCommand {
-  std::string workspace_path;
-  std::string image_list_path;
-  std::string mask_path;
-  std::string prior_path;
+  std::filesystem::path workspace_path;
+  StereoImageFiles files;  // Without the prior_type, which comes next.
   std::string prior_type = "auto";
   bool overwrite = false;
   DeviceArguments devices;

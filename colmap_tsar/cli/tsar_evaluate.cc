@@ -8,12 +8,13 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/tools/evaluation/fused_pixel_evaluation.h"
 #include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
 #include "colmap_tsar/tools/evaluation/depth_evaluation.h"
+#include "colmap_tsar/tools/evaluation/fused_pixel_evaluation.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <map>
@@ -21,7 +22,6 @@
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -50,18 +50,10 @@ void PrintFormsJson() {
   std::cout << json.dump(2) << "\n";
 }
 
-// Prints one row of a table; numbers are given as text.
-void PrintRow(const std::vector<std::string>& cells) {
-  for (size_t i = 0; i < cells.size(); ++i) {
-    std::cout << (i == 0 ? std::left : std::right)
-              << std::setw(i == 0 ? 12 : 13) << cells[i];
-  }
-  std::cout << "\n";
-}
-
-std::string Share(double value) {
+// The share with four digits after the point.
+std::string ShareText(double share) {
   TextStream text;
-  text << std::fixed << std::setprecision(4) << value;
+  text << std::fixed << std::setprecision(4) << share;
   return text.str();
 }
 
@@ -70,20 +62,56 @@ double ShareOf(int64_t part, int64_t all) {
          static_cast<double>(std::max<int64_t>(all, 1));
 }
 
-std::string Tolerance(double value) {
-  TextStream text;
-  text << value;
-  return text.str();
+// One cell of the table of scores.
+std::string CellText(const std::string& column, const Json& value) {
+  if (column == "tolerance") {
+    TextStream text;
+    text << value.get<double>();
+    return text.str();
+  }
+  return value.is_string() ? value.get<std::string>() : ShareText(value);
 }
 
-void PrintJson(const DepthEvaluation& evaluation) {
+void PrintRow(const std::vector<std::string>& cells) {
+  for (size_t i = 0; i < cells.size(); ++i) {
+    std::cout << (i == 0 ? std::left : std::right)
+              << std::setw(i == 0 ? 12 : 13) << cells[i];
+  }
+  std::cout << "\n";
+}
+
+// Prints the evaluation as JSON, or the title and its "scores", which are at
+// least one, as a table: a row for each.
+void PrintEvaluation(const Json& evaluation,
+                     const std::string& title,
+                     bool as_json) {
+  if (as_json) {
+    std::cout << evaluation.dump(2) << "\n";
+    return;
+  }
+  std::cout << title << "\n";
+  const Json& scores = evaluation.at("scores");
+  std::vector<std::string> columns;
+  for (const auto& [column, value] : scores.at(0).items()) {
+    columns.push_back(column == "f1" ? "F1" : column);
+  }
+  PrintRow(columns);
+  for (const Json& score : scores) {
+    std::vector<std::string> cells;
+    for (const auto& [column, value] : score.items()) {
+      cells.push_back(CellText(column, value));
+    }
+    PrintRow(cells);
+  }
+}
+
+Json ToJson(const DepthEvaluation& evaluation) {
   Json json;
   json["num_images"] = evaluation.num_images;
   json["num_images_without_map"] = evaluation.num_images_without_map;
   if (evaluation.num_masks) {
     json["num_masks"] = *evaluation.num_masks;
   }
-  json["scores"] = Json::array();
   for (const DepthScore& score : evaluation.scores) {
     json["scores"].push_back({{"area", score.area},
                               {"tolerance", score.tolerance},
@@ -91,62 +119,54 @@ void PrintJson(const DepthEvaluation& evaluation) {
                               {"recall", score.Recall()},
                               {"f1", score.F1()}});
   }
-  std::cout << json.dump(2) << "\n";
+  return json;
 }
 
-void PrintTable(const DepthEvaluation& evaluation) {
-  std::cout << evaluation.num_images << " images";
+std::string TitleOf(const DepthEvaluation& evaluation) {
+  TextStream title;
+  title << evaluation.num_images << " images";
   if (evaluation.num_images_without_map > 0) {
-    std::cout << " (" << evaluation.num_images_without_map
-              << " more have ground truth but no map)";
+    title << " (" << evaluation.num_images_without_map
+          << " more have ground truth but no map)";
   }
   if (evaluation.num_masks) {
-    std::cout << ", masks for " << *evaluation.num_masks << " of them";
+    title << ", masks for " << *evaluation.num_masks << " of them";
   }
-  std::cout << "\n";
-  PrintRow({"area", "tolerance", "precision", "recall", "F1"});
-  for (const DepthScore& score : evaluation.scores) {
-    PrintRow({score.area,
-              Tolerance(score.tolerance),
-              Share(score.Precision()),
-              Share(score.Recall()),
-              Share(score.F1())});
-  }
+  return title.str();
 }
 
-void PrintJson(const CloudEvaluation& evaluation) {
-  Json json;
-  json["num_points"] = evaluation.num_points;
-  json["num_scan_points"] = evaluation.num_scan_points;
-  json["scores"] = Json::array();
-  for (const CloudScore& score : evaluation.scores) {
-    json["scores"].push_back({{"tolerance", score.tolerance},
-                              {"completeness", score.completeness},
-                              {"accuracy", score.accuracy},
-                              {"f1", score.f1}});
-  }
-  std::cout << json.dump(2) << "\n";
-}
-
-void PrintTable(const CloudEvaluation& evaluation) {
-  std::cout << evaluation.num_points << " points, "
-            << evaluation.num_scan_points << " scan points\n";
-  PrintRow({"tolerance", "completeness", "accuracy", "F1"});
-  for (const CloudScore& score : evaluation.scores) {
-    PrintRow({Tolerance(score.tolerance),
-              Share(score.completeness),
-              Share(score.accuracy),
-              Share(score.f1)});
-  }
-}
-
-int EvaluateDepth(int argc, char** argv) {
-  DepthEvaluationOptions evaluation_options;
-  std::string workspace_path;
-  std::string ground_truth_path;
-  std::string mask_path;
+// Arguments of both evaluations of maps.
+struct MapArguments {
+  std::filesystem::path workspace_path;
+  std::string input_type = ToString(MapType::kGeometric);
+  std::filesystem::path ground_truth_path;
+  std::filesystem::path mask_path;
   std::string tolerances = "0.02,0.1";
   bool json = false;
+
+  // workspace, maps: descriptions. mask_effect: see AddMaskPath.
+  void AddTo(OptionSet* options,
+             const std::string& workspace,
+             const std::string& maps,
+             const std::string& mask_effect) {
+    options->AddRequired("workspace_path", &workspace_path, workspace);
+    AddMapType("input_type", &input_type, maps, options);
+    options->Add("ground_truth_path",
+                 &ground_truth_path,
+                 "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 "
+                 "= unknown. If empty, ground_truth/depth in the workspace.");
+    AddMaskPath(&mask_path, mask_effect, options);
+    options->Add("tolerances",
+                 &tolerances,
+                 "A depth is right if it is off by less than this; rising "
+                 "numbers with commas, in units of the model (meters, if it "
+                 "has them).");
+    options->Add("json", &json, "Print JSON instead of a table.");
+  }
+};
+
+int EvaluateDepth(int argc, char** argv) {
+  MapArguments arguments;
   OptionSet options(
       "tsar_evaluate depth",
       "Compares the depth maps of a COLMAP dense workspace with ground truth "
@@ -156,38 +176,41 @@ int EvaluateDepth(int argc, char** argv) {
       "where gray values vary by less than 4 of 255 levels (standard deviation "
       "in a window of 11 x 11 pixels).",
       "tsar_evaluate depth --workspace_path dense --tolerances 0.02,0.1");
-  options.AddRequired("workspace_path",
-                      &workspace_path,
-                      "Folder of the dense workspace; its images are needed to "
-                      "find the textureless areas.");
-  options.AddChoice("input_type",
-                    &evaluation_options.input_type,
-                    {"geometric", "photometric"},
-                    "Which of the depth maps to score.");
-  options.Add("ground_truth_path",
-              &ground_truth_path,
-              "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 = "
-              "unknown. If empty, ground_truth/depth in the workspace.");
-  options.Add("mask_path",
-              &mask_path,
-              "The folder with masks of the undistorted images, named as for "
-              "COLMAP: a.jpg.png for a.jpg. Pixels where a mask is black (0) "
-              "are not scored.");
-  options.Add("tolerances",
-              &tolerances,
-              "A depth is right if it is off by less than this; rising numbers "
-              "with commas, in units of the model (meters, if it has them).");
-  options.Add("json", &json, "Print JSON instead of a table.");
+  arguments.AddTo(&options,
+                  "Folder of the dense workspace; its images are needed to "
+                  "find the textureless areas.",
+                  "Which of the depth maps to score.",
+                  "Pixels where a mask is black (0) are not scored.");
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  evaluation_options.ground_truth_path = ground_truth_path;
-  evaluation_options.mask_path = mask_path;
-  evaluation_options.tolerances = ParseTolerances(tolerances);
+  DepthEvaluationOptions evaluation_options;
+  evaluation_options.input_type = arguments.input_type;
+  evaluation_options.ground_truth_path = arguments.ground_truth_path;
+  evaluation_options.mask_path = arguments.mask_path;
+  evaluation_options.tolerances = ParseTolerances(arguments.tolerances);
   const DepthEvaluation evaluation =
-      EvaluateDepthMaps(workspace_path, evaluation_options);
-  json ? PrintJson(evaluation) : PrintTable(evaluation);
+      EvaluateDepthMaps(arguments.workspace_path, evaluation_options);
+  PrintEvaluation(ToJson(evaluation), TitleOf(evaluation), arguments.json);
   return 0;
+}
+
+Json ToJson(const CloudEvaluation& evaluation) {
+  Json json;
+  json["num_points"] = evaluation.num_points;
+  json["num_scan_points"] = evaluation.num_scan_points;
+  for (const CloudScore& score : evaluation.scores) {
+    json["scores"].push_back({{"tolerance", score.tolerance},
+                              {"completeness", score.completeness},
+                              {"accuracy", score.accuracy},
+                              {"f1", score.f1}});
+  }
+  return json;
+}
+
+std::string TitleOf(const CloudEvaluation& evaluation) {
+  return std::to_string(evaluation.num_points) + " points, " +
+         std::to_string(evaluation.num_scan_points) + " scan points";
 }
 
 // Masks apply to images, but a user may give them for a point cloud.
@@ -205,8 +228,8 @@ void RequireNoMasks(int argc, char** argv) {
 int EvaluateCloud(int argc, char** argv) {
   RequireNoMasks(argc, argv);
   CloudEvaluationOptions evaluation_options;
-  std::string input_path;
-  std::string ground_truth_path;
+  std::filesystem::path input_path;
+  std::filesystem::path ground_truth_path;
   std::string tolerances = "0.01,0.02,0.05,0.1";
   bool json = false;
   OptionSet options(
@@ -246,45 +269,34 @@ int EvaluateCloud(int argc, char** argv) {
   evaluation_options.tolerances = ParseTolerances(tolerances);
   const CloudEvaluation evaluation =
       EvaluateCloudFile(input_path, ground_truth_path, evaluation_options);
-  json ? PrintJson(evaluation) : PrintTable(evaluation);
+  PrintEvaluation(ToJson(evaluation), TitleOf(evaluation), json);
   return 0;
 }
 
-void PrintJson(const FusedPixelEvaluation& evaluation,
-               const std::vector<double>& tolerances) {
+Json ToJson(const FusedPixelEvaluation& evaluation,
+            const std::vector<double>& tolerances) {
   Json json;
   json["num_images"] = evaluation.num_images;
   json["num_known"] = evaluation.num_known;
   json["num_fused"] = evaluation.num_fused;
-  json["scores"] = Json::array();
   for (size_t t = 0; t < tolerances.size(); ++t) {
     json["scores"].push_back(
         {{"tolerance", tolerances[t]},
          {"right", ShareOf(evaluation.num_right[t], evaluation.num_fused)}});
   }
-  std::cout << json.dump(2) << "\n";
+  return json;
 }
 
-void PrintTable(const FusedPixelEvaluation& evaluation,
-                const std::vector<double>& tolerances) {
-  std::cout << evaluation.num_images << " images, " << evaluation.num_fused
-            << " of " << evaluation.num_known
-            << " pixels with ground truth became a point\n";
-  PrintRow({"tolerance", "right"});
-  for (size_t t = 0; t < tolerances.size(); ++t) {
-    PrintRow({Tolerance(tolerances[t]),
-              Share(ShareOf(evaluation.num_right[t], evaluation.num_fused))});
-  }
+std::string TitleOf(const FusedPixelEvaluation& evaluation) {
+  TextStream title;
+  title << evaluation.num_images << " images, " << evaluation.num_fused
+        << " of " << evaluation.num_known
+        << " pixels with ground truth became a point";
+  return title.str();
 }
 
 int RunEvaluateFusedPixels(int argc, char** argv) {
-  FusedPixelOptions evaluation_options;
-  std::string workspace_path;
-  std::string input_type = ToString(MapType::kGeometric);
-  std::string ground_truth_path;
-  std::string mask_path;
-  std::string tolerances = "0.02,0.1";
-  bool json = false;
+  MapArguments arguments;
   DeviceArguments devices;
   OptionSet options(
       "tsar_evaluate fused_pixels",
@@ -295,46 +307,29 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
       "see it. Shares are of these pixels; what those of the paper are of is "
       "not printed there.",
       "tsar_evaluate fused_pixels --workspace_path dense");
-  options.AddRequired("workspace_path",
-                      &workspace_path,
-                      "Folder of the dense workspace, refined or not.");
-  AddMapType("input_type", &input_type, "Which of the maps to fuse.", &options);
-  options.Add("ground_truth_path",
-              &ground_truth_path,
-              "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 = "
-              "unknown. If empty, ground_truth/depth "
-              "in the workspace.");
-  options.Add("mask_path",
-              &mask_path,
-              "The folder with masks of the undistorted images, named as for "
-              "COLMAP: a.jpg.png for a.jpg. Where a mask is black (0), depths "
-              "count as missing.");
-  options.Add("tolerances",
-              &tolerances,
-              "A depth is right if it is off by less than this; rising numbers "
-              "with commas, in units of the model (meters, if it has them).");
-  options.Add("json", &json, "Print JSON instead of a table.");
+  arguments.AddTo(&options,
+                  "Folder of the dense workspace, refined or not.",
+                  "Which of the maps to fuse.",
+                  "Where a mask is black (0), depths count as missing.");
   AddDeviceArguments("", &devices, &options);
-  options.Add("num_threads",
-              &devices.num_threads,
-              "Number of CPU threads; -1: one for each core.",
-              {-1, 4096});
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  evaluation_options.ground_truth_path = ground_truth_path;
-  evaluation_options.tolerances = ParseTolerances(tolerances);
+  FusedPixelOptions evaluation_options;
+  evaluation_options.ground_truth_path = arguments.ground_truth_path;
+  evaluation_options.tolerances = ParseTolerances(arguments.tolerances);
   evaluation_options.devices = devices.Parse();
-  Workspace workspace(workspace_path, *ParseMapType(input_type));
-  workspace.UseMasks(mask_path);
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const Interruption interruption;
+  Workspace workspace(arguments.workspace_path,
+                      *ParseMapType(arguments.input_type));
+  workspace.UseMasks(arguments.mask_path);
   const FusedPixelEvaluation evaluation =
-      EvaluateFusedPixels(workspace, evaluation_options, progress, [&] {
-        return interruption.Requested();
+      RunInterruptibly([&](Progress& progress, const auto& should_stop) {
+        return EvaluateFusedPixels(
+            workspace, evaluation_options, progress, should_stop);
       });
-  json ? PrintJson(evaluation, evaluation_options.tolerances)
-       : PrintTable(evaluation, evaluation_options.tolerances);
+  PrintEvaluation(ToJson(evaluation, evaluation_options.tolerances),
+                  TitleOf(evaluation),
+                  arguments.json);
   return 0;
 }
 

@@ -8,7 +8,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/cli/output_file.h"
+#include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
@@ -18,14 +18,12 @@
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <filesystem>
 #include <iostream>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <string>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -33,19 +31,17 @@ namespace {
 constexpr const char* kSummary =
     "Writes the planes of a refined workspace to a file: walls, floors, "
     "ceilings and other flat surfaces, each with its normal, how certain it "
-    "is, "
-    "its area, the images that see it, and its outlines with holes in the "
-    "world "
-    "frame. Walls and floors meet in the same lines. JSON holds everything; "
-    "PLY, OBJ and GLB (glTF) hold triangles for viewers, DXF triangles and "
-    "outlines for CAD programs. With --plan_path it draws a floor plan of the "
-    "walls instead, or as well. Coordinates and lengths are those of the "
-    "sparse model, unless --up and --scale change them.";
+    "is, its area, the images that see it, and its outlines with holes in the "
+    "world frame. Walls and floors meet in the same lines. JSON holds "
+    "everything; PLY, OBJ and GLB (glTF) hold triangles for viewers, DXF "
+    "triangles and outlines for CAD programs. With --plan_path it draws a "
+    "floor plan of the walls instead, or as well. Coordinates and lengths are "
+    "those of the sparse model, unless --up and --scale change them.";
 
 struct PlanesCommand {
-  std::string workspace_path;
-  std::string output_path;
-  std::string plan_path;
+  std::filesystem::path workspace_path;
+  std::filesystem::path output_path;
+  std::filesystem::path plan_path;
   std::string format;
   std::string input_type;
   std::string up = EnumName(kUpAxisNames, UpAxis::kModel);
@@ -108,20 +104,16 @@ bool IsWritten(const ExportedPlane& plane, PlaneFormat format) {
 
 void PrintPlanes(const ExportedPlanes& planes,
                  PlaneFormat format,
-                 const std::string& path) {
-  const auto num_written = static_cast<size_t>(std::count_if(
-      planes.planes.begin(), planes.planes.end(), [&](const auto& plane) {
-        return IsWritten(plane, format);
-      }));
-  const auto num_outlined = static_cast<size_t>(std::count_if(
-      planes.planes.begin(), planes.planes.end(), [](const auto& plane) {
-        return !plane.polygons.empty();
-      }));
-  std::cout << "Wrote " << num_written
-            << (num_written == 1 ? " plane" : " planes") << " of "
-            << planes.num_images
-            << (planes.num_images == 1 ? " image" : " images") << " to "
-            << Printable(path);
+                 const std::filesystem::path& path) {
+  const auto num_written = std::ranges::count_if(
+      planes.planes,
+      [&](const ExportedPlane& plane) { return IsWritten(plane, format); });
+  const auto num_outlined = std::ranges::count_if(
+      planes.planes,
+      [](const ExportedPlane& plane) { return !plane.polygons.empty(); });
+  std::cout << "Wrote " << Counted(num_written, "plane") << " of "
+            << Counted(planes.num_images, "image") << " to "
+            << Printable(path.string());
   if (num_written > num_outlined) {
     std::cout << ", " << num_outlined << " with an outline";
   }
@@ -141,17 +133,17 @@ void PrintPlanes(const ExportedPlanes& planes,
     std::cout << "  " << ToString(plane_class) << ": " << count << ", area "
               << area << "\n";
   }
-  if (num_written < planes.planes.size()) {
+  const auto num_left_out = std::ssize(planes.planes) - num_written;
+  if (num_left_out > 0) {
     std::cout << "  left out, since too little of them is seen for an outline: "
-              << planes.planes.size() - num_written << " (JSON has them)\n";
+              << num_left_out << " (JSON has them)\n";
   }
   std::cout << std::flush;
 }
 
-void PrintPlan(const FloorPlan& plan, const std::string& path) {
-  std::cout << "Drew " << plan.walls.size()
-            << (plan.walls.size() == 1 ? " wall" : " walls") << " to "
-            << Printable(path);
+void PrintPlan(const FloorPlan& plan, const std::filesystem::path& path) {
+  std::cout << "Drew " << Counted(std::ssize(plan.walls), "wall") << " to "
+            << Printable(path.string());
   if (plan.num_leaning > 0) {
     std::cout << "\n  left out, since they lean more than " << kMaxLean
               << " degrees: " << plan.num_leaning;
@@ -187,7 +179,7 @@ void CheckUse(const PlanesCommand& command) {
 
 // Checks the paths of what is to be written.
 void Check(const PlanesCommand& command) {
-  const auto require_writable = [&](const std::string& path,
+  const auto require_writable = [&](const std::filesystem::path& path,
                                     const std::string& option,
                                     const std::string& kind) {
     if (!path.empty()) {
@@ -221,22 +213,20 @@ int RunTsarPlanes(int argc, char** argv) {
   std::optional<PlaneFormat> format;
   std::optional<PlanFormat> plan_format;
   if (!command.output_path.empty()) {
-    format = ParsePlaneFormat(command.format, command.output_path);
+    format = ParsePlaneFormat(command.format, command.output_path.string());
   }
   if (!command.plan_path.empty()) {
-    plan_format = ParsePlanFormat(command.plan_path);
+    plan_format = ParsePlanFormat(command.plan_path.string());
   }
   const Workspace workspace = OpenWorkspaceWithPlanes(
       command.workspace_path, ParseMapType(command.input_type));
   Check(command);
-  Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
-  const Interruption interruption;
   if (command.scale > 0.0) {
     command.options.min_area /= command.scale * command.scale;
   }
   ExportedPlanes planes =
-      ExportPlanes(workspace, command.options, progress, [&] {
-        return interruption.Requested();
+      RunInterruptibly([&](Progress& progress, const auto& should_stop) {
+        return ExportPlanes(workspace, command.options, progress, should_stop);
       });
   if (command.scale > 0.0) {
     ScaleToMeters(command.scale, &planes);

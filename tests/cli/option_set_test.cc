@@ -83,8 +83,8 @@ class OptionSetTest : public testing::Test {
   }
 
   OptionSet options_{"tsar_test", "Tests options.", "tsar_test --x"};
-  std::string workspace_path_;
-  std::string output_path_;
+  std::filesystem::path workspace_path_;
+  std::filesystem::path output_path_;
   std::string ini_path_;
   int iterations_ = 4;
   int64_t bytes_ = -1;

@@ -9,7 +9,7 @@ namespace tsar {
 namespace {
 
 void Read(std::span<const uint8_t> input) {
-  std::string workspace_path = "dense";
+  std::filesystem::path workspace_path = "dense";
   std::string device = "auto";
   int num_threads = -1;
   int64_t seed = 0;
