@@ -144,21 +144,28 @@ struct FuseKernel {
  private:
   enum class Opinion { kNone, kAgrees, kSeesThrough };
 
+  // A source's opinion on a pixel's point.
+  struct Answer {
+    Opinion opinion = Opinion::kNone;
+    FusionPixel pixel;  // The source's own.
+    // The point and the normal of that pixel, where it agrees, in the frame of
+    // the image.
+    Vec3f point;
+    Vec3f normal;
+  };
+
   // The middle pixel of a square along one side; the last may be cut off.
   TSAR_HD int Middle(int square, int num_pixels) const {
     const int middle = square * thresholds.spacing + thresholds.spacing / 2;
     return middle < num_pixels ? middle : num_pixels - 1;
   }
 
-  // The opinion of a source on a pixel's point.
-  TSAR_HD Opinion Ask(const Source& source,
-                      int x,
-                      int y,
-                      const Vec3f& point,
-                      const Vec3f& normal,
-                      FusionPixel* found,
-                      Vec3f* found_point,
-                      Vec3f* found_normal) const {
+  TSAR_HD Answer Ask(const Source& source,
+                     int x,
+                     int y,
+                     const Vec3f& point,
+                     const Vec3f& normal) const {
+    Answer answer;
     const Vec3f there = source.to_source * point;
     int column = 0;
     int row = 0;
@@ -168,35 +175,40 @@ struct FuseKernel {
                    there,
                    &column,
                    &row)) {
-      return Opinion::kNone;
+      return answer;
     }
-    *found = source.pixels(column, row);
-    if (!(found->depth > 0.f)) {
-      return Opinion::kNone;
+    answer.pixel = source.pixels(column, row);
+    const float depth = answer.pixel.depth;
+    if (!(depth > 0.f)) {
+      return answer;
     }
-    const float error = (found->depth - there.z) / found->depth;
+    const float error = (depth - there.z) / depth;
     if (fabsf(error) > thresholds.max_depth_error) {
-      return error > kOtherSurfaceErrors * thresholds.max_depth_error
-                 ? Opinion::kSeesThrough
-                 : Opinion::kNone;
+      if (error > kOtherSurfaceErrors * thresholds.max_depth_error) {
+        answer.opinion = Opinion::kSeesThrough;
+      }
+      return answer;
     }
-    *found_point =
+    answer.point =
         source.from_source * (source.intrinsics.Ray(static_cast<float>(column),
                                                     static_cast<float>(row)) *
-                              found->depth);
-    if (!(found_point->z > 0.f)) {
-      return Opinion::kNone;
+                              depth);
+    if (!(answer.point.z > 0.f)) {
+      return answer;
     }
     float u = 0.f;
     float v = 0.f;
-    intrinsics.Project(*found_point, &u, &v);
+    intrinsics.Project(answer.point, &u, &v);
     const float dx = u - static_cast<float>(x);
     const float dy = v - static_cast<float>(y);
     if (!(dx * dx + dy * dy <= thresholds.max_squared_reproj_error)) {
-      return Opinion::kNone;
+      return answer;
     }
-    *found_normal = source.from_source.rotation * DecodeNormal(*found);
-    return AreAlike(normal, *found_normal) ? Opinion::kAgrees : Opinion::kNone;
+    answer.normal = source.from_source.rotation * DecodeNormal(answer.pixel);
+    if (AreAlike(normal, answer.normal)) {
+      answer.opinion = Opinion::kAgrees;
+    }
+    return answer;
   }
 
   // An unknown normal is similar to any.
@@ -218,16 +230,16 @@ struct FuseKernel {
            (their_step == own_step && source.comes_first != 0);
   }
 
-  TSAR_HD Vote VoteOf(const FusionPixel& pixel,
-                      const Vec3f& ray,
-                      const Vec3f& point,
-                      const Vec3f& normal) const {
-    const float cosine = Dot(normal, ray);
-    const float on_plane = Dot(normal, point) / cosine;
+  // The depth of the source's plane along the ray, or that of its point where
+  // the plane does not determine it.
+  TSAR_HD Vote VoteOf(const Answer& answer, const Vec3f& ray) const {
+    const float z = answer.point.z;
+    const float cosine = Dot(answer.normal, ray);
+    const float on_plane = Dot(answer.normal, answer.point) / cosine;
     const bool is_usable =
         fabsf(cosine) > kMinCosine * Norm(ray) &&
-        fabsf(on_plane - point.z) <= thresholds.max_depth_error * point.z;
-    return {is_usable ? on_plane : point.z, WeightOf(pixel)};
+        fabsf(on_plane - z) <= thresholds.max_depth_error * z;
+    return {is_usable ? on_plane : z, WeightOf(answer.pixel)};
   }
 
   TSAR_HD void Fuse(int x, int y, FusedPoint* fused) const {
@@ -243,32 +255,16 @@ struct FuseKernel {
     float contradicting = 0.f;
     uint64_t agreeing_sources = 0;
     for (int s = 0; s < num_sources; ++s) {
-      FusionPixel found;
-      Vec3f found_point;
-      Vec3f found_normal;
-      switch (Ask(sources[s],
-                  x,
-                  y,
-                  point,
-                  normal,
-                  &found,
-                  &found_point,
-                  &found_normal)) {
-        case Opinion::kAgrees:
-          if (IsOwnedBy(sources[s], found, own_step)) {
-            return;
-          }
-          votes.Add(found,
-                    found_normal,
-                    VoteOf(found, ray, found_point, found_normal));
-          agreeing += ConfidenceOf(found);
-          agreeing_sources |= uint64_t{1} << s;
-          break;
-        case Opinion::kSeesThrough:
-          contradicting += ConfidenceOf(found);
-          break;
-        case Opinion::kNone:
-          break;
+      const Answer answer = Ask(sources[s], x, y, point, normal);
+      if (answer.opinion == Opinion::kAgrees) {
+        if (IsOwnedBy(sources[s], answer.pixel, own_step)) {
+          return;
+        }
+        votes.Add(answer.pixel, answer.normal, VoteOf(answer, ray));
+        agreeing += ConfidenceOf(answer.pixel);
+        agreeing_sources |= uint64_t{1} << s;
+      } else if (answer.opinion == Opinion::kSeesThrough) {
+        contradicting += ConfidenceOf(answer.pixel);
       }
     }
     if (votes.count < thresholds.min_num_views ||

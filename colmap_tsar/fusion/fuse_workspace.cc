@@ -53,9 +53,8 @@ FuseSummary FuseWorkspace(Workspace workspace,
   if (!options.originals) {
     WarnOfChangedResults(workspace);
   }
-  FusionPlan plan = PlanFusion(workspace,
-                               ChooseImages(workspace, options.image_list_path),
-                               options.fusion.check_num_images);
+  FusionPlan plan = PlanFusion(
+      workspace, options.image_list_path, options.fusion.check_num_images);
   plan.originals = options.originals;
   FusionRun run(workspace, plan, options.fusion, options.devices);
   FusedCloudWriter writer(UserPath(options.output_path));

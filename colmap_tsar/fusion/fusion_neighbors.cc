@@ -40,6 +40,8 @@ std::vector<int> AllInOrder(const Workspace& workspace) {
   return order;
 }
 
+// Whether each image of the sparse model is in the list; all are where its path
+// is empty.
 std::vector<bool> ReadListed(const Workspace& workspace,
                              const std::filesystem::path& list,
                              const std::string& option) {
@@ -53,37 +55,37 @@ std::vector<bool> ReadListed(const Workspace& workspace,
   return listed;
 }
 
-}  // namespace
-
-ChosenImages ChooseImages(const Workspace& workspace,
-                          const std::filesystem::path& list) {
+// By image of the sparse model: those with maps that COLMAP's configuration
+// lists, if there is one.
+std::vector<bool> FindUsable(const Workspace& workspace) {
   const std::filesystem::path config =
       workspace.Root() / "stereo" / "fusion.cfg";
-  ChosenImages chosen;
-  chosen.used = ReadListed(workspace,
-                           Exists(config) ? config : std::filesystem::path(),
-                           "fusion.cfg");
-  chosen.fused = ReadListed(workspace, list, OptionName("image_list_path"));
-  for (size_t i = 0; i < chosen.used.size(); ++i) {
-    chosen.fused[i] = chosen.fused[i] && chosen.used[i];
-  }
-  return chosen;
-}
-
-FusionPlan PlanFusion(const Workspace& workspace,
-                      const ChosenImages& chosen,
-                      int check_num_images) {
-  const SparseModel& model = workspace.Model();
-  std::vector<bool> has_maps(model.images.size(), false);
+  const std::vector<bool> is_configured =
+      ReadListed(workspace,
+                 Exists(config) ? config : std::filesystem::path(),
+                 "fusion.cfg");
+  std::vector<bool> is_usable(is_configured.size(), false);
   for (const int image : FindImagesWithMaps(workspace)) {
     const auto i = static_cast<size_t>(image);
-    has_maps[i] = chosen.used[i];
+    is_usable[i] = is_configured[i];
   }
+  return is_usable;
+}
+
+}  // namespace
+
+FusionPlan PlanFusion(const Workspace& workspace,
+                      const std::filesystem::path& image_list_path,
+                      int check_num_images) {
+  const SparseModel& model = workspace.Model();
+  const std::vector<bool> is_usable = FindUsable(workspace);
+  const std::vector<bool> is_listed =
+      ReadListed(workspace, image_list_path, OptionName("image_list_path"));
   FusionPlan plan;
   plan.places.assign(model.images.size(), -1);
   for (const int image : AllInOrder(workspace)) {
     const auto i = static_cast<size_t>(image);
-    if (has_maps[i] && chosen.fused[i]) {
+    if (is_usable[i] && is_listed[i]) {
       plan.places[i] = static_cast<int>(plan.order.size());
       plan.order.push_back(image);
     }
@@ -105,14 +107,14 @@ FusionPlan PlanFusion(const Workspace& workspace,
   const SourceSelector selector(model, kMinTriangulationAngle);
   plan.sources.resize(model.images.size());
   for (size_t i = 0; i < model.images.size(); ++i) {
-    if (!has_maps[i]) {
+    if (!is_usable[i]) {
       continue;
     }
     const auto image = static_cast<int>(i);
     std::vector<int>& sources = plan.sources[i];
     const auto add = [&](const std::vector<int>& others) {
       for (const int other : others) {
-        if (other != image && has_maps[static_cast<size_t>(other)] &&
+        if (other != image && is_usable[static_cast<size_t>(other)] &&
             static_cast<int>(sources.size()) < check_num_images &&
             std::find(sources.begin(), sources.end(), other) == sources.end()) {
           sources.push_back(other);

@@ -10,18 +10,6 @@
 
 namespace tsar {
 
-// The chosen images, by image of the sparse model.
-struct ChosenImages {
-  std::vector<bool> used;
-  std::vector<bool> fused;  // A subset of the used ones.
-};
-
-// Images that stereo/fusion.cfg does not list are not used, if that file
-// exists, and only those in a list of names are fused; see io/image_lists.h.
-// list: empty: all.
-ChosenImages ChooseImages(const Workspace& workspace,
-                          const std::filesystem::path& list = {});
-
 // The fused images, by their indices in the sparse model, and the sources of
 // each image.
 struct FusionPlan {
@@ -37,10 +25,13 @@ struct FusionPlan {
   bool originals = false;
 };
 
-// Plans the fusion of the chosen images that have maps. Throws Error kNotFound
-// where no image to be fused has maps.
+// Plans the fusion of the listed images that have maps; image_list_path: a file
+// of image names, see io/image_list.h; empty: all images. Those that
+// stereo/fusion.cfg does not list are neither fused nor sources, if that file
+// exists. Throws Error kNotFound where no image to be fused has maps, and what
+// ReadImageList throws.
 FusionPlan PlanFusion(const Workspace& workspace,
-                      const ChosenImages& chosen,
+                      const std::filesystem::path& image_list_path,
                       int check_num_images);
 
 }  // namespace tsar

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -32,7 +33,24 @@ constexpr float kSigmaStep = 1.f / (1 << 18);
 // Encodes unit vectors by the octahedral map (Cigolle et al., A survey of
 // efficient representations for independent unit vectors, JCGT 2014), to about
 // 1e-4 radians; the zero vector, which represents an unknown normal, exactly.
-void EncodeNormal(const Vec3f& normal, FusionPixel* pixel);
+inline void EncodeNormal(const Vec3f& normal, FusionPixel* pixel) {
+  const float sum =
+      std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+  if (!(sum > 0.f)) {
+    pixel->normal_x = FusionPixel::kNoNormal;
+    pixel->normal_y = 0;
+    return;
+  }
+  float x = normal.x / sum;
+  float y = normal.y / sum;
+  if (normal.z < 0.f) {
+    const float folded_x = (1.f - std::abs(y)) * (x < 0.f ? -1.f : 1.f);
+    y = (1.f - std::abs(x)) * (y < 0.f ? -1.f : 1.f);
+    x = folded_x;
+  }
+  pixel->normal_x = static_cast<int16_t>(std::lround(32767.f * x));
+  pixel->normal_y = static_cast<int16_t>(std::lround(32767.f * y));
+}
 
 TSAR_HD inline Vec3f DecodeNormal(const FusionPixel& pixel) {
   if (pixel.normal_x == FusionPixel::kNoNormal) {
@@ -50,6 +68,11 @@ TSAR_HD inline Vec3f DecodeNormal(const FusionPixel& pixel) {
 }
 
 // The encoding of a standard deviation relative to the depth.
-uint16_t EncodeSigma(float relative_sigma);
+inline uint16_t EncodeSigma(float relative_sigma) {
+  const float level = relative_sigma / kSigmaStep;
+  return level > 1.f
+             ? static_cast<uint16_t>(std::lround(std::min(level, 65535.f)))
+             : uint16_t{1};
+}
 
 }  // namespace tsar

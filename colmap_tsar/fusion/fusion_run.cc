@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/image_maps.h"
+#include "colmap_tsar/run/main_memory_division.h"
 
 #include <algorithm>
 #include <atomic>
@@ -35,13 +36,9 @@ FusionRun::FusionRun(const Workspace& workspace,
       plan_(plan),
       fusion_(fusion),
       device_options_(devices),
-      cache_(
-          CacheBytes(),
-          [this](int image) { return NumPixels(image); },
-          [this](int image) {
-            return LoadFusionView(
-                workspace_, image, SourcesOf(image), plan_.originals);
-          }) {
+      max_cache_bytes_(
+          MemoryBudget(devices.cache_size, MainMemoryBytes()).NumBytes()),
+      cache_(max_cache_bytes_) {
   MeasureImages();
   OpenDevices();
 }
@@ -83,18 +80,12 @@ std::vector<RunSummary::GpuMemory> FusionRun::PeakGpuMemory() const {
   return peaks;
 }
 
-int64_t FusionRun::CacheBytes() const {
-  return std::min(static_cast<int64_t>(1e9 * device_options_.cache_size),
-                  MainMemoryBytes() / 5 * 4);
-}
-
 std::vector<int> FusionRun::ImagesOf(int image) const {
   std::vector<int> images = {image};
   images.insert(images.end(), SourcesOf(image).begin(), SourcesOf(image).end());
   return images;
 }
 
-// Reads the map sizes of all images that are used.
 void FusionRun::MeasureImages() {
   num_pixels_.assign(workspace_.Model().images.size(), 0);
   for (const int image : plan_.order) {
@@ -138,8 +129,6 @@ void FusionRun::OpenDevices() {
   }
 }
 
-// The size of the points of an image, with their encoded form, if every
-// candidate pixel becomes a point that all sources see.
 int64_t FusionRun::ResultBytes(int image) const {
   constexpr int64_t kEncodedBytes = 32;
   const auto num_sources = static_cast<int64_t>(SourcesOf(image).size());
@@ -165,7 +154,7 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
         num_new_bytes += kPixelBytes * NumPixels(image);
       }
     }
-    if (i > begin && num_bytes + num_new_bytes > CacheBytes()) {
+    if (i > begin && num_bytes + num_new_bytes > max_cache_bytes_) {
       break;
     }
     for (const int image : added) {
@@ -180,16 +169,16 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
 
 void FusionRun::Load(const Group& group,
                      const std::function<bool()>& should_stop) {
-  cache_.Hold(
-      group.needed,
-      [&](const std::vector<int>& images,
-          const std::function<void(size_t)>& load) {
-        ForEachImage(
-            workspace_, images, device_options_.num_threads, [&](size_t i) {
-              StopIfAsked(should_stop);
-              load(i);
-            });
-      });
+  const std::vector<int> missing = cache_.Use(group.needed, num_pixels_);
+  std::vector<FusionView> loaded(missing.size());
+  ForEachImage(workspace_, missing, device_options_.num_threads, [&](size_t i) {
+    StopIfAsked(should_stop);
+    loaded[i] = LoadFusionView(
+        workspace_, missing[i], SourcesOf(missing[i]), plan_.originals);
+  });
+  for (size_t i = 0; i < missing.size(); ++i) {
+    cache_.Add(missing[i], std::move(loaded[i]));
+  }
 }
 
 FusedImage FusionRun::Fuse(int image, FusionDevice* device) {

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/fusion/fuse_view.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
-#include "colmap_tsar/fusion/fusion_view_cache.h"
+#include "colmap_tsar/fusion/fusion_view.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/run_summary.h"
@@ -60,7 +60,6 @@ class FusionRun {
   std::vector<RunSummary::GpuMemory> PeakGpuMemory() const;
 
  private:
-  int64_t CacheBytes() const;
   int64_t NumPixels(int image) const {
     return num_pixels_[static_cast<size_t>(image)];
   }
@@ -69,8 +68,11 @@ class FusionRun {
   }
   // The image and its sources.
   std::vector<int> ImagesOf(int image) const;
+  // The size of the points of an image, with their encoded form, if every
+  // candidate pixel becomes a point that all sources see.
   int64_t ResultBytes(int image) const;
 
+  // Reads the map sizes of all images that are used.
   void MeasureImages();
   void OpenDevices();
 
@@ -93,6 +95,7 @@ class FusionRun {
   std::vector<int64_t> num_pixels_;  // By image; 0 where it is not used.
   int max_width_ = 0;
   int max_height_ = 0;
+  const int64_t max_cache_bytes_;
   FusionViewCache cache_;
   std::string description_;
   std::vector<GpuWorkers> gpus_;

@@ -188,8 +188,10 @@ TEST(PlanFusionTest, NoMoreSourcesAreTakenThanAskedFor) {
   const fs::path root = folder.Path() / "dense";
   MakeSyntheticWorkspace(root);
   const Workspace workspace(root, MapType::kGeometric);
-  const FusionPlan plan = PlanFusion(
-      workspace, {std::vector<bool>(4, true), {true, false, true, true}}, 2);
+  const fs::path list = folder.Path() / "list.txt";
+  const std::vector<std::string>& names = Wall::Names();
+  WriteText(list, names[0] + "\n" + names[2] + "\n" + names[3] + "\n");
+  const FusionPlan plan = PlanFusion(workspace, list, 2);
   EXPECT_EQ(plan.order.size(), 3u);
   EXPECT_EQ(plan.places[1], -1);
   for (const std::vector<int>& sources : plan.sources) {
