@@ -13,6 +13,7 @@
 //
 //   cost_study WORKSPACE [WORKSPACE ...]
 
+#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/run/load_view.h"
@@ -26,8 +27,6 @@
 #include <memory>
 #include <string>
 #include <vector>
-
-#include "benchmarks/run_tool.h"
 
 namespace tsar {
 namespace {
@@ -136,7 +135,7 @@ class Comparison {
     differences_.push_back(computed - exported);
   }
 
-  void Print(const char* name) {
+  void Print(const std::string& name) {
     const double count = std::max<double>(1, differences_.size());
     double mean = 0;
     double within = 0;
@@ -153,7 +152,7 @@ class Comparison {
                        q * static_cast<double>(differences_.size() - 1))];
     };
     std::printf("%-28s %9zu %8.4f %8.4f %8.4f %8.4f %8.3f %9ld %9ld\n",
-                name,
+                name.c_str(),
                 differences_.size(),
                 mean,
                 quantile(.5),
@@ -170,6 +169,32 @@ class Comparison {
   long only_computed_ = 0;
 };
 
+// Comparisons of c_min and c_sec.
+struct CostComparisons {
+  // exported: holds the exported costs of pixel (x, y).
+  void Add(
+      const ViewData& exported, int x, int y, double first, double second) {
+    min_cost.Add(exported.min_cost(x, y), first);
+    second_cost.Add(exported.second_cost(x, y), second);
+  }
+
+  void Print(const std::string& name) {
+    min_cost.Print("c_min, " + name);
+    second_cost.Print("c_sec, " + name);
+  }
+
+  Comparison min_cost;
+  Comparison second_cost;
+};
+
+// By the way in which costs are computed: as tsar_refine does, with all pixels
+// of the window, and with images like those that COLMAP reads as well.
+struct Comparisons {
+  CostComparisons sampled;
+  CostComparisons full;
+  CostComparisons alike;
+};
+
 bool HasExportedCosts(const Workspace& workspace, MapType type) {
   const std::vector<StereoProblem>& problems = workspace.Problems();
   return std::any_of(
@@ -177,6 +202,80 @@ bool HasExportedCosts(const Workspace& workspace, MapType type) {
         return std::filesystem::exists(
             workspace.CostPath(problem.reference, type));
       });
+}
+
+// Compares the costs of one pixel with all pixels of the window. grays: the
+// images as COLMAP reads them, by index in the sparse model.
+void CompareFullWindows(const StereoProblem& problem,
+                        const ViewData& view,
+                        const ReferenceView& reference,
+                        const std::vector<SourceView>& sources,
+                        const std::vector<Image<float>>& grays,
+                        int x,
+                        int y,
+                        Comparisons* comparisons) {
+  const Plane plane = Plane::FromPoint(
+      reference.intrinsics.Ray(x, y), view.depth(x, y), view.normal(x, y));
+  const auto colmap_sampler = [&](int image) {
+    return [gray = grays[static_cast<size_t>(image)].View()](float u, float v) {
+      return SampleInBlack(gray, u, v);
+    };
+  };
+  TwoSmallest full;
+  TwoSmallest alike;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    const SourceView& source = sources[i];
+    const PlaneHomography homography(
+        reference.intrinsics, source.intrinsics, source.from_reference, plane);
+    full.Add(FullWindowCost(
+        [&](float u, float v) { return SampleBilinear(reference.gray, u, v); },
+        [&](float u, float v) {
+          return SampleBilinear(source.gray, u, v) * kGrayUnit<GrayPair>;
+        },
+        homography,
+        x,
+        y));
+    alike.Add(FullWindowCost(colmap_sampler(problem.reference),
+                             colmap_sampler(problem.sources[i]),
+                             homography,
+                             x,
+                             y));
+  }
+  comparisons->full.Add(view, x, y, full.first, full.second);
+  comparisons->alike.Add(view, x, y, alike.first, alike.second);
+}
+
+void CompareView(const StereoProblem& problem,
+                 const std::vector<ViewData>& views,
+                 const std::vector<Image<float>>& grays,
+                 Device& device,
+                 Comparisons* comparisons) {
+  const ViewData& view = views[problem.reference];
+  std::vector<const ViewData*> sources;
+  for (const int source : problem.sources) {
+    sources.push_back(&views[source]);
+  }
+  const DeviceViews on_device(view, sources, device);
+  const MatchingCosts costs =
+      ComputeMatchingCosts(on_device.Reference(), on_device.Sources(), device);
+  const Image<float> first = costs.min_cost.ToHost();
+  const Image<float> second = costs.second_cost.ToHost();
+  const std::vector<SourceView> source_views = on_device.Sources().ToHost();
+  for (int y = 0; y < view.depth.Height(); y += kStride) {
+    for (int x = 0; x < view.depth.Width(); x += kStride) {
+      if (view.depth(x, y) > 0.f) {
+        comparisons->sampled.Add(view, x, y, first(x, y), second(x, y));
+        CompareFullWindows(problem,
+                           view,
+                           on_device.Reference(),
+                           source_views,
+                           grays,
+                           x,
+                           y,
+                           comparisons);
+      }
+    }
+  }
 }
 
 void Study(const std::string& root, MapType type) {
@@ -191,71 +290,15 @@ void Study(const std::string& root, MapType type) {
     views.push_back(LoadView(workspace, static_cast<int>(i)));
     grays.push_back(ColmapGray(views.back().color));
   }
-  Comparison sampled_first, sampled_second, full_first, full_second,
-      alike_first, alike_second;
+  Comparisons comparisons;
   for (const StereoProblem& problem : workspace.Problems()) {
-    const ViewData& view = views[problem.reference];
-    if (view.min_cost.Empty()) {
+    if (views[problem.reference].min_cost.Empty()) {
       throw Error::File(ErrorCode::kNotFound,
                         workspace.CostPath(problem.reference, type).string(),
                         "is missing",
                         "write it with --PatchMatchStereo.write_cost_maps 1");
     }
-    std::vector<const ViewData*> sources;
-    for (const int source : problem.sources) {
-      sources.push_back(&views[source]);
-    }
-    const DeviceViews on_device(view, sources, *device);
-    const MatchingCosts costs = ComputeMatchingCosts(
-        on_device.Reference(), on_device.Sources(), *device);
-    const Image<float> first = costs.min_cost.ToHost();
-    const Image<float> second = costs.second_cost.ToHost();
-    const ReferenceView reference = on_device.Reference();
-    const std::vector<SourceView> source_views = on_device.Sources().ToHost();
-    for (int y = 0; y < view.depth.Height(); y += kStride) {
-      for (int x = 0; x < view.depth.Width(); x += kStride) {
-        if (!(view.depth(x, y) > 0.f)) {
-          continue;
-        }
-        sampled_first.Add(view.min_cost(x, y), first(x, y));
-        sampled_second.Add(view.second_cost(x, y), second(x, y));
-        const Plane plane = Plane::FromPoint(reference.intrinsics.Ray(x, y),
-                                             view.depth(x, y),
-                                             view.normal(x, y));
-        TwoSmallest full;
-        TwoSmallest alike;
-        for (size_t i = 0; i < source_views.size(); ++i) {
-          const SourceView& source = source_views[i];
-          const PlaneHomography homography(reference.intrinsics,
-                                           source.intrinsics,
-                                           source.from_reference,
-                                           plane);
-          full.Add(FullWindowCost(
-              [&](float u, float v) {
-                return SampleBilinear(reference.gray, u, v);
-              },
-              [&](float u, float v) {
-                return SampleBilinear(source.gray, u, v) * kGrayUnit<GrayPair>;
-              },
-              homography,
-              x,
-              y));
-          const auto sample_in = [&](int image) {
-            return [view = grays[static_cast<size_t>(image)].View()](
-                       float u, float v) { return SampleInBlack(view, u, v); };
-          };
-          alike.Add(FullWindowCost(sample_in(problem.reference),
-                                   sample_in(problem.sources[i]),
-                                   homography,
-                                   x,
-                                   y));
-        }
-        full_first.Add(view.min_cost(x, y), full.first);
-        full_second.Add(view.second_cost(x, y), full.second);
-        alike_first.Add(view.min_cost(x, y), alike.first);
-        alike_second.Add(view.second_cost(x, y), alike.second);
-      }
-    }
+    CompareView(problem, views, grays, *device, &comparisons);
   }
   std::printf("%s, %s maps\n", root.c_str(), ToString(type).c_str());
   std::printf("%-28s %9s %8s %8s %8s %8s %8s %9s %9s\n",
@@ -268,28 +311,27 @@ void Study(const std::string& root, MapType type) {
               "< 0.01",
               "exported",
               "computed");
-  sampled_first.Print("c_min, every 2nd row, column");
-  sampled_second.Print("c_sec, every 2nd row, column");
-  full_first.Print("c_min, whole window");
-  full_second.Print("c_sec, whole window");
-  alike_first.Print("c_min, and COLMAP's gray");
-  alike_second.Print("c_sec, and COLMAP's gray");
+  comparisons.sampled.Print("every 2nd row, column");
+  comparisons.full.Print("whole window");
+  comparisons.alike.Print("and COLMAP's gray");
+}
+
+int StudyAll(int argc, char** argv) {
+  if (argc < 2) {
+    std::fprintf(stderr, "usage: cost_study WORKSPACE [WORKSPACE ...]\n");
+    return 2;
+  }
+  for (int i = 1; i < argc; ++i) {
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      Study(argv[i], type);
+    }
+  }
+  return 0;
 }
 
 }  // namespace
 }  // namespace tsar
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: cost_study WORKSPACE [WORKSPACE ...]\n");
-    return 2;
-  }
-  return tsar::RunTool([&] {
-    for (int i = 1; i < argc; ++i) {
-      for (const tsar::MapType type :
-           {tsar::MapType::kPhotometric, tsar::MapType::kGeometric}) {
-        tsar::Study(argv[i], type);
-      }
-    }
-  });
+  return tsar::RunCommand(&tsar::StudyAll, argc, argv);
 }

@@ -13,6 +13,7 @@
 // all passes with --TsarRefine.experiment cylinders=0, since depths on columns
 // and pipes, which have a constant, would count as interpolated ones.
 
+#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
 #include "colmap_tsar/view/depth_confidence.h"
 #include "colmap_tsar/view/refined_maps.h"
@@ -24,9 +25,8 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/logistic_regression.h"
 #include "benchmarks/modeled_scene.h"
-#include "benchmarks/require_no_cylinders.h"
-#include "benchmarks/run_tool.h"
 #include <Eigen/Core>
 
 namespace tsar {
@@ -104,7 +104,7 @@ std::vector<Sample> Collect(const std::string& modeled_root,
                 scene.GetDevice(),
                 &samples);
   }
-  return Spread(samples, kMaxSamples);
+  return TakeEvenly(samples, kMaxSamples);
 }
 
 Eigen::VectorXd RowOf(const Sample& sample) {
@@ -148,7 +148,7 @@ void PrintCalibration(const char* name,
               error / std::max(static_cast<double>(scene.size()), 1.0));
 }
 
-void Fit(int argc, char** argv) {
+int Fit(int argc, char** argv) {
   Scenes scenes;
   for (int i = 1; i < argc; ++i) {
     const std::string roots = argv[i];
@@ -160,17 +160,14 @@ void Fit(int argc, char** argv) {
     scenes.push_back(
         Collect(roots.substr(0, equals), roots.substr(equals + 1)));
   }
-  for (size_t i = 0; scenes.size() > 1 && i < scenes.size(); ++i) {
-    Scenes others = scenes;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    PrintCalibration(argv[i + 1], scenes[i], FitConfidence(others));
-  }
-  PrintWeights("ConfidenceOf", FitConfidence(scenes));
+  CrossValidate(
+      scenes, argv + 1, &FitConfidence, &PrintCalibration, "ConfidenceOf");
+  return 0;
 }
 
 }  // namespace
 }  // namespace tsar
 
 int main(int argc, char** argv) {
-  return tsar::RunTool([&] { tsar::Fit(argc, argv); });
+  return tsar::RunCommand(&tsar::Fit, argc, argv);
 }

@@ -4,15 +4,15 @@
 // Finds the weights of view/measurement_support.h by logistic regression,
 // with equal weight for each scene: when a depth that was measured off the
 // plane of its superpixel is nearer to the truth than the plane. Of each scene
-// it prints what the weights that the others give
-// would do there: the shares of these pixels that are off by 5 %, right to 1 %,
-// and of the measurements that were right to 1 % those that become wrong by
-// over 2.5 %.
+// it prints what the weights that the others give would do there: the shares of
+// these pixels that are off by 5 %, right to 1 %, and of the measurements that
+// were right to 1 % those that become wrong by over 2.5 %.
 //
 //   fit_measurements MODELED [MODELED ...]
 //
 // MODELED: see ModeledScene.
 
+#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/view/measurement_support.h"
 
 #include <algorithm>
@@ -21,8 +21,8 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/logistic_regression.h"
 #include "benchmarks/modeled_scene.h"
-#include "benchmarks/run_tool.h"
 #include <Eigen/Core>
 
 namespace tsar {
@@ -92,7 +92,7 @@ std::vector<Sample> Collect(const std::string& root) {
   for (const auto& [image, labels] : scene.Model().views) {
     CollectView(scene.Load(image), scene.GetDevice(), &samples);
   }
-  return Spread(samples, kMaxSamples);
+  return TakeEvenly(samples, kMaxSamples);
 }
 
 using Scenes = std::vector<std::vector<Sample>>;
@@ -147,7 +147,7 @@ void PrintEffect(const char* name,
       harmed / std::max(was_right, 1.0));
 }
 
-void Fit(int argc, char** argv) {
+int Fit(int argc, char** argv) {
   if (argc < 2) {
     throw Error(ErrorCode::kBadOption,
                 "no workspace; name one or more that are modeled");
@@ -156,17 +156,13 @@ void Fit(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     scenes.push_back(Collect(argv[i]));
   }
-  for (size_t i = 0; scenes.size() > 1 && i < scenes.size(); ++i) {
-    Scenes others = scenes;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    PrintEffect(argv[i + 1], scenes[i], FitContest(others));
-  }
-  PrintWeights("LogOddsAgainst", FitContest(scenes));
+  CrossValidate(scenes, argv + 1, &FitContest, &PrintEffect, "LogOddsAgainst");
+  return 0;
 }
 
 }  // namespace
 }  // namespace tsar
 
 int main(int argc, char** argv) {
-  return tsar::RunTool([&] { tsar::Fit(argc, argv); });
+  return tsar::RunCommand(&tsar::Fit, argc, argv);
 }

@@ -18,6 +18,7 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/compose/depth_sigma.h"
 #include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_io.h"
@@ -34,8 +35,7 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/require_no_cylinders.h"
-#include "benchmarks/run_tool.h"
+#include "benchmarks/modeled_scene.h"
 
 namespace tsar {
 namespace {
@@ -189,8 +189,7 @@ void CollectView(const Workspace& workspace, int image, Scene* scene) {
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
       const float depth = depths(x, y);
-      const float right =
-          truth(x * truth.Width() / width, y * truth.Height() / height);
+      const float right = AtSamePlace(truth, x, y, depths);
       const float error = std::abs(depth - right);
       if (depth > 0.f && right > 0.f && error < kRight * right) {
         const auto source = static_cast<Provenance>(provenance(x, y));
@@ -321,7 +320,7 @@ double FitConstant(const std::vector<Scene>& scenes, Kind kind) {
   return high;
 }
 
-void Fit(int argc, char** argv) {
+int Fit(int argc, char** argv) {
   std::vector<Scene> scenes;
   for (int i = 1; i < argc; ++i) {
     scenes.push_back(CollectScene(argv[i]));
@@ -339,11 +338,12 @@ void Fit(int argc, char** argv) {
                 static_cast<double>(ConstantOf(kind)),
                 FitConstant(scenes, kind));
   }
+  return 0;
 }
 
 }  // namespace
 }  // namespace tsar
 
 int main(int argc, char** argv) {
-  return tsar::RunTool([&] { tsar::Fit(argc, argv); });
+  return tsar::RunCommand(&tsar::Fit, argc, argv);
 }

@@ -19,17 +19,12 @@
 #include "colmap_tsar/view/superpixels/cielab.h"
 #include "colmap_tsar/view/view_votes.h"
 
-#include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
-
-#include "benchmarks/logistic_regression.h"
-#include <Eigen/Core>
 
 namespace tsar {
 
@@ -168,62 +163,18 @@ class ModeledScene {
   std::map<int, ViewEvidence> evidence_;
 };
 
-// At most so many evenly spaced ones.
-template <typename T>
-std::vector<T> Spread(const std::vector<T>& samples, size_t max_count) {
-  std::vector<T> spread;
-  const size_t count = std::min(samples.size(), max_count);
-  for (size_t i = 0; i < count; ++i) {
-    spread.push_back(samples[i * samples.size() / count]);
+// Throws kMismatch for the model of a workspace with columns or pipes: what
+// provenance maps call interpolated is there what outlines determine, which
+// says nothing of interpolated depths.
+inline void RequireNoCylinders(const SceneModel& model,
+                               const std::filesystem::path& root) {
+  if (!model.cylinders.empty()) {
+    throw Error::File(ErrorCode::kMismatch,
+                      GetSceneModelPath(root).string(),
+                      "this scene has columns or pipes, whose depths would "
+                      "count as interpolated ones",
+                      "refine it with --TsarRefine.experiment cylinders=0");
   }
-  return spread;
-}
-
-// What a regression takes of a sample; none where the weight is 0.
-struct Case {
-  Eigen::VectorXd row;
-  bool outcome = false;
-  double weight = 0.0;
-};
-
-// The weights by the samples of several scenes, each of which counts the same.
-template <typename Sample, typename MakeCase>
-Eigen::VectorXd SolveRegression(const std::vector<std::vector<Sample>>& scenes,
-                                const MakeCase& make_case) {
-  std::vector<Case> cases;
-  for (const std::vector<Sample>& scene : scenes) {
-    for (const Sample& sample : scene) {
-      Case made = make_case(sample);
-      if (made.weight > 0.0) {
-        made.weight /= static_cast<double>(scene.size());
-        cases.push_back(std::move(made));
-      }
-    }
-  }
-  if (cases.empty()) {
-    return {};
-  }
-  const auto num_rows = static_cast<Eigen::Index>(cases.size());
-  LogisticRegression regression;
-  regression.rows.resize(num_rows, cases[0].row.size());
-  regression.outcomes.resize(num_rows);
-  regression.weights.resize(num_rows);
-  for (Eigen::Index i = 0; i < num_rows; ++i) {
-    const Case& made = cases[static_cast<size_t>(i)];
-    regression.rows.row(i) = made.row;
-    regression.outcomes(i) = made.outcome ? 1.0 : 0.0;
-    regression.weights(i) = made.weight;
-  }
-  regression.weights /= regression.weights.sum();
-  return regression.Solve();
-}
-
-inline void PrintWeights(const char* name, const Eigen::VectorXd& weights) {
-  std::printf("%s:", name);
-  for (const double weight : weights) {
-    std::printf(" %.2f", weight);
-  }
-  std::printf("\n");
 }
 
 }  // namespace tsar

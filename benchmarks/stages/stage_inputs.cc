@@ -106,15 +106,11 @@ DepthNormalImages StageInputs::OwnMap() const {
 ComposedMap StageInputs::Compose(DepthNormalImages own) const {
   return ComposeMap(std::move(own),
                     {correlation.trusted.View(),
-                     OnMap(superpixel_planes),
-                     OnMap(pixel_planes)},
+                     views.OnMap(superpixel_planes),
+                     views.OnMap(pixel_planes)},
                     views.Scale(),
                     {},
                     device);
-}
-
-PlaneRaster StageInputs::OnMap(const DeviceImage<Plane>& planes) const {
-  return {planes.View(), views.MapIntrinsics(), views.Width(), views.Height()};
 }
 
 float StageInputs::MinScore() const {

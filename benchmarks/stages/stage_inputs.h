@@ -70,9 +70,6 @@ class StageInputs {
   const RegionPlanes region_planes;
   const DeviceImage<Plane> pixel_planes;  // Of the regions.
   const ComposedMap composed;
-
- private:
-  PlaneRaster OnMap(const DeviceImage<Plane>& planes) const;
 };
 
 }  // namespace tsar
