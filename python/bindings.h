@@ -25,10 +25,10 @@ void BindEvaluate(pybind11::module_* module);
 // undoes them.
 void BindCommands(pybind11::module_* module);
 
-// The images of a workspace, and the maps of each.
+// The images of a workspace, and the maps of each, also by their paths.
 void BindImages(pybind11::module_* module);
 
-// ExportPlanes, and the maps of planes.
+// ExportPlanes.
 void BindPlanes(pybind11::module_* module);
 
 // Text with names of files, which need not be UTF-8: as Python's own functions

@@ -37,6 +37,8 @@ namespace py = pybind11;
 namespace tsar {
 namespace {
 
+using py::literals::operator""_a;
+
 // "TsarStereo.device" is called "device" here.
 std::string KeyOf(const Option& option) {
   return option.name.substr(option.name.find('.') + 1);
@@ -109,12 +111,10 @@ py::dict Undone(const std::filesystem::path& workspace_path,
     const WorkspaceLock lock(workspace_path);
     return undo(workspace_path, ParseRestoreConflicts(conflicts));
   }();
-  py::dict dict;
-  dict["num_restored"] = num_restored(result);
-  dict["kept"] = ToTexts(result.kept);
-  dict["superseded"] = ToTexts(result.superseded);
-  dict["conflicts"] = ToTexts(result.conflicts);
-  return dict;
+  return py::dict("num_restored"_a = num_restored(result),
+                  "kept"_a = ToTexts(result.kept),
+                  "superseded"_a = ToTexts(result.superseded),
+                  "conflicts"_a = ToTexts(result.conflicts));
 }
 
 template <typename Summary>
@@ -129,25 +129,24 @@ py::dict ToDict(const RunSummary& summary) {
   for (const RunSummary::KeptImage& image : summary.kept) {
     kept[ToText(image.name)] = ToText(image.reason);
   }
-  py::dict dict;
-  dict["workspace_path"] = summary.workspace_path;
-  dict["input_type"] = ToString(summary.type);
-  dict["device"] = summary.device;
-  dict["num_workers"] = summary.num_workers;
-  dict["num_images"] = summary.num_images;
-  dict["num_observed"] = summary.num_observed;
-  dict["num_refined"] = summary.num_refined;
-  dict["num_skipped"] = summary.num_skipped;
-  dict["num_masks"] = summary.num_masks;
-  dict["num_priors"] = summary.num_priors;
-  dict["kept"] = kept;
-  dict["num_sources_without_maps"] = summary.num_sources_without_maps;
-  dict["counts"] = summary.counts;
-  dict["seconds"] = summary.seconds;
-  dict["wall_seconds"] = summary.wall_seconds;
-  dict["peak_gpu_memory"] = ToDict(summary.peak_gpu_memory);
-  dict["text"] = TextOf(summary);
-  return dict;
+  return py::dict(
+      "workspace_path"_a = summary.workspace_path,
+      "input_type"_a = ToString(summary.type),
+      "device"_a = summary.device,
+      "num_workers"_a = summary.num_workers,
+      "num_images"_a = summary.num_images,
+      "num_observed"_a = summary.num_observed,
+      "num_refined"_a = summary.num_refined,
+      "num_skipped"_a = summary.num_skipped,
+      "num_masks"_a = summary.num_masks,
+      "num_priors"_a = summary.num_priors,
+      "kept"_a = kept,
+      "num_sources_without_maps"_a = summary.num_sources_without_maps,
+      "counts"_a = summary.counts,
+      "seconds"_a = summary.seconds,
+      "wall_seconds"_a = summary.wall_seconds,
+      "peak_gpu_memory"_a = ToDict(summary.peak_gpu_memory),
+      "text"_a = TextOf(summary));
 }
 
 // Returns the summary of the command's work; see WorkWhileServingPython.
@@ -199,34 +198,30 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
   for (const StereoSummary::ImageReason& image : summary.without_sources) {
     without_sources.append(ToText(image.name));
   }
-  py::dict dict;
-  dict["workspace_path"] = summary.workspace_path;
-  dict["input_type"] = ToString(summary.type);
-  dict["device"] = summary.device;
-  dict["num_images"] = summary.num_images;
-  dict["num_skipped"] = summary.num_skipped;
-  dict["num_masks"] = summary.num_masks;
-  dict["num_priors"] = summary.num_priors;
-  dict["dropped_priors"] = dropped_priors;
-  dict["without_sources"] = without_sources;
-  dict["wall_seconds"] = summary.wall_seconds;
-  dict["peak_gpu_memory"] = ToDict(summary.peak_gpu_memory);
-  dict["text"] = TextOf(summary);
-  return dict;
+  return py::dict("workspace_path"_a = summary.workspace_path,
+                  "input_type"_a = ToString(summary.type),
+                  "device"_a = summary.device,
+                  "num_images"_a = summary.num_images,
+                  "num_skipped"_a = summary.num_skipped,
+                  "num_masks"_a = summary.num_masks,
+                  "num_priors"_a = summary.num_priors,
+                  "dropped_priors"_a = dropped_priors,
+                  "without_sources"_a = without_sources,
+                  "wall_seconds"_a = summary.wall_seconds,
+                  "peak_gpu_memory"_a = ToDict(summary.peak_gpu_memory),
+                  "text"_a = TextOf(summary));
 }
 
 py::dict Fuse(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<FuseCommand>(options);
   const FuseSummary summary = Run("fuse", command, listeners);
-  py::dict dict;
-  dict["output_path"] = command.options.output_path;
-  dict["device"] = summary.devices;
-  dict["num_images"] = summary.num_images;
-  dict["num_masks"] = summary.num_masks;
-  dict["num_points"] = summary.num_points;
-  dict["wall_seconds"] = summary.seconds;
-  dict["peak_gpu_memory"] = ToDict(summary.gpu_memory);
-  return dict;
+  return py::dict("output_path"_a = command.options.output_path,
+                  "device"_a = summary.devices,
+                  "num_images"_a = summary.num_images,
+                  "num_masks"_a = summary.num_masks,
+                  "num_points"_a = summary.num_points,
+                  "wall_seconds"_a = summary.seconds,
+                  "peak_gpu_memory"_a = ToDict(summary.gpu_memory));
 }
 
 py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
@@ -236,22 +231,20 @@ py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
   for (const std::string& warning : summary.warnings) {
     warnings.append(ToText(warning));
   }
-  py::dict dict;
-  dict["workspace_path"] = summary.workspace_path;
-  dict["output_type"] = ToString(summary.type);
-  dict["num_images"] = summary.num_images;
-  dict["num_imported"] = summary.num_imported;
-  dict["num_without_image"] = summary.num_without_image;
-  dict["num_with_normals"] = summary.num_with_normals;
-  dict["num_with_costs"] = summary.num_with_costs;
-  dict["num_pixels"] = summary.num_pixels;
-  dict["num_with_depth"] = summary.num_with_depth;
-  dict["scale"] = summary.scale.num_images > 0
-                      ? py::object(py::float_(summary.scale.median))
-                      : py::object(py::none());
-  dict["warnings"] = warnings;
-  dict["text"] = TextOf(summary);
-  return dict;
+  return py::dict("workspace_path"_a = summary.workspace_path,
+                  "output_type"_a = ToString(summary.type),
+                  "num_images"_a = summary.num_images,
+                  "num_imported"_a = summary.num_imported,
+                  "num_without_image"_a = summary.num_without_image,
+                  "num_with_normals"_a = summary.num_with_normals,
+                  "num_with_costs"_a = summary.num_with_costs,
+                  "num_pixels"_a = summary.num_pixels,
+                  "num_with_depth"_a = summary.num_with_depth,
+                  "scale"_a = summary.scale.num_images > 0
+                                  ? py::object(py::float_(summary.scale.median))
+                                  : py::object(py::none()),
+                  "warnings"_a = warnings,
+                  "text"_a = TextOf(summary));
 }
 
 py::dict UndoImports(const std::filesystem::path& workspace_path,
@@ -282,24 +275,20 @@ py::dict Report(const py::dict& options, const py::tuple& listeners) {
           page_path = page.report_path / "index.html";
         }
       });
-  py::dict dict;
-  dict["page_path"] = page_path;
-  dict["picture_path"] = picture_path;
-  dict["num_images"] = num_images;
-  return dict;
+  return py::dict("page_path"_a = page_path,
+                  "picture_path"_a = picture_path,
+                  "num_images"_a = num_images);
 }
 
 py::dict Export(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<ExportCommand>(options);
   const ExportSummary summary = Run("export", command, listeners);
-  py::dict dict;
-  dict["output_path"] = command.options.output_path;
-  dict["num_images"] = summary.num_images;
-  dict["num_with_depth"] = summary.num_with_depth;
-  dict["num_masks"] = summary.num_masks;
-  dict["num_pixels"] = summary.num_pixels;
-  dict["num_depths"] = summary.num_depths;
-  return dict;
+  return py::dict("output_path"_a = command.options.output_path,
+                  "num_images"_a = summary.num_images,
+                  "num_with_depth"_a = summary.num_with_depth,
+                  "num_masks"_a = summary.num_masks,
+                  "num_pixels"_a = summary.num_pixels,
+                  "num_depths"_a = summary.num_depths);
 }
 
 }  // namespace

@@ -18,6 +18,8 @@ namespace py = pybind11;
 namespace tsar {
 namespace {
 
+using py::literals::operator""_a;
+
 py::dict EvaluateDepth(const std::filesystem::path& workspace_path,
                        const std::string& input_type,
                        const std::filesystem::path& ground_truth_path,
@@ -35,23 +37,20 @@ py::dict EvaluateDepth(const std::filesystem::path& workspace_path,
   }
   py::list scores;
   for (const DepthScore& score : evaluation.scores) {
-    py::dict dict;
-    dict["area"] = score.area;
-    dict["tolerance"] = score.tolerance;
-    dict["precision"] = score.Precision();
-    dict["recall"] = score.Recall();
-    dict["f1"] = score.F1();
-    dict["num_right"] = score.num_right;
-    dict["num_estimated"] = score.num_estimated;
-    dict["num_known"] = score.num_known;
-    scores.append(dict);
+    scores.append(py::dict("area"_a = score.area,
+                           "tolerance"_a = score.tolerance,
+                           "precision"_a = score.Precision(),
+                           "recall"_a = score.Recall(),
+                           "f1"_a = score.F1(),
+                           "num_right"_a = score.num_right,
+                           "num_estimated"_a = score.num_estimated,
+                           "num_known"_a = score.num_known));
   }
-  py::dict dict;
-  dict["num_images"] = evaluation.num_images;
-  dict["num_images_without_map"] = evaluation.num_images_without_map;
-  dict["num_masks"] = evaluation.num_masks;
-  dict["scores"] = scores;
-  return dict;
+  return py::dict(
+      "num_images"_a = evaluation.num_images,
+      "num_images_without_map"_a = evaluation.num_images_without_map,
+      "num_masks"_a = evaluation.num_masks,
+      "scores"_a = scores);
 }
 
 py::dict EvaluateCloudAgainstScans(const std::filesystem::path& cloud_path,
@@ -72,18 +71,14 @@ py::dict EvaluateCloudAgainstScans(const std::filesystem::path& cloud_path,
   }
   py::list scores;
   for (const CloudScore& score : evaluation.scores) {
-    py::dict dict;
-    dict["tolerance"] = score.tolerance;
-    dict["completeness"] = score.completeness;
-    dict["accuracy"] = score.accuracy;
-    dict["f1"] = score.f1;
-    scores.append(dict);
+    scores.append(py::dict("tolerance"_a = score.tolerance,
+                           "completeness"_a = score.completeness,
+                           "accuracy"_a = score.accuracy,
+                           "f1"_a = score.f1));
   }
-  py::dict dict;
-  dict["num_points"] = evaluation.num_points;
-  dict["num_scan_points"] = evaluation.num_scan_points;
-  dict["scores"] = scores;
-  return dict;
+  return py::dict("num_points"_a = evaluation.num_points,
+                  "num_scan_points"_a = evaluation.num_scan_points,
+                  "scores"_a = scores);
 }
 
 }  // namespace

@@ -24,6 +24,8 @@ namespace py = pybind11;
 namespace tsar {
 namespace {
 
+using py::literals::operator""_a;
+
 std::array<std::array<double, 4>, 3> PoseRows(const Camera& camera) {
   std::array<std::array<double, 4>, 3> rows{};
   for (int row = 0; row < 3; ++row) {
@@ -45,15 +47,14 @@ py::dict ReadImages(const std::filesystem::path& workspace_path) {
   py::dict images;
   for (const SparseModel::ModelImage& image : model.images) {
     const Camera& camera = image.camera;
-    py::dict dict;
-    dict["width"] = camera.width;
-    dict["height"] = camera.height;
-    dict["fx"] = camera.fx;
-    dict["fy"] = camera.fy;
-    dict["cx"] = camera.cx;
-    dict["cy"] = camera.cy;
-    dict["cam_from_world"] = PoseRows(camera);
-    images[ToText(image.name)] = dict;
+    images[ToText(image.name)] =
+        py::dict("width"_a = camera.width,
+                 "height"_a = camera.height,
+                 "fx"_a = camera.fx,
+                 "fy"_a = camera.fy,
+                 "cx"_a = camera.cx,
+                 "cy"_a = camera.cy,
+                 "cam_from_world"_a = PoseRows(camera));
   }
   return images;
 }
@@ -170,6 +171,9 @@ void BindImages(py::module_* module) {
   module->def("read_map", &ReadMap);
   module->def("has_depth_map", &HasDepthMap);
   module->def("read_depth_map_size", &ReadDepthMapSize);
+  module->def("read_plane_map", [](const std::filesystem::path& path) {
+    return ReadWithoutGil(path, &ReadGray16Png);
+  });
 }
 
 }  // namespace tsar

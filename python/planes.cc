@@ -8,11 +8,8 @@
 #include "colmap_tsar/tools/plane_export/export_planes.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <ostream>
@@ -27,6 +24,8 @@ namespace py = pybind11;
 
 namespace tsar {
 namespace {
+
+using py::literals::operator""_a;
 
 using Numbers = std::array<double, 3>;
 
@@ -57,10 +56,8 @@ py::list ToList(const std::vector<PlanePolygon>& polygons,
     for (const Ring& hole : polygon.holes) {
       holes.append(ToWorld(hole, coordinates));
     }
-    py::dict dict;
-    dict["outline"] = ToWorld(polygon.outline, coordinates);
-    dict["holes"] = holes;
-    list.append(dict);
+    list.append(py::dict("outline"_a = ToWorld(polygon.outline, coordinates),
+                         "holes"_a = holes));
   }
   return list;
 }
@@ -70,27 +67,26 @@ py::dict ToDict(const ExportedPlane& plane) {
   for (const ExportedPlane::Sighting& sighting : plane.images) {
     images[ToText(sighting.image)] = sighting.num_pixels;
   }
-  py::dict dict;
-  dict["ids"] = plane.id;
-  dict["classes"] = ToString(plane.plane_class);
-  dict["normals"] = ToNumbers(plane.coordinates.normal);
-  dict["offsets"] = plane.Offset();
-  dict["centers"] = ToNumbers(plane.coordinates.origin);
-  dict["axes"] = std::array<Numbers, 2>{ToNumbers(plane.coordinates.axis_s),
-                                        ToNumbers(plane.coordinates.axis_t)};
-  dict["covariances"] = ToRows(plane.covariance);
-  dict["areas"] = plane.area;
-  dict["resolutions"] = plane.cell;
-  dict["shares_measured"] = plane.share_measured;
-  dict["supports"] = plane.support;
-  dict["num_pixels"] = plane.num_pixels;
-  dict["components"] = plane.component;
-  dict["frame_ids"] = plane.frame;
-  dict["frame_axes"] = plane.axis;
-  dict["meets"] = plane.meets;
-  dict["images"] = images;
-  dict["polygons"] = ToList(plane.polygons, plane.coordinates);
-  return dict;
+  return py::dict(
+      "ids"_a = plane.id,
+      "classes"_a = ToString(plane.plane_class),
+      "normals"_a = ToNumbers(plane.coordinates.normal),
+      "offsets"_a = plane.Offset(),
+      "centers"_a = ToNumbers(plane.coordinates.origin),
+      "axes"_a = std::array<Numbers, 2>{ToNumbers(plane.coordinates.axis_s),
+                                        ToNumbers(plane.coordinates.axis_t)},
+      "covariances"_a = ToRows(plane.covariance),
+      "areas"_a = plane.area,
+      "resolutions"_a = plane.cell,
+      "shares_measured"_a = plane.share_measured,
+      "supports"_a = plane.support,
+      "num_pixels"_a = plane.num_pixels,
+      "components"_a = plane.component,
+      "frame_ids"_a = plane.frame,
+      "frame_axes"_a = plane.axis,
+      "meets"_a = plane.meets,
+      "images"_a = images,
+      "polygons"_a = ToList(plane.polygons, plane.coordinates));
 }
 
 // A plane each, with what the attributes of the package's Planes hold of it.
@@ -131,37 +127,20 @@ py::dict ReadPlanes(const std::filesystem::path& workspace_path,
     frames.push_back(ToRows(frame.transpose()));
   }
   const bool has_vertical = planes.vertical.source != Vertical::Source::kNone;
-  py::dict dict;
-  dict["input_type"] = planes.type;
-  dict["num_images"] = planes.num_images;
-  dict["vertical"] = has_vertical ? py::cast(ToNumbers(planes.vertical.up))
-                                  : py::object(py::none());
-  dict["vertical_from"] = ToString(planes.vertical.source);
-  dict["frames"] = frames;
-  dict["planes"] = list;
-  return dict;
-}
-
-// Width, height, and the pixels as 16-bit numbers: 1 + the plane's id.
-py::tuple ReadPlaneMap(const std::filesystem::path& path) {
-  Image<uint16_t> map;
-  {
-    const py::gil_scoped_release release;
-    map = ReadGray16Png(path);
-  }
-  return py::make_tuple(
-      map.Width(),
-      map.Height(),
-      py::bytes(reinterpret_cast<const char*>(map.Data()),
-                sizeof(uint16_t) * static_cast<size_t>(map.Width()) *
-                    static_cast<size_t>(map.Height())));
+  return py::dict("input_type"_a = planes.type,
+                  "num_images"_a = planes.num_images,
+                  "vertical"_a = has_vertical
+                                     ? py::cast(ToNumbers(planes.vertical.up))
+                                     : py::object(py::none()),
+                  "vertical_from"_a = ToString(planes.vertical.source),
+                  "frames"_a = frames,
+                  "planes"_a = list);
 }
 
 }  // namespace
 
 void BindPlanes(py::module_* module) {
   module->def("read_planes", &ReadPlanes);
-  module->def("read_plane_map", &ReadPlaneMap);
 }
 
 }  // namespace tsar
