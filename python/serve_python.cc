@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/cli/standard_streams.h"
+#include "colmap_tsar/cli/process_setup.h"
 
 #include <atomic>
 #include <chrono>

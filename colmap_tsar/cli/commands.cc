@@ -5,10 +5,8 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/opencv_threads.h"
-#include "colmap_tsar/cli/failure_report.h"
-#include "colmap_tsar/cli/low_memory.h"
 #include "colmap_tsar/cli/name_suggestion.h"
-#include "colmap_tsar/cli/standard_streams.h"
+#include "colmap_tsar/cli/process_setup.h"
 
 #include <algorithm>
 #include <iomanip>

@@ -35,29 +35,13 @@ int RunCommand(CommandFunction function, int argc, char** argv);
 int RunProgram(int argc, char** argv);
 
 // The commands themselves, which throw tsar::Error.
-
-// Refines the depth and normal maps of a dense workspace, or restores them.
 int RunTsarRefine(int argc, char** argv);
-
-// Makes the maps of a dense workspace from its images.
 int RunTsarStereo(int argc, char** argv);
-
-// Fuses the maps of a dense workspace into a point cloud.
 int RunTsarFuse(int argc, char** argv);
-
-// Imports the maps of other programs into a dense workspace.
 int RunTsarImport(int argc, char** argv);
-
-// Draws the depth before and after refinement.
 int RunTsarReport(int argc, char** argv);
-
-// Writes the planes of a refined workspace.
 int RunTsarPlanes(int argc, char** argv);
-
-// Exports the maps of a workspace for other programs.
 int RunTsarExport(int argc, char** argv);
-
-// Scores depth maps or a point cloud against ground truth.
 int RunTsarEvaluate(int argc, char** argv);
 
 }  // namespace tsar

@@ -3,9 +3,7 @@
 
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/cli/failure_report.h"
-#include "colmap_tsar/cli/low_memory.h"
-#include "colmap_tsar/cli/standard_streams.h"
+#include "colmap_tsar/cli/process_setup.h"
 
 #include <cstdlib>
 

@@ -41,6 +41,48 @@ std::string Trim(const std::string& text) {
              : text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
 }
 
+// Calls function(name, value) for each KEY = VALUE of an ini file, in order;
+// name: SECTION.KEY, or KEY before the first section.
+template <typename Function>
+void ForEachIniValue(const std::string& path, const Function& function) {
+  InputFile file(path);
+  if (file.IsMissing() || file.IsNoFile()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path,
+                      "there is no such file",
+                      "give --project_path an ini file");
+  }
+  if (!file) {
+    throw Error::File(ErrorCode::kIo,
+                      path,
+                      "the file cannot be opened (" + file.Reason() + ")",
+                      "check that it is a file and that you may read it");
+  }
+  std::string prefix;
+  int line_number = 0;
+  for (std::string line; std::getline(file, line);) {
+    ++line_number;
+    line = Trim(line.substr(0, line.find('#')));
+    if (line.empty()) {
+      continue;
+    }
+    if (line.front() == '[' && line.back() == ']') {
+      prefix = line.substr(1, line.size() - 2) + ".";
+      continue;
+    }
+    const size_t equals = line.find('=');
+    if (equals == std::string::npos) {
+      throw Error::File(
+          ErrorCode::kCorrupt,
+          path,
+          "not an ini file (line " + std::to_string(line_number) + ")",
+          "write lines such as KEY = VALUE and [SECTION]");
+    }
+    function(prefix + Trim(line.substr(0, equals)),
+             Trim(line.substr(equals + 1)));
+  }
+}
+
 bool HasArgument(int argc, const char* const* argv, const std::string& name) {
   return std::any_of(argv + std::min(argc, 1), argv + argc, [&](const char* a) {
     return a == name;
@@ -85,17 +127,7 @@ void OptionSet::AddSettings(const std::string& name,
 }
 
 bool OptionSet::Parse(int argc, const char* const* argv) const {
-  std::map<std::string, std::string> written;
-  for (const Option& option : options_) {
-    written[option.name.substr(option.name.find('.') + 1)] = "--" + option.name;
-    for (const Option& setting : option.settings) {
-      written[setting.name] = "--" + option.name + " " + setting.name;
-    }
-  }
-  SetOptionNamer([written](const std::string& key) {
-    const auto found = written.find(key);
-    return found == written.end() ? "--" + key : found->second;
-  });
+  NameOptions();
   if (HasArgument(argc, argv, "--help_json")) {
     PrintHelpJson(Help(), std::cout);
     return false;
@@ -130,7 +162,7 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
   }
   for (const Option& option : options_) {
     if (option.required &&
-        (names.count(option.name) == 0 || option.Text().empty())) {
+        (!names.contains(option.name) || option.Text().empty())) {
       throw Error(ErrorCode::kBadOption,
                   "--" + option.name + " is missing; give it as --" +
                       option.name + " " + option.ValueHint() + ", or see " +
@@ -138,6 +170,20 @@ bool OptionSet::Parse(int argc, const char* const* argv) const {
     }
   }
   return true;
+}
+
+void OptionSet::NameOptions() const {
+  std::map<std::string, std::string> written;
+  for (const Option& option : options_) {
+    written[option.name.substr(option.name.find('.') + 1)] = "--" + option.name;
+    for (const Option& setting : option.settings) {
+      written[setting.name] = "--" + option.name + " " + setting.name;
+    }
+  }
+  SetOptionNamer([written](const std::string& key) {
+    const auto found = written.find(key);
+    return found == written.end() ? "--" + key : found->second;
+  });
 }
 
 CommandHelp OptionSet::Help() const {
@@ -211,77 +257,36 @@ std::map<std::string, std::string> OptionSet::ReadCommandLine(
   return values;
 }
 
+bool OptionSet::SeemsOwn(const std::string& name) const {
+  const std::string group = Group(name);
+  return std::ranges::any_of(options_, [&](const Option& option) {
+    return Group(option.name) == group &&
+           (!group.empty() || EditDistance(name, option.name) <= 2);
+  });
+}
+
 std::set<std::string> OptionSet::ReadIni(
     const std::string& path, const std::set<std::string>& overridden) const {
-  InputFile file(path);
-  if (file.IsMissing() || file.IsNoFile()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path,
-                      "there is no such file",
-                      "give --project_path an ini file");
-  }
-  if (!file) {
-    throw Error::File(ErrorCode::kIo,
-                      path,
-                      "the file cannot be opened (" + file.Reason() + ")",
-                      "check that it is a file and that you may read it");
-  }
-  std::set<std::string> groups;
-  std::vector<std::string> top_level_names;
-  for (const Option& option : options_) {
-    const std::string group = Group(option.name);
-    groups.insert(group);
-    if (group.empty()) {
-      top_level_names.push_back(option.name);
-    }
-  }
   std::set<std::string> names;
-  std::string prefix;
-  int line_number = 0;
-  for (std::string line; std::getline(file, line);) {
-    ++line_number;
-    line = Trim(line.substr(0, line.find('#')));
-    if (line.empty()) {
-      continue;
-    }
-    if (line.front() == '[' && line.back() == ']') {
-      prefix = line.substr(1, line.size() - 2) + ".";
-      continue;
-    }
-    const size_t equals = line.find('=');
-    if (equals == std::string::npos) {
-      throw Error::File(
-          ErrorCode::kCorrupt,
-          path,
-          "not an ini file (line " + std::to_string(line_number) + ")",
-          "write lines such as KEY = VALUE and [SECTION]");
-    }
-    const std::string name = prefix + Trim(line.substr(0, equals));
-    if (const Option* option = Find(name)) {
-      if (!names.insert(name).second) {
-        throw Error::File(ErrorCode::kBadOption,
-                          path,
-                          "key " + name + " is given twice",
-                          "give it once");
+  ForEachIniValue(path, [&](const std::string& name, const std::string& value) {
+    const Option* option = Find(name);
+    if (option == nullptr) {
+      if (SeemsOwn(name)) {
+        throw Error::File(
+            ErrorCode::kBadOption, path, "unknown key " + name, Advice(name));
       }
-      if (overridden.count(name) == 0) {
-        option->Set(Trim(line.substr(equals + 1)), path + ": " + name);
-      }
-      continue;
+      return;
     }
-    const std::string group = Group(name);
-    const bool is_ours =
-        group.empty() ? std::any_of(top_level_names.begin(),
-                                    top_level_names.end(),
-                                    [&](const std::string& known) {
-                                      return EditDistance(name, known) <= 2;
-                                    })
-                      : groups.count(group) > 0;
-    if (is_ours) {
-      throw Error::File(
-          ErrorCode::kBadOption, path, "unknown key " + name, Advice(name));
+    if (!names.insert(name).second) {
+      throw Error::File(ErrorCode::kBadOption,
+                        path,
+                        "key " + name + " is given twice",
+                        "give it once");
     }
-  }
+    if (!overridden.contains(name)) {
+      option->Set(value, path + ": " + name);
+    }
+  });
   return names;
 }
 

@@ -68,10 +68,17 @@ class OptionSet {
   CommandHelp Help() const;
 
  private:
+  // Has OptionName() name the options of this command as users write them.
+  void NameOptions() const;
   const Option* Find(const std::string& name) const;
   std::string Advice(const std::string& written) const;
   std::map<std::string, std::string> ReadCommandLine(
       int argc, const char* const* argv) const;
+  // Whether an unknown key of an ini file is meant for this command: in one of
+  // its groups, or a top-level key that is spelled nearly like one of its own.
+  bool SeemsOwn(const std::string& name) const;
+  // Sets the options of the file but for the overridden ones, and returns the
+  // names of all.
   std::set<std::string> ReadIni(const std::string& path,
                                 const std::set<std::string>& overridden) const;
 

@@ -299,12 +299,8 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
   if (summary.num_with_costs > 0) {
     out << "Costs came with " << summary.num_with_costs << "\n";
   }
-  const double share = summary.num_pixels > 0
-                           ? 100.0 *
-                                 static_cast<double>(summary.num_with_depth) /
-                                 static_cast<double>(summary.num_pixels)
-                           : 0.0;
-  out << "Pixels with depth: " << Fixed(share, 1) << " %\n";
+  out << "Pixels with depth: "
+      << Percent(summary.num_with_depth, summary.num_pixels) << "\n";
   if (summary.scale.num_images > 0) {
     out << (summary.has_own_scales
                 ? "Before scaling, depth over that of the sparse points: "

@@ -4,7 +4,7 @@
 #include "colmap_tsar/cli/commands.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/cli/failure_report.h"
+#include "colmap_tsar/cli/process_setup.h"
 
 #include <iostream>
 #include <new>
