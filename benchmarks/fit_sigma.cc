@@ -61,34 +61,29 @@ enum Kind {
   kViewInterpolated,
   kNumKinds
 };
-constexpr const char* kKindNames[kNumKinds] = {"measured, moved onto its plane",
-                                               "filled, measured",
-                                               "filled, other views",
-                                               "filled, guessed",
-                                               "measured, as it was",
-                                               "plane of a region, or curved",
-                                               "measured, moved to a curve",
-                                               "interpolated",
-                                               "measured",
-                                               "plane of a superpixel",
-                                               "plane of a region",
-                                               "interpolated"};
+struct KindFacts {
+  const char* name;
+  float constant;  // Of SceneSigmaOptions or ViewSigmaOptions.
+};
 
-float ConstantOf(Kind kind) {
-  const SceneSigmaOptions options;
-  const ViewSigmaOptions of_view;
-  return std::array<float, kNumKinds>{options.moved,
-                                      options.filled_measured,
-                                      options.filled_carried,
-                                      options.filled_guessed,
-                                      options.standing,
-                                      options.no_plane,
-                                      options.moved_to_curved,
-                                      options.interpolated,
-                                      of_view.measured,
-                                      of_view.superpixel_plane,
-                                      of_view.region_plane,
-                                      of_view.interpolated}[kind];
+const KindFacts& FactsOf(Kind kind) {
+  static const SceneSigmaOptions scene;
+  static const ViewSigmaOptions view;
+  static const std::array<KindFacts, kNumKinds> facts = {{
+      {"measured, moved onto its plane", scene.moved},
+      {"filled, measured", scene.filled_measured},
+      {"filled, other views", scene.filled_carried},
+      {"filled, guessed", scene.filled_guessed},
+      {"measured, as it was", scene.standing},
+      {"plane of a region, or curved", scene.no_plane},
+      {"measured, moved to a curve", scene.moved_to_curved},
+      {"interpolated", scene.interpolated},
+      {"measured", view.measured},
+      {"plane of a superpixel", view.superpixel_plane},
+      {"plane of a region", view.region_plane},
+      {"interpolated", view.interpolated},
+  }};
+  return facts[kind];
 }
 
 // Of a depth, all as shares of it.
@@ -99,7 +94,7 @@ struct Sample {
 
   // With another constant. That of a plane's error stays as it is.
   double SigmaWith(Kind kind, double constant) const {
-    const double old_constant = ConstantOf(kind);
+    const double old_constant = FactsOf(kind).constant;
     if (kind == kStanding) {
       return sigma * constant / old_constant;
     }
@@ -277,7 +272,7 @@ void PrintTable(const std::vector<Scene>& scenes,
                 Sigma sigma_of) {
   std::printf("%s\n\n| scene |", title);
   for (const Kind kind : kinds) {
-    std::printf(" %s |", kKindNames[kind]);
+    std::printf(" %s |", FactsOf(kind).name);
   }
   std::printf("\n|---|");
   for (size_t i = 0; i < kinds.size(); ++i) {
@@ -334,8 +329,8 @@ int Fit(int argc, char** argv) {
   });
   for (const Kind kind : kinds) {
     std::printf("%-32s constant %.3f, for 0.68 %.3f\n",
-                kKindNames[kind],
-                static_cast<double>(ConstantOf(kind)),
+                FactsOf(kind).name,
+                static_cast<double>(FactsOf(kind).constant),
                 FitConstant(scenes, kind));
   }
   return 0;

@@ -40,10 +40,10 @@ const T& AtSamePlace(const Image<T>& image,
 
 // A view of a modeled scene as composition sees it.
 struct ModeledImage {
-  Image<float> depth;  // That was measured.
-  Image<float> truth;  // Of any size.
+  Image<float> depth;  // Before refinement.
+  Image<float> truth;  // The ground truth, of any size.
   DepthResolution resolution;
-  float noise = 0.f;
+  float noise = 0.f;  // See ViewEvidence.
   FoundScene found;
   std::vector<ObservedView> views;
   Intrinsics intrinsics;  // Of the map.

@@ -4,7 +4,7 @@
 #include "benchmarks/scene/room_workspace.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_paths.h"
@@ -17,8 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/scene/render.h"
-#include "benchmarks/scene/simulated_stereo.h"
+#include "benchmarks/scene/simulated_views.h"
 #include <Eigen/Geometry>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -210,18 +209,15 @@ void WriteConfigs(const std::filesystem::path& stereo,
   WriteText(stereo / "fusion.cfg", fusion);
 }
 
-void WriteJpeg(const std::filesystem::path& path, const Image<Rgb>& color) {
+void WriteJpeg(const ContainedPath& path, const Image<Rgb>& color) {
   const cv::Mat rgb(
       color.Height(), color.Width(), CV_8UC3, const_cast<Rgb*>(color.Data()));
   cv::Mat bgr;
   cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  if (!cv::imwrite(
-          path.string(), bgr, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality})) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "the image cannot be written",
-                      "check the folder and the space on its disk");
-  }
+  AtomicFile file(path);
+  PutPicture(
+      bgr, ".jpg", path, &file, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
+  file.Commit();
 }
 
 void WriteView(const std::filesystem::path& root,

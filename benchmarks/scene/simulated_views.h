@@ -3,13 +3,31 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <cstdint>
 
-#include "benchmarks/scene/render.h"
+#include "benchmarks/scene/room.h"
 
 namespace tsar {
+
+// A photo of the room with the exact depth (z) and normal (camera frame) of
+// every pixel's middle.
+struct RenderedView {
+  Camera camera;
+  Image<Rgb> color;
+  Image<float> depth;
+  Image<Vec3f> normal;
+};
+
+// noise_key: the same key and camera give the same sensor noise.
+RenderedView RenderView(const Room& room,
+                        const Camera& camera,
+                        uint32_t noise_key,
+                        ThreadPool& threads);
 
 // Maps with the faults of those that patch_match_stereo writes.
 struct SimulatedMaps {
