@@ -71,8 +71,8 @@ void Rewrite(const std::string& header, AtomicFile* file) {
 EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
                            const Camera& camera,
                            const std::optional<Eigen::AlignedBox3d>& box,
-                           int place,
-                           const std::vector<int>& source_places) {
+                           int place_in_file,
+                           const std::vector<int>& source_places_in_file) {
   constexpr size_t kPointSize = 6 * sizeof(float) + 3;
   EncodedPoints encoded;
   encoded.points.reserve(points.size() * kPointSize);
@@ -90,10 +90,10 @@ EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
     AppendVector(position, &encoded.points);
     AppendVector(to_world * ToEigen(point.normal), &encoded.points);
     Append(point.color, &encoded.points);
-    images.assign(1, static_cast<uint32_t>(place));
+    images.assign(1, static_cast<uint32_t>(place_in_file));
     for (uint64_t rest = point.sources; rest != 0; rest &= rest - 1) {
       images.push_back(static_cast<uint32_t>(
-          source_places[static_cast<size_t>(std::countr_zero(rest))]));
+          source_places_in_file[static_cast<size_t>(std::countr_zero(rest))]));
     }
     std::sort(images.begin(), images.end());
     Append(static_cast<uint32_t>(images.size()), &encoded.visibility);
@@ -122,7 +122,7 @@ void FusedCloudWriter::Add(const EncodedPoints& points) {
 void FusedCloudWriter::Commit() {
   Rewrite(PlyHeader(num_points_), &points_);
   Rewrite(VisibilityHeader(num_points_), &visibility_);
-  // A program that is killed here leaves no file that belongs to another cloud.
+  // From here on, the old visibility would belong to another cloud.
   RemoveFile(visibility_path_);
   points_.Commit();
   visibility_.Commit();

@@ -25,13 +25,14 @@ struct EncodedPoints {
 };
 
 // Encodes points in the world frame, in single precision like COLMAP. box: in
-// the world frame; points outside of it are left out. place, source_places: the
-// indices of the image and its sources in the file of the sparse model.
+// the world frame; points outside of it are left out. place_in_file,
+// source_places_in_file: the indices of the image and its sources in the file
+// of the sparse model.
 EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
                            const Camera& camera,
                            const std::optional<Eigen::AlignedBox3d>& box,
-                           int place,
-                           const std::vector<int>& source_places);
+                           int place_in_file,
+                           const std::vector<int>& source_places_in_file);
 
 // The two files that COLMAP's stereo_fusion writes, fused.ply (binary; x, y, z,
 // normal, color) and fused.ply.vis (for each point the images that agree on it,
@@ -46,6 +47,8 @@ class FusedCloudWriter {
 
   int64_t NumPoints() const { return num_points_; }
 
+  // Replaces both files. A program that is killed meanwhile leaves no .vis file
+  // that belongs to another cloud. Throws what AtomicFile and RemoveFile throw.
   void Commit();
 
  private:

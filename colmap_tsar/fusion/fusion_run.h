@@ -43,9 +43,10 @@ class FusionRun {
   FusionRun(const FusionRun&) = delete;
   FusionRun& operator=(const FusionRun&) = delete;
 
-  // Called from several threads; place: the image's index in the plan's order.
+  // Called from several threads with the points of an image. place: its index
+  // in the plan's order.
   using UsePoints = std::function<void(size_t place, FusedImage fused)>;
-  // Called in the plan's order, after UsePoints for that place.
+  // Called from one thread in the plan's order, after UsePoints for that place.
   using Finish = std::function<void(size_t place)>;
 
   // Throws Error kInterrupted once should_stop returned true, and what the
