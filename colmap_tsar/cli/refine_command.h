@@ -15,8 +15,8 @@
 
 namespace tsar {
 
-// The arguments of tsar_refine, from the command line or from Python. Run() parses
-// those that are texts.
+// The arguments of tsar_refine, from the command line or from Python. Run()
+// parses those that are texts.
 struct RefineCommand {
   std::string input_type;
   std::string prior_type = "auto";

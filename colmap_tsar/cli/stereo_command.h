@@ -14,8 +14,8 @@
 
 namespace tsar {
 
-// The arguments of tsar_stereo, from the command line or from Python. Run() parses
-// those that are texts.
+// The arguments of tsar_stereo, from the command line or from Python. Run()
+// parses those that are texts.
 struct StereoCommand {
   std::filesystem::path workspace_path;
   StereoImageFiles files;  // Without the prior_type, which comes next.
