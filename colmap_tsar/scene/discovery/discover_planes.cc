@@ -5,15 +5,15 @@
 
 #include "colmap_tsar/scene/discovery/manhattan_frame.h"
 #include "colmap_tsar/scene/discovery/merge_planes.h"
+#include "colmap_tsar/scene/discovery/plane_estimator.h"
 #include "colmap_tsar/scene/discovery/plane_ranking.h"
-#include "colmap_tsar/scene/discovery/plane_scores.h"
 #include "colmap_tsar/scene/discovery/superpixel_observations.h"
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/evidence/superpixel_matches.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -32,24 +32,21 @@ constexpr int kMaxImprovingRounds = 20;
 
 class Discovery {
  public:
-  Discovery(const SuperpixelObservations& observations,
+  Discovery(const PlaneEstimator& estimator,
             const SuperpixelMatches& matches,
-            const DiscoverPlanesOptions& options,
-            Device& device)
-      : observations_(observations),
+            const DiscoverPlanesOptions& options)
+      : estimator_(estimator),
         matches_(matches),
         options_(options),
-        device_(&device),
-        scorer_(observations, options.tolerance, device),
-        fitter_(observations, scorer_, options.tolerance, device) {}
+        num_superpixels_(estimator.Observations().Count()),
+        threads_(estimator.GetDevice().Threads()) {}
 
   std::vector<ScoredPlane> Run(const std::vector<WorldPlane>& candidates) {
-    ChooseCandidates(candidates,
-                     std::vector<float>(observations_.Count(), 0.f));
+    ChooseCandidates(candidates, std::vector<float>(num_superpixels_, 0.f));
     do {
       FitToAssigned();
-    } while (DropAndMergePlanes(
-        fitter_, matches_, options_.min_gain, device_->Threads(), &planes_));
+    } while (
+        DropAndMergePlanes(estimator_, matches_, options_.min_gain, &planes_));
     if (options_.manhattan_frame) {
       AlignPlanes();
     }
@@ -71,7 +68,7 @@ class Discovery {
   // best: the best score of each superpixel so far.
   void ChooseCandidates(const std::vector<WorldPlane>& candidates,
                         std::vector<float> best) {
-    LazyGreedySelection selection(candidates, scorer_, *device_);
+    LazyGreedySelection selection(candidates, estimator_);
     while (static_cast<int>(planes_.size()) < options_.max_planes) {
       const LazyGreedySelection::Choice choice = selection.Next(best);
       if (choice.candidate < 0 || choice.gain < options_.min_gain) {
@@ -98,8 +95,8 @@ class Discovery {
           won.push_back(k);
         }
       }
-      ScoredPlane fitted =
-          fitter_.ScoreOne(fitter_.Fit(plane.plane, fitter_.Sample(won)));
+      ScoredPlane fitted = estimator_.ScoreOne(
+          estimator_.Fit(plane.plane, estimator_.Sample(won)));
       const double fitted_gain = PlaneGain(fitted, best_of);
       if (!(fitted_gain > gain)) {
         break;
@@ -117,17 +114,15 @@ class Discovery {
     bool improved = true;
     for (int round = 0; round < kMaxImprovingRounds && improved; ++round) {
       improved = false;
-      std::vector<Ranking> rankings =
-          Rank(planes_, observations_.Count(), device_->Threads());
+      std::vector<Ranking> rankings = Rank(planes_, num_superpixels_, threads_);
       const std::vector<std::vector<int>> members =
           AssignedSuperpixels(rankings, planes_.size());
       std::vector<WorldPlane> fits(num_planes);
-      device_->Threads().Run(num_planes, [&](int64_t begin, int64_t end) {
-        for (int64_t p = begin; p < end; ++p) {
-          fits[p] = fitter_.Fit(planes_[p].plane, fitter_.Sample(members[p]));
-        }
+      threads_.ForEach(fits.size(), [&](size_t p) {
+        fits[p] =
+            estimator_.Fit(planes_[p].plane, estimator_.Sample(members[p]));
       });
-      std::vector<ScoredPlane> fitted = fitter_.Score(fits);
+      std::vector<ScoredPlane> fitted = estimator_.Score(fits);
       for (int p = 0; p < num_planes; ++p) {
         const auto best_of_others = [&](int k) {
           return rankings[k].BestWithout(p, p);
@@ -135,7 +130,7 @@ class Discovery {
         if (PlaneGain(fitted[p], best_of_others) >
             PlaneGain(planes_[p], best_of_others)) {
           std::swap(planes_[p], fitted[p]);
-          UpdateRankings(planes_, p, fitted[p], device_->Threads(), &rankings);
+          UpdateRankings(planes_, p, fitted[p], threads_, &rankings);
           improved = true;
         }
       }
@@ -145,39 +140,34 @@ class Discovery {
   // Aligns planes that lose little support by it.
   void AlignPlanes() {
     const std::vector<Ranking> rankings =
-        Rank(planes_, observations_.Count(), device_->Threads());
+        Rank(planes_, num_superpixels_, threads_);
     const std::vector<std::vector<int>> members =
         AssignedSuperpixels(rankings, planes_.size());
+    const std::vector<double> supports = Supports(rankings, planes_.size());
     std::vector<MeasuredPlane> measured;
     for (size_t p = 0; p < planes_.size(); ++p) {
-      double support = 0.0;
-      for (const int k : members[p]) {
-        support += rankings[k].scores[0];
-      }
       measured.push_back(
-          {planes_[p].plane, support, fitter_.Sample(members[p])});
+          {planes_[p].plane, supports[p], estimator_.Sample(members[p])});
     }
     const auto is_acceptable = [&](int p, const WorldPlane& plane) {
       const auto best_of_others = [&](int k) {
         return rankings[k].BestWithout(p, p);
       };
-      const ScoredPlane scored = fitter_.ScoreOne(plane);
+      const ScoredPlane scored = estimator_.ScoreOne(plane);
       const double loss = PlaneGain(planes_[p], best_of_others) -
                           PlaneGain(scored, best_of_others);
-      return loss <= std::max(options_.min_gain,
-                              kMaxAlignmentLoss * measured[p].support);
+      return loss <=
+             std::max(options_.min_gain, kMaxAlignmentLoss * supports[p]);
     };
-    const std::vector<WorldPlane> aligned = AlignToManhattanFrame(
-        measured, fitter_.LossScale(), is_acceptable, &frame_);
-    planes_ = fitter_.Score(aligned);
+    planes_ = estimator_.Score(AlignToManhattanFrame(
+        measured, estimator_.LossScale(), is_acceptable, &frame_));
   }
 
-  const SuperpixelObservations& observations_;
+  const PlaneEstimator& estimator_;
   const SuperpixelMatches& matches_;
-  DiscoverPlanesOptions options_;
-  Device* device_;
-  PlaneScorer scorer_;
-  SuperpixelPlaneFitter fitter_;
+  const DiscoverPlanesOptions& options_;
+  const int num_superpixels_;
+  ThreadPool& threads_;
   std::vector<ScoredPlane> planes_;
   std::optional<ManhattanFrame> frame_;
 };
@@ -201,7 +191,7 @@ void AddPlanesOfPriors(const std::vector<ObservedView>& views,
                        const DiscoverPlanesOptions& options,
                        Device& device,
                        DiscoveredPlanes* discovered) {
-  if (std::all_of(views.begin(), views.end(), [](const ObservedView& view) {
+  if (std::ranges::all_of(views, [](const ObservedView& view) {
         return view.evidence->errors.empty();
       })) {
     return;
@@ -209,18 +199,18 @@ void AddPlanesOfPriors(const std::vector<ObservedView>& views,
   const Camera& reference = views[0].camera;
   const SuperpixelObservations observations(
       views, options.max_weight, ObservationsOf::kPriors);
-  const PlaneScorer scorer(observations, options.tolerance, device);
+  const PlaneEstimator estimator(observations, options.tolerance, device);
   std::vector<WorldPlane> known;
   for (const ScenePlane& plane : discovered->planes) {
     known.push_back(FromWorld(plane.plane, reference));
   }
   std::vector<float> best(observations.Count(), 0.f);
-  for (const ScoredPlane& plane : ScorePlanes(scorer, known, device)) {
+  for (const ScoredPlane& plane : estimator.Score(known)) {
     for (const int k : plane.superpixels) {
       best[k] = std::max(best[k], plane.scores[k]);
     }
   }
-  std::vector<int*> assigned;
+  std::vector<int*> assigned;  // By superpixel of all views.
   for (std::vector<int>& of_view : discovered->assignment) {
     for (int& plane : of_view) {
       if (plane >= 0) {
@@ -230,8 +220,7 @@ void AddPlanesOfPriors(const std::vector<ObservedView>& views,
     }
   }
   for (const ScoredPlane& plane :
-       Discovery(observations, matches, options, device)
-           .Extend(candidates, best)) {
+       Discovery(estimator, matches, options).Extend(candidates, best)) {
     const auto index = static_cast<int>(discovered->planes.size());
     double support = 0.0;
     for (const int k : plane.superpixels) {
@@ -281,7 +270,8 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
     local_candidates.push_back(FromWorld(candidates[i], reference));
   }
   const SuperpixelMatches matches(views);
-  Discovery discovery(observations, matches, options, device);
+  const PlaneEstimator estimator(observations, options.tolerance, device);
+  Discovery discovery(estimator, matches, options);
   const std::vector<ScoredPlane> planes = discovery.Run(local_candidates);
   const std::optional<ManhattanFrame>& frame = discovery.Frame();
   if (frame) {
@@ -290,24 +280,17 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
 
   const std::vector<Ranking> rankings =
       Rank(planes, observations.Count(), device.Threads());
-  std::vector<double> supports(planes.size(), 0.0);
-  for (const Ranking& ranking : rankings) {
-    if (ranking.planes[0] >= 0) {
-      supports[ranking.planes[0]] += ranking.scores[0];
-    }
-  }
+  const std::vector<double> supports = Supports(rankings, planes.size());
   std::vector<int> order(planes.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return supports[a] > supports[b];
-  });
-  std::vector<int> new_indices(planes.size());
-  for (size_t i = 0; i < order.size(); ++i) {
-    new_indices[order[i]] = static_cast<int>(i);
-    result.planes.push_back({ToWorld(planes[order[i]].plane, reference),
-                             supports[order[i]],
-                             frame ? frame->axes[order[i]] : -1});
+  std::ranges::stable_sort(
+      order, std::greater{}, [&](int p) { return supports[p]; });
+  for (const int p : order) {
+    result.planes.push_back({ToWorld(planes[p].plane, reference),
+                             supports[p],
+                             frame ? frame->axes[p] : -1});
   }
+  const std::vector<int> new_indices = IndicesAmong(order, planes.size());
   int superpixel = 0;
   for (std::vector<int>& of_view : result.assignment) {
     for (int& plane : of_view) {

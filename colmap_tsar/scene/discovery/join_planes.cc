@@ -10,11 +10,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
+#include <functional>
 #include <iterator>
 #include <map>
-#include <numeric>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -43,13 +43,11 @@ double Support(const WorldPlane& plane, const Observations& observations) {
 
 // Whether at least half of the measurements of another plane are near.
 bool IsNear(const WorldPlane& plane, const Observations& observations) {
-  const auto num_near = static_cast<size_t>(
-      std::count_if(observations.begin(),
-                    observations.end(),
-                    [&](const DepthObservation& observation) {
-                      return std::abs(NormalizedResidual(plane, observation)) <
-                             kMaxMergeDistance;
-                    }));
+  const size_t num_near = std::ranges::count_if(
+      observations, [&](const DepthObservation& observation) {
+        return std::abs(NormalizedResidual(plane, observation)) <
+               kMaxMergeDistance;
+      });
   return 2 * num_near >= observations.size();
 }
 
@@ -59,8 +57,7 @@ void Append(const Observations& from, Observations* to) {
 
 std::vector<int> Union(const std::vector<int>& a, const std::vector<int>& b) {
   std::vector<int> result;
-  std::set_union(
-      a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(result));
+  std::ranges::set_union(a, b, std::back_inserter(result));
   return result;
 }
 
@@ -69,18 +66,16 @@ class PlaneJoiner {
   PlaneJoiner(std::vector<PlaneBlock> blocks, double min_gain, Device& device)
       : blocks_(std::move(blocks)),
         min_gain_(min_gain),
-        device_(device),
+        threads_(device.Threads()),
         nodes_of_block_(blocks_.size()) {
-    for (size_t b = 0; b < blocks_.size(); ++b) {
+    for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
       for (MeasuredScenePlane& plane : blocks_[b].planes) {
         nodes_of_block_[b].push_back(static_cast<int>(nodes_.size()));
-        num_of_block_.push_back(static_cast<int>(b));
-        Node node;
-        node.blocks = {static_cast<int>(b)};
+        Node& node = nodes_.emplace_back();
+        node.blocks = {b};
         node.neighbors = blocks_[b].neighbors;
         node.support = Support(plane.found.plane, plane.observations);
         node.plane = std::move(plane);
-        nodes_.push_back(std::move(node));
       }
     }
   }
@@ -88,11 +83,9 @@ class PlaneJoiner {
   JoinedPlanes Run() {
     FindAllPairs();
     while (!queue_.empty()) {
-      const auto first = queue_.begin();
-      const int a = std::get<1>(first->first);
-      const int b = std::get<2>(first->first);
-      const WorldPlane joint = first->second;
-      queue_.erase(first);
+      const auto [key, joint] = *queue_.begin();
+      const auto [share, a, b] = key;
+      queue_.erase(queue_.begin());
       if (IsLeft(a) && IsLeft(b)) {
         Join(a, b, joint);
       }
@@ -113,17 +106,15 @@ class PlaneJoiner {
     WorldPlane plane;
   };
 
-  bool IsLeft(int node) const {
-    return nodes_[static_cast<size_t>(node)].heir < 0;
-  }
+  bool IsLeft(int node) const { return nodes_[node].heir < 0; }
 
   void FindAllPairs() {
     std::vector<std::pair<int, int>> pairs;
-    for (size_t a = 0; a < nodes_.size(); ++a) {
+    for (int a = 0; a < static_cast<int>(nodes_.size()); ++a) {
       for (const int block : nodes_[a].neighbors) {
-        for (const int b : nodes_of_block_[static_cast<size_t>(block)]) {
-          if (static_cast<int>(a) < b) {
-            pairs.emplace_back(static_cast<int>(a), b);
+        for (const int b : nodes_of_block_[block]) {
+          if (a < b) {
+            pairs.emplace_back(a, b);
           }
         }
       }
@@ -134,15 +125,9 @@ class PlaneJoiner {
   // Queues the pairs whose loss is below its limit.
   void Consider(const std::vector<std::pair<int, int>>& pairs) {
     std::vector<std::optional<Joint>> joints(pairs.size());
-    device_.Threads().Run(
-        static_cast<int64_t>(pairs.size()), [&](int64_t begin, int64_t end) {
-          for (auto i = static_cast<size_t>(begin);
-               i < static_cast<size_t>(end);
-               ++i) {
-            joints[i] = FindJoint(nodes_[static_cast<size_t>(pairs[i].first)],
-                                  nodes_[static_cast<size_t>(pairs[i].second)]);
-          }
-        });
+    threads_.ForEach(pairs.size(), [&](size_t i) {
+      joints[i] = FindJoint(nodes_[pairs[i].first], nodes_[pairs[i].second]);
+    });
     for (size_t i = 0; i < pairs.size(); ++i) {
       if (joints[i]) {
         queue_[{joints[i]->share, pairs[i].first, pairs[i].second}] =
@@ -182,8 +167,8 @@ class PlaneJoiner {
 
   void Join(int a, int b, const WorldPlane& plane) {
     Node joint;
-    Node& first = nodes_[static_cast<size_t>(a)];
-    Node& second = nodes_[static_cast<size_t>(b)];
+    Node& first = nodes_[a];
+    Node& second = nodes_[b];
     joint.plane.found = {
         plane, first.plane.found.support + second.plane.found.support};
     joint.plane.observations = std::move(first.plane.observations);
@@ -199,62 +184,57 @@ class PlaneJoiner {
     first.heir = joint_node;
     second.heir = joint_node;
     second.plane = {};
-    std::vector<std::pair<int, int>> pairs;
+    std::set<std::pair<int, int>> pairs;
     for (const int block : Union(joint.blocks, joint.neighbors)) {
-      for (const int other : nodes_of_block_[static_cast<size_t>(block)]) {
+      for (const int other : nodes_of_block_[block]) {
         if (IsLeft(other)) {
-          pairs.emplace_back(other, joint_node);
+          pairs.emplace(other, joint_node);
         }
       }
     }
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
     for (const int block : joint.blocks) {
-      std::vector<int>& nodes = nodes_of_block_[static_cast<size_t>(block)];
+      std::vector<int>& nodes = nodes_of_block_[block];
       std::erase_if(nodes, [&](int node) { return node == a || node == b; });
       nodes.push_back(joint_node);
     }
     nodes_.push_back(std::move(joint));
-    Consider(pairs);
+    Consider({pairs.begin(), pairs.end()});
   }
 
   JoinedPlanes Collect() {
     std::vector<int> order;
-    for (size_t i = 0; i < nodes_.size(); ++i) {
-      if (nodes_[i].heir < 0) {
-        order.push_back(static_cast<int>(i));
+    for (int node = 0; node < static_cast<int>(nodes_.size()); ++node) {
+      if (IsLeft(node)) {
+        order.push_back(node);
       }
     }
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-      return nodes_[static_cast<size_t>(a)].plane.found.support >
-             nodes_[static_cast<size_t>(b)].plane.found.support;
+    std::ranges::stable_sort(order, std::greater{}, [&](int node) {
+      return nodes_[node].plane.found.support;
     });
     JoinedPlanes result;
-    std::vector<int> new_indices(nodes_.size(), kNoPlane);
     for (const int node : order) {
-      new_indices[static_cast<size_t>(node)] =
-          static_cast<int>(result.planes.size());
-      result.planes.push_back(
-          std::move(nodes_[static_cast<size_t>(node)].plane));
+      result.planes.push_back(std::move(nodes_[node].plane));
     }
-    result.indices.resize(blocks_.size());
-    for (size_t i = 0; i < num_of_block_.size(); ++i) {
-      size_t node = i;
-      while (nodes_[node].heir >= 0) {
-        node = static_cast<size_t>(nodes_[node].heir);
+    const std::vector<int> new_indices = IndicesAmong(order, nodes_.size());
+    int original = 0;
+    for (const PlaneBlock& block : blocks_) {
+      std::vector<int>& indices = result.indices.emplace_back();
+      for (size_t i = 0; i < block.planes.size(); ++i) {
+        int node = original++;
+        while (!IsLeft(node)) {
+          node = nodes_[node].heir;
+        }
+        indices.push_back(new_indices[node]);
       }
-      result.indices[static_cast<size_t>(num_of_block_[i])].push_back(
-          new_indices[node]);
     }
     return result;
   }
 
   std::vector<PlaneBlock> blocks_;
   const double min_gain_;
-  Device& device_;
+  ThreadPool& threads_;
   // The planes of the blocks, then those that they are joined into.
   std::vector<Node> nodes_;
-  std::vector<int> num_of_block_;  // Index of each block's first node.
   // Nodes that have not been joined into others.
   std::vector<std::vector<int>> nodes_of_block_;
   // Joint planes by their share of the limit and the two nodes.

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -49,9 +50,8 @@ double SupportAlong(const Frame& frame,
 std::vector<int> BySupport(const std::vector<MeasuredPlane>& planes) {
   std::vector<int> order(planes.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return planes[a].support > planes[b].support;
-  });
+  std::ranges::stable_sort(
+      order, std::greater{}, [&](int p) { return planes[p].support; });
   return order;
 }
 
@@ -95,6 +95,49 @@ JointPlane Turned(const MeasuredPlane& measured,
   return {{normal, -normal.dot(on_plane)}, &measured.samples};
 }
 
+// Fits the frame together with the planes along its axes, and replaces these,
+// except where that is not acceptable: the frame is then fitted without them.
+std::optional<ManhattanFrame> FitFrame(
+    const std::vector<MeasuredPlane>& planes,
+    double loss_scale,
+    const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable,
+    std::vector<WorldPlane>* result) {
+  const std::optional<Frame> initial = FindFrame(planes);
+  if (!initial) {
+    return std::nullopt;
+  }
+  ManhattanFrame frame;
+  std::vector<int> along;  // The planes near a direction.
+  for (size_t p = 0; p < planes.size(); ++p) {
+    frame.axes.push_back(NearestAxis(*initial, planes[p].plane.normal));
+    if (frame.axes.back() >= 0) {
+      along.push_back(static_cast<int>(p));
+    }
+  }
+  bool changed = true;
+  while (changed) {
+    std::vector<JointPlane> joint;
+    for (const int p : along) {
+      joint.push_back(Turned(planes[p], initial->col(frame.axes[p])));
+    }
+    frame.rotation = FitTogether(std::nullopt, loss_scale, &joint) * *initial;
+    std::vector<int> accepted;
+    for (size_t i = 0; i < along.size(); ++i) {
+      const int p = along[i];
+      if (is_acceptable(p, joint[i].plane)) {
+        accepted.push_back(p);
+        (*result)[p] = joint[i].plane;
+      } else {
+        frame.axes[p] = -1;
+        (*result)[p] = planes[p].plane;
+      }
+    }
+    changed = accepted.size() < along.size();
+    along = std::move(accepted);
+  }
+  return frame;
+}
+
 constexpr double kCosSameFrame = 0.99939;  // 2 degrees.
 
 struct SceneFrame {
@@ -109,8 +152,7 @@ std::optional<std::array<int, 3>> MatchColumns(const Eigen::Matrix3d& first,
   const Eigen::Matrix3d cosines = (first.transpose() * second).cwiseAbs();
   std::array<int, 3> columns = {};
   for (int i = 0; i < 3; ++i) {
-    if (!(cosines.col(i).maxCoeff(&columns[static_cast<size_t>(i)]) >
-          kCosSameFrame)) {
+    if (!(cosines.col(i).maxCoeff(&columns[i]) > kCosSameFrame)) {
       return std::nullopt;
     }
   }
@@ -125,6 +167,29 @@ double AlignedSupport(const FrameOfBlock& block) {
   return support;
 }
 
+// The frame of the block's component that equals the block's frame, added where
+// there is none. columns: as by MatchColumns.
+int FindOrAdd(const FrameOfBlock& block,
+              std::vector<SceneFrame>* frames,
+              std::array<int, 3>* columns) {
+  for (size_t f = 0; f < frames->size(); ++f) {
+    const SceneFrame& frame = (*frames)[f];
+    if (frame.component == block.component) {
+      if (const auto matched = MatchColumns(frame.rotation, *block.rotation)) {
+        *columns = *matched;
+        return static_cast<int>(f);
+      }
+    }
+  }
+  frames->push_back({*block.rotation, block.component});
+  return static_cast<int>(frames->size()) - 1;
+}
+
+// The support of a plane of the model that was aligned to each axis: by frame
+// and column, or kNoAxis.
+using AxisVotes = std::map<std::pair<int, int>, double>;
+constexpr std::pair<int, int> kNoAxis = {-1, -1};
+
 }  // namespace
 
 std::vector<WorldPlane> AlignToManhattanFrame(
@@ -132,60 +197,16 @@ std::vector<WorldPlane> AlignToManhattanFrame(
     double loss_scale,
     const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable,
     std::optional<ManhattanFrame>* frame_found) {
-  if (frame_found != nullptr) {
-    frame_found->reset();
-  }
   std::vector<WorldPlane> result;
   for (const MeasuredPlane& plane : planes) {
     result.push_back(plane.plane);
   }
-  const std::optional<Frame> found = FindFrame(planes);
-  if (!found) {
-    return result;
-  }
-  const int num_planes = static_cast<int>(planes.size());
-  std::vector<int> axes;
-  std::vector<int> along;  // The planes near a direction.
-  for (int p = 0; p < num_planes; ++p) {
-    axes.push_back(NearestAxis(*found, planes[p].plane.normal));
-    if (axes.back() >= 0) {
-      along.push_back(p);
-    }
-  }
-  std::vector<bool> is_regular(planes.size(), false);
-  Frame frame = *found;
-  bool changed = true;
-  while (changed) {
-    std::vector<JointPlane> joint;
-    for (const int p : along) {
-      joint.push_back(Turned(planes[p], found->col(axes[p])));
-    }
-    frame = FitTogether(std::nullopt, loss_scale, &joint) * *found;
-    std::vector<int> accepted;
-    std::fill(is_regular.begin(), is_regular.end(), false);
-    for (size_t i = 0; i < along.size(); ++i) {
-      const int p = along[i];
-      if (is_acceptable(p, joint[i].plane)) {
-        accepted.push_back(p);
-        is_regular[p] = true;
-        result[p] = joint[i].plane;
-      } else {
-        result[p] = planes[p].plane;
-      }
-    }
-    changed = accepted.size() < along.size();
-    along = std::move(accepted);
-  }
-  if (frame_found != nullptr) {
-    ManhattanFrame of_planes{frame, std::vector<int>(planes.size(), -1)};
-    for (const int p : along) {
-      of_planes.axes[p] = axes[p];
-    }
-    *frame_found = std::move(of_planes);
-  }
-  for (int p = 0; p < num_planes; ++p) {
-    for (int axis = 0; axis < 3 && !is_regular[p]; ++axis) {
-      const Eigen::Vector3d direction = frame.col(axis);
+  const std::optional<ManhattanFrame> frame =
+      FitFrame(planes, loss_scale, is_acceptable, &result);
+  for (int p = 0; frame && p < static_cast<int>(planes.size()); ++p) {
+    bool is_regular = frame->axes[p] >= 0;
+    for (int axis = 0; axis < 3 && !is_regular; ++axis) {
+      const Eigen::Vector3d direction = frame->rotation.col(axis);
       const Eigen::Vector3d& normal = planes[p].plane.normal;
       if (std::abs(normal.dot(direction)) > kSinMaxAngle) {
         continue;
@@ -195,71 +216,54 @@ std::vector<WorldPlane> AlignToManhattanFrame(
                  (normal - normal.dot(direction) * direction).normalized())};
       FitTogether(direction, loss_scale, &one);
       if (is_acceptable(p, one[0].plane)) {
-        is_regular[p] = true;
+        is_regular = true;
         result[p] = one[0].plane;
       }
     }
+  }
+  if (frame_found != nullptr) {
+    *frame_found = frame;
   }
   return result;
 }
 
 std::vector<Eigen::Matrix3d> FindSceneFrames(
     const std::vector<FrameOfBlock>& blocks, std::vector<ModelPlane>* planes) {
-  std::vector<size_t> order(blocks.size());
-  std::iota(order.begin(), order.end(), size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-    return AlignedSupport(blocks[a]) > AlignedSupport(blocks[b]);
-  });
+  std::vector<int> order(blocks.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(
+      order, std::greater{}, [&](int b) { return AlignedSupport(blocks[b]); });
   std::vector<SceneFrame> frames;
-  // Support per plane of the model, by frame and axis; -1 for support along
-  // none.
-  std::vector<std::map<std::pair<int, int>, double>> votes(planes->size());
-  for (const size_t b : order) {
+  std::vector<AxisVotes> votes(planes->size());
+  for (const int b : order) {
     const FrameOfBlock& block = blocks[b];
     std::array<int, 3> columns = {0, 1, 2};
-    int frame = -1;
-    for (size_t f = 0; f < frames.size() && block.rotation && frame < 0; ++f) {
-      if (frames[f].component == block.component) {
-        if (const auto matched =
-                MatchColumns(frames[f].rotation, *block.rotation)) {
-          columns = *matched;
-          frame = static_cast<int>(f);
-        }
-      }
-    }
-    if (block.rotation && frame < 0) {
-      frame = static_cast<int>(frames.size());
-      frames.push_back({*block.rotation, block.component});
-    }
+    const int frame = block.rotation ? FindOrAdd(block, &frames, &columns) : -1;
     for (size_t p = 0; p < block.indices.size(); ++p) {
       const int axis = block.axes[p];
-      const std::pair<int, int> along =
-          axis < 0
-              ? std::pair<int, int>(-1, -1)
-              : std::pair<int, int>(frame, columns[static_cast<size_t>(axis)]);
-      votes[static_cast<size_t>(block.indices[p])][along] += block.supports[p];
+      votes[block.indices[p]]
+           [axis < 0 ? kNoAxis : std::pair(frame, columns[axis])] +=
+          block.supports[p];
     }
   }
   std::vector<int> new_indices(frames.size(), -1);
   std::vector<Eigen::Matrix3d> result;
   for (size_t p = 0; p < planes->size(); ++p) {
     ModelPlane& plane = (*planes)[p];
-    const auto most = std::max_element(
-        votes[p].begin(), votes[p].end(), [](const auto& a, const auto& b) {
-          return a.second < b.second;
-        });
+    const auto most =
+        std::ranges::max_element(votes[p], {}, &AxisVotes::value_type::second);
     if (most == votes[p].end() || most->first.first < 0) {
       continue;
     }
-    const auto frame = static_cast<size_t>(most->first.first);
-    const int axis = most->first.second;
-    if (!(std::abs(frames[frame].rotation.col(axis).dot(plane.plane.normal)) >
+    const auto [frame, axis] = most->first;
+    const Eigen::Matrix3d& rotation = frames[frame].rotation;
+    if (!(std::abs(rotation.col(axis).dot(plane.plane.normal)) >
           kCosSameFrame)) {
       continue;
     }
     if (new_indices[frame] < 0) {
       new_indices[frame] = static_cast<int>(result.size());
-      result.push_back(frames[frame].rotation);
+      result.push_back(rotation);
     }
     plane.frame = new_indices[frame];
     plane.axis = axis;

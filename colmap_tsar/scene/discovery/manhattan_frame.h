@@ -44,8 +44,8 @@ struct ManhattanFrame {
 // without it. Planes without samples rotate about their point nearest to the
 // origin. Returns a plane for each of `planes`, in their order; they are all
 // unchanged where no two with a support are orthogonal to within 10 degrees.
-// frame_found: where not null,
-// receives the directions, or nothing where planes are unchanged.
+// frame_found: where not null, receives the directions, or nothing where planes
+// are unchanged.
 std::vector<WorldPlane> AlignToManhattanFrame(
     const std::vector<MeasuredPlane>& planes,
     double loss_scale,

@@ -21,7 +21,7 @@ std::vector<std::vector<int>> MembersOf(const DiscoveredPlanes& discovered) {
   for (const std::vector<int>& of_view : discovered.assignment) {
     for (const int plane : of_view) {
       if (plane >= 0) {
-        members[static_cast<size_t>(plane)].push_back(superpixel);
+        members[plane].push_back(superpixel);
       }
       ++superpixel;
     }
@@ -36,8 +36,7 @@ void ThinOut(std::vector<DepthObservation>* samples) {
   if (count <= kMaxPlaneSamples) {
     return;
   }
-  const double scale =
-      static_cast<double>(count) / static_cast<double>(kMaxPlaneSamples);
+  const double scale = static_cast<double>(count) / kMaxPlaneSamples;
   for (size_t i = 0; i < kMaxPlaneSamples; ++i) {
     (*samples)[i] = (*samples)[i * count / kMaxPlaneSamples];
     (*samples)[i].weight *= scale;
@@ -68,7 +67,7 @@ std::vector<MeasuredScenePlane> MeasureScenePlanes(
     const auto count_of = [&](const SuperpixelObservations& of_members) {
       size_t count = 0;
       for (const int k : members[p]) {
-        count += static_cast<size_t>(of_members.NumObservations(k));
+        count += of_members.NumObservations(k);
       }
       return count;
     };
@@ -82,8 +81,7 @@ std::vector<MeasuredScenePlane> MeasureScenePlanes(
       plane.observations.push_back(sample);
     });
     for (DepthObservation& sample : plane.observations) {
-      sample.weight *= static_cast<double>(count) /
-                       static_cast<double>(plane.observations.size());
+      sample.weight *= static_cast<double>(count) / plane.observations.size();
     }
     plane.superpixels = std::move(superpixels[p]);
     ThinOut(&plane.superpixels);
@@ -103,8 +101,8 @@ ModelPlane ToModelPlane(const MeasuredScenePlane& measured) {
   plane.axis_t = uncertainty.axes.col(1);
   if (measured.superpixels.empty()) {
     for (const DepthObservation& observation : measured.observations) {
-      plane.center += FootPoint(plane.plane, observation) /
-                      static_cast<double>(measured.observations.size());
+      plane.center +=
+          FootPoint(plane.plane, observation) / measured.observations.size();
     }
     plane.axis_s = plane.plane.normal.unitOrthogonal();
     plane.axis_t = plane.plane.normal.cross(plane.axis_s);

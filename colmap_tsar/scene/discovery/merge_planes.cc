@@ -29,6 +29,9 @@ constexpr double kHopelessGains = 3.0;
 // The number of observations by which the distance of planes is measured.
 constexpr size_t kNumMergeSamples = 100;
 
+// The largest number of joint fits that are scored at a time.
+constexpr size_t kMaxJointFits = 64;
+
 // A change of the planes, and its loss.
 struct Change {
   int dropped = -1;
@@ -46,23 +49,6 @@ struct Change {
 // where they are too different.
 using Joint = std::vector<ScoredPlane>;
 
-// The loss of score without some planes.
-struct Losses {
-  explicit Losses(size_t num_planes)
-      : without(num_planes, 0.0),
-        more_without_both(num_planes, std::vector<double>(num_planes, 0.0)) {}
-
-  // The loss without two different planes.
-  double WithoutBoth(int a, int b) const {
-    return without[a] + without[b] + more_without_both[a][b] +
-           more_without_both[b][a];
-  }
-
-  std::vector<double> without;
-  // The further loss, by the best and the second-best plane of superpixels.
-  std::vector<std::vector<double>> more_without_both;
-};
-
 // Two planes that one might replace, and the limit of the loss.
 struct Pair {
   int a = 0;
@@ -79,22 +65,17 @@ class VotesOfViews {
  public:
   VotesOfViews(const SuperpixelMatches& matches,
                const std::vector<Ranking>& rankings,
-               int num_planes,
+               size_t num_planes,
                ThreadPool& threads)
       : num_planes_(num_planes),
         agreements_(rankings.size(), 1.f),
-        counts_(static_cast<size_t>(num_planes) * num_planes, 0) {
-    std::vector<int> assigned(rankings.size());
-    std::transform(rankings.begin(),
-                   rankings.end(),
-                   assigned.begin(),
-                   [](const Ranking& ranking) { return ranking.planes[0]; });
+        counts_(num_planes * num_planes, 0) {
     std::mutex mutex;
     threads.Run(static_cast<int64_t>(rankings.size()),
                 [&](int64_t begin, int64_t end) {
                   std::vector<int> counts(counts_.size(), 0);
-                  for (auto k = static_cast<int>(begin); k < end; ++k) {
-                    Count(matches, assigned, k, &counts);
+                  for (int64_t k = begin; k < end; ++k) {
+                    Count(matches, rankings, static_cast<int>(k), &counts);
                   }
                   const std::lock_guard lock(mutex);
                   for (size_t i = 0; i < counts.size(); ++i) {
@@ -104,64 +85,92 @@ class VotesOfViews {
   }
 
   // The share of the votes on a superpixel for its own plane; 1 without votes.
-  float Agreement(int superpixel) const { return agreements_[superpixel]; }
+  float Agreement(size_t superpixel) const { return agreements_[superpixel]; }
 
   // The share of the votes on a plane's superpixels for the other plane, among
   // the votes for either; near 0 with few votes.
   double Confusion(int plane, int other) const {
-    const int for_other = At(plane, other);
-    return for_other / (kFewVotes + At(plane, plane) + for_other);
+    const int for_itself = counts_[plane * num_planes_ + plane];
+    const int for_other = counts_[plane * num_planes_ + other];
+    return for_other / (kFewVotes + for_itself + for_other);
   }
 
  private:
   // Number of votes for the plane itself that are added as a prior.
   static constexpr double kFewVotes = 4.0;
 
-  int At(int plane, int other) const {
-    return counts_[static_cast<size_t>(plane) * num_planes_ + other];
-  }
-
   void Count(const SuperpixelMatches& matches,
-             const std::vector<int>& assigned,
+             const std::vector<Ranking>& rankings,
              int superpixel,
              std::vector<int>* counts) {
-    const int plane = assigned[superpixel];
+    const int plane = rankings[superpixel].planes[0];
     if (plane < 0) {
       return;
     }
     int num_votes = 0;
     int num_own = 0;
     for (const int match : matches.Of(superpixel)) {
-      const int other = assigned[match];
+      const int other = rankings[match].planes[0];
       if (other >= 0) {
-        ++(*counts)[static_cast<size_t>(plane) * num_planes_ + other];
+        ++(*counts)[plane * num_planes_ + other];
         ++num_votes;
         num_own += other == plane ? 1 : 0;
       }
     }
     if (num_votes > 0) {
-      agreements_[superpixel] =
-          static_cast<float>(num_own) / static_cast<float>(num_votes);
+      agreements_[superpixel] = static_cast<float>(num_own) / num_votes;
     }
   }
 
-  int num_planes_;
+  size_t num_planes_;
   std::vector<float> agreements_;  // Of each superpixel.
   // Numbers of votes by the plane of the superpixel, then by that of the vote.
   std::vector<int> counts_;
 };
 
+// The loss of score without some planes.
+struct Losses {
+  Losses(const std::vector<Ranking>& rankings,
+         const VotesOfViews& votes,
+         size_t num_planes)
+      : without(num_planes, 0.0),
+        agreed(num_planes, 0.0),
+        more_without_both(num_planes, std::vector<double>(num_planes, 0.0)) {
+    for (size_t k = 0; k < rankings.size(); ++k) {
+      const auto& [planes, scores] = rankings[k];
+      if (planes[0] >= 0) {
+        const float loss = scores[0] - scores[1];
+        without[planes[0]] += loss;
+        agreed[planes[0]] += loss * votes.Agreement(k);
+      }
+      if (planes[1] >= 0) {
+        more_without_both[planes[0]][planes[1]] += scores[1] - scores[2];
+      }
+    }
+  }
+
+  // The loss without two different planes.
+  double WithoutBoth(int a, int b) const {
+    return without[a] + without[b] + more_without_both[a][b] +
+           more_without_both[b][a];
+  }
+
+  std::vector<double> without;
+  std::vector<double> agreed;  // Weighted by the agreement of views.
+  // The further loss, by the best and the second-best plane of superpixels.
+  std::vector<std::vector<double>> more_without_both;
+};
+
 class PlaneMerger {
  public:
-  PlaneMerger(const SuperpixelPlaneFitter& fitter,
+  PlaneMerger(const PlaneEstimator& estimator,
               const SuperpixelMatches& matches,
               double min_gain,
-              ThreadPool& threads,
               std::vector<ScoredPlane>* planes)
-      : fitter_(fitter),
+      : estimator_(estimator),
         matches_(matches),
         min_gain_(min_gain),
-        threads_(threads),
+        threads_(estimator.GetDevice().Threads()),
         planes_(*planes),
         ids_(planes->size()) {
     std::iota(ids_.begin(), ids_.end(), 0);
@@ -187,56 +196,21 @@ class PlaneMerger {
   // exceed their limits.
   std::optional<Change> CheapestChange() {
     const std::vector<Ranking> rankings =
-        Rank(planes_, fitter_.Observations().Count(), threads_);
-    const int num_planes = static_cast<int>(planes_.size());
-    const VotesOfViews votes(matches_, rankings, num_planes, threads_);
-    Losses losses(planes_.size());
-    std::vector<double> agreed_losses(planes_.size(), 0.0);
-    for (size_t k = 0; k < rankings.size(); ++k) {
-      const Ranking& ranking = rankings[k];
-      const int best = ranking.planes[0];
-      if (best < 0) {
-        continue;
-      }
-      const float loss = ranking.scores[0] - ranking.scores[1];
-      losses.without[best] += loss;
-      agreed_losses[best] += loss * votes.Agreement(static_cast<int>(k));
-      if (ranking.planes[1] >= 0) {
-        losses.more_without_both[best][ranking.planes[1]] +=
-            ranking.scores[1] - ranking.scores[2];
-      }
-    }
-    std::vector<double> supports(planes_.size(), 0.0);
-    for (const Ranking& ranking : rankings) {
-      if (ranking.planes[0] >= 0) {
-        supports[ranking.planes[0]] += ranking.scores[0];
-      }
-    }
+        Rank(planes_, estimator_.Observations().Count(), threads_);
+    const VotesOfViews votes(matches_, rankings, planes_.size(), threads_);
+    const Losses losses(rankings, votes, planes_.size());
     std::optional<Change> cheapest;
     const auto consider = [&](const Change& change) {
       if (change.Share() < (cheapest ? cheapest->Share() : 1.0)) {
         cheapest = change;
       }
     };
-    for (int p = 0; p < num_planes; ++p) {
-      consider({p, agreed_losses[p], min_gain_, -1, nullptr});
+    for (int p = 0; p < static_cast<int>(planes_.size()); ++p) {
+      consider({p, losses.agreed[p], min_gain_});
     }
-    const std::vector<std::vector<int>> members =
-        AssignedSuperpixels(rankings, planes_.size());
-    std::vector<Pair> pairs;
-    for (int a = 0; a < num_planes; ++a) {
-      for (int b = a + 1; b < num_planes; ++b) {
-        const int smaller = supports[a] < supports[b] ? a : b;
-        const double confusion = votes.Confusion(smaller, a + b - smaller);
-        const double max_loss =
-            std::max(min_gain_, confusion * confusion * supports[smaller]);
-        if (std::min(losses.without[a], losses.without[b]) <=
-            kHopelessGains * max_loss) {
-          pairs.push_back({a, b, max_loss});
-        }
-      }
-    }
-    FindJoints(pairs, members);
+    const std::vector<Pair> pairs =
+        FindPairs(losses.without, votes, Supports(rankings, planes_.size()));
+    FindJoints(pairs, AssignedSuperpixels(rankings, planes_.size()));
     std::vector<Change> merges(pairs.size());
     threads_.ForEach(pairs.size(), [&](size_t i) {
       merges[i] =
@@ -248,14 +222,35 @@ class PlaneMerger {
     return cheapest;
   }
 
+  // The pairs of planes for which a merge is not hopeless.
+  std::vector<Pair> FindPairs(const std::vector<double>& losses_without,
+                              const VotesOfViews& votes,
+                              const std::vector<double>& supports) const {
+    const int num_planes = static_cast<int>(planes_.size());
+    std::vector<Pair> pairs;
+    for (int a = 0; a < num_planes; ++a) {
+      for (int b = a + 1; b < num_planes; ++b) {
+        const int smaller = supports[a] < supports[b] ? a : b;
+        const double confusion = votes.Confusion(smaller, a + b - smaller);
+        const double max_loss =
+            std::max(min_gain_, confusion * confusion * supports[smaller]);
+        if (std::min(losses_without[a], losses_without[b]) <=
+            kHopelessGains * max_loss) {
+          pairs.push_back({a, b, max_loss});
+        }
+      }
+    }
+    return pairs;
+  }
+
   // Whether at least half of the observations of some superpixels are within
   // the largest distance for merging.
   bool IsNear(const WorldPlane& plane, const std::vector<int>& members) const {
     size_t num_near = 0;
-    const size_t num_samples = fitter_.Observations().Sample(
+    const size_t num_samples = estimator_.Observations().Sample(
         members, kNumMergeSamples, [&](const DepthObservation& sample) {
           num_near += std::abs(NormalizedResidual(plane, sample)) <
-                      kMaxMergeDistance * fitter_.Tolerance();
+                      kMaxMergeDistance * estimator_.Tolerance();
         });
     return 2 * num_near >= num_samples;
   }
@@ -278,26 +273,20 @@ class PlaneMerger {
     std::vector<std::vector<WorldPlane>> fits(added.size());
     threads_.ForEach(added.size(),
                      [&](size_t i) { fits[i] = FitBoth(added[i], members); });
-    ScoreJoints(fits, joints);
-  }
-
-  // Scores several pairs at a time: one is too little work for many threads.
-  void ScoreJoints(const std::vector<std::vector<WorldPlane>>& fits,
-                   const std::vector<Joint*>& joints) const {
     std::vector<WorldPlane> planes;
     std::vector<Joint*> owners;
     for (size_t i = 0; i < fits.size(); ++i) {
       planes.insert(planes.end(), fits[i].begin(), fits[i].end());
       owners.insert(owners.end(), fits[i].size(), joints[i]);
-      if (planes.size() + 2 <= size_t{kMaxJointFits} && i + 1 < fits.size()) {
-        continue;
+    }
+    // Several pairs at a time: one is too little work for many threads.
+    for (size_t begin = 0; begin < planes.size(); begin += kMaxJointFits) {
+      const size_t end = std::min(begin + kMaxJointFits, planes.size());
+      std::vector<ScoredPlane> scored =
+          estimator_.Score({planes.begin() + begin, planes.begin() + end});
+      for (size_t k = begin; k < end; ++k) {
+        owners[k]->push_back(std::move(scored[k - begin]));
       }
-      std::vector<ScoredPlane> scored = fitter_.Score(planes);
-      for (size_t k = 0; k < scored.size(); ++k) {
-        owners[k]->push_back(std::move(scored[k]));
-      }
-      planes.clear();
-      owners.clear();
     }
   }
 
@@ -313,24 +302,17 @@ class PlaneMerger {
       return {};
     }
     std::vector<int> both;
-    std::merge(members_a.begin(),
-               members_a.end(),
-               members_b.begin(),
-               members_b.end(),
-               std::back_inserter(both));
-    const FitSamples samples = fitter_.Sample(both);
-    return {fitter_.Fit(plane_a, samples), fitter_.Fit(plane_b, samples)};
+    std::ranges::merge(members_a, members_b, std::back_inserter(both));
+    const FitSamples samples = estimator_.Sample(both);
+    return {estimator_.Fit(plane_a, samples), estimator_.Fit(plane_b, samples)};
   }
 
   // The merge by the better of the two fits.
   Change Merge(const Pair& pair,
                double loss_without_both,
                const std::vector<Ranking>& rankings) const {
-    Change change{pair.b,
-                  std::numeric_limits<double>::infinity(),
-                  pair.max_loss,
-                  pair.a,
-                  nullptr};
+    Change change{
+        pair.b, std::numeric_limits<double>::infinity(), pair.max_loss, pair.a};
     for (const ScoredPlane& fit : joints_.at({ids_[pair.a], ids_[pair.b]})) {
       const double loss = loss_without_both - PlaneGain(fit, [&](int k) {
                             return rankings[k].BestWithout(pair.a, pair.b);
@@ -343,7 +325,7 @@ class PlaneMerger {
     return change;
   }
 
-  const SuperpixelPlaneFitter& fitter_;
+  const PlaneEstimator& estimator_;
   const SuperpixelMatches& matches_;
   double min_gain_;
   ThreadPool& threads_;
@@ -360,12 +342,11 @@ bool MayBeMerged(const WorldPlane& a, const WorldPlane& b) {
   return std::abs(a.normal.dot(b.normal)) >= kMinMergeCosine;
 }
 
-bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
+bool DropAndMergePlanes(const PlaneEstimator& estimator,
                         const SuperpixelMatches& matches,
                         double min_gain,
-                        ThreadPool& threads,
                         std::vector<ScoredPlane>* planes) {
-  return PlaneMerger(fitter, matches, min_gain, threads, planes).Run();
+  return PlaneMerger(estimator, matches, min_gain, planes).Run();
 }
 
 }  // namespace tsar

@@ -3,9 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/device/thread_pool.h"
-#include "colmap_tsar/scene/discovery/plane_scores.h"
-#include "colmap_tsar/scene/discovery/superpixel_plane_fitter.h"
+#include "colmap_tsar/scene/discovery/plane_estimator.h"
 #include "colmap_tsar/scene/evidence/superpixel_matches.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
@@ -16,9 +14,6 @@ namespace tsar {
 // The largest distance of planes that are merged, in tolerances, where each of
 // them was measured.
 inline constexpr double kMaxMergeDistance = 10.0;
-
-// The largest number of joint fits, two per pair, that are scored at a time.
-inline constexpr int kMaxJointFits = 64;
 
 // Whether the angle between the planes allows a merge.
 bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
@@ -32,10 +27,9 @@ bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
 // one, the share of other views that assign the matches of its superpixels to
 // that one; the square, since two views must confuse them. Returns whether
 // there was any change, which does not depend on the threads.
-bool DropAndMergePlanes(const SuperpixelPlaneFitter& fitter,
+bool DropAndMergePlanes(const PlaneEstimator& estimator,
                         const SuperpixelMatches& matches,
                         double min_gain,
-                        ThreadPool& threads,
                         std::vector<ScoredPlane>* planes);
 
 }  // namespace tsar

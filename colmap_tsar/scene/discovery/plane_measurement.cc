@@ -42,13 +42,7 @@ LossMoments MomentsOf(double loss_scale) {
   return moments;
 }
 
-void Check(const std::vector<DepthObservation>& observations,
-           const MeasurePlaneOptions& options) {
-  if (!(options.loss_scale > 0.0) || !(options.common_deviation >= 0.0)) {
-    throw std::invalid_argument(
-        "MeasurePlane: loss_scale has to be above 0, common_deviation not "
-        "below");
-  }
+void Check(const std::vector<DepthObservation>& observations) {
   for (const DepthObservation& observation : observations) {
     const bool valid =
         observation.ray.allFinite() && observation.center.allFinite() &&
@@ -60,10 +54,6 @@ void Check(const std::vector<DepthObservation>& observations,
           "MeasurePlane: an observation is not finite, or its depth, sigma or "
           "weight is out of range");
     }
-    if (observation.center != observations.front().center) {
-      throw std::invalid_argument(
-          "MeasurePlane: the observations are of several views");
-    }
   }
 }
 
@@ -73,7 +63,7 @@ PlaneMeasurement MeasurePlane(int index,
                               const WorldPlane& plane,
                               const std::vector<DepthObservation>& observations,
                               const MeasurePlaneOptions& options) {
-  Check(observations, options);
+  Check(observations);
   PlaneMeasurement measurement;
   measurement.plane = index;
   if (observations.empty()) {
@@ -142,16 +132,16 @@ std::vector<PlaneMeasurement> MeasureView(const ObservedView& view,
     std::vector<DepthObservation> of_plane;
     for (const int k : members) {
       for (int i = 0; i < observations.NumObservations(k); ++i) {
-        DepthObservation observation = observations.At(k, i);
+        DepthObservation& observation =
+            of_plane.emplace_back(observations.At(k, i));
         observation.center = center;
         observation.ray = to_world * observation.ray;
         observation.sigma *= options.tolerance * options.error_share;
         observation.weight /= options.full_weight;
-        of_plane.push_back(observation);
       }
     }
-    const PlaneMeasurement measurement = MeasurePlane(
-        plane, planes[static_cast<size_t>(plane)], of_plane, options.planes);
+    const PlaneMeasurement measurement =
+        MeasurePlane(plane, planes[plane], of_plane, options.planes);
     if (measurement.information > 0.0) {
       measurements.push_back(measurement);
     }

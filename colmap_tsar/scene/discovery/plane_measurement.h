@@ -43,8 +43,7 @@ struct MeasurePlaneOptions {
 // this plane. Nothing is measured where there are no observations of a weight
 // above 0, and where the plane passes through the camera. Throws
 // std::invalid_argument where an observation is not finite, has no positive
-// depth and sigma, has a negative weight, or belongs to another view than the
-// first, and where an option is out of range.
+// depth and sigma, or has a negative weight.
 PlaneMeasurement MeasurePlane(int index,
                               const WorldPlane& plane,
                               const std::vector<DepthObservation>& observations,

@@ -22,22 +22,17 @@ void Ranking::Offer(int plane, float score) {
 
 bool Ranking::ChangeScore(int plane, float score) {
   const bool is_safe = score > scores[2];
-  int rank = 0;
-  while (rank < 3 && planes[rank] != plane) {
-    ++rank;
+  const auto ranked = std::ranges::find(planes, plane);
+  const bool was_ranked = ranked != std::end(planes);
+  if (was_ranked) {
+    const auto rank = ranked - planes;
+    std::shift_left(planes + rank, planes + 3, 1);
+    std::shift_left(scores + rank, scores + 3, 1);
+    planes[2] = -1;
+    scores[2] = 0.f;
   }
-  if (rank == 3) {
-    Offer(plane, score);
-    return true;
-  }
-  for (; rank < 2; ++rank) {
-    planes[rank] = planes[rank + 1];
-    scores[rank] = scores[rank + 1];
-  }
-  planes[2] = -1;
-  scores[2] = 0.f;
   Offer(plane, score);
-  return is_safe;
+  return is_safe || !was_ranked;
 }
 
 std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
@@ -47,8 +42,7 @@ std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
   const auto rank = [&](int begin, int end) {
     for (size_t p = 0; p < planes.size(); ++p) {
       const std::vector<int>& superpixels = planes[p].superpixels;
-      for (auto k =
-               std::lower_bound(superpixels.begin(), superpixels.end(), begin);
+      for (auto k = std::ranges::lower_bound(superpixels, begin);
            k != superpixels.end() && *k < end;
            ++k) {
         rankings[*k].Offer(static_cast<int>(p), planes[p].scores[*k]);
@@ -81,17 +75,10 @@ void UpdateRankings(const std::vector<ScoredPlane>& planes,
       }
     }
   };
-  const auto for_each = [&](const std::vector<int>& superpixels,
-                            const auto& function) {
-    threads.Run(static_cast<int64_t>(superpixels.size()),
-                [&](int64_t begin, int64_t end) {
-                  std::for_each(superpixels.begin() + begin,
-                                superpixels.begin() + end,
-                                function);
-                });
-  };
-  for_each(before.superpixels, update);
-  for_each(plane.superpixels, [&](int k) {
+  threads.ForEach(before.superpixels.size(),
+                  [&](size_t i) { update(before.superpixels[i]); });
+  threads.ForEach(plane.superpixels.size(), [&](size_t i) {
+    const int k = plane.superpixels[i];
     if (!(before.scores[k] > 0.f)) {
       update(k);
     }
@@ -107,6 +94,17 @@ std::vector<std::vector<int>> AssignedSuperpixels(
     }
   }
   return members;
+}
+
+std::vector<double> Supports(const std::vector<Ranking>& rankings,
+                             size_t num_planes) {
+  std::vector<double> supports(num_planes, 0.0);
+  for (const Ranking& ranking : rankings) {
+    if (ranking.planes[0] >= 0) {
+      supports[ranking.planes[0]] += ranking.scores[0];
+    }
+  }
+  return supports;
 }
 
 }  // namespace tsar

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/device/thread_pool.h"
-#include "colmap_tsar/scene/discovery/plane_scores.h"
+#include "colmap_tsar/scene/discovery/plane_estimator.h"
 
 #include <algorithm>
 #include <vector>
@@ -46,6 +46,10 @@ void UpdateRankings(const std::vector<ScoredPlane>& planes,
 // The superpixels of each plane: each is assigned to its best plane.
 std::vector<std::vector<int>> AssignedSuperpixels(
     const std::vector<Ranking>& rankings, size_t num_planes);
+
+// The sum of the scores of the superpixels that are assigned to each plane.
+std::vector<double> Supports(const std::vector<Ranking>& rankings,
+                             size_t num_planes);
 
 // The gain of a plane over best(superpixel), the best scores without it.
 template <typename Function>

@@ -5,12 +5,12 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/base/median.h"
 #include "colmap_tsar/view/planes/plane_uncertainty.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -52,21 +52,20 @@ void AddSuperpixel(const ObservedView& view,
   double confidence = 0.0;
   int num_measured = 0;
   for (int i = begin; i < end; ++i) {
-    const Observation& observation =
-        evidence.observations[static_cast<size_t>(i)];
+    const Observation& observation = evidence.observations[i];
     const RayDepth& sample = observation.sample;
     DepthObservation depth;
     depth.center = center;
     depth.ray = to_world * Eigen::Vector3d(sample.x, sample.y, 1.0);
     depth.depth = sample.z;
     depth.sigma = sample.z * resolution.RelativeDepthError(sample.z) *
-                  evidence.ErrorOf(static_cast<size_t>(i));
+                  evidence.ErrorOf(i);
     if (!(std::abs(NormalizedResidual(plane, depth)) < options.tolerance)) {
       continue;
     }
     result->points.push_back(FootPoint(plane, depth));
     if (observation.confidence >= options.min_measured_confidence &&
-        !evidence.IsOfPrior(static_cast<size_t>(i))) {
+        !evidence.IsOfPrior(i)) {
       ++num_measured;
       confidence += observation.confidence;
       mean.ray += depth.ray;
@@ -82,7 +81,7 @@ void AddSuperpixel(const ObservedView& view,
                resolution.RelativeDepthError(static_cast<float>(mean.depth));
   double total = 0.0;
   for (int i = begin; i < end; ++i) {
-    total += evidence.observations[static_cast<size_t>(i)].confidence;
+    total += evidence.observations[i].confidence;
   }
   mean.weight = std::min(
       1.0,
@@ -99,9 +98,11 @@ std::vector<PlaneObservations> CollectObservations(
     for (size_t s = 0; s < discovered.assignment[i].size(); ++s) {
       const int plane = discovered.assignment[i][s];
       if (plane >= 0) {
-        const auto k = static_cast<size_t>(plane);
-        AddSuperpixel(
-            views[i], s, discovered.planes[k].plane, options, &result[k]);
+        AddSuperpixel(views[i],
+                      s,
+                      discovered.planes[plane].plane,
+                      options,
+                      &result[plane]);
       }
     }
   }
@@ -120,7 +121,7 @@ PlaneFrame MakeFrame(const WorldPlane& plane,
   if (observations.superpixels.empty()) {
     center.setZero();
     for (const Eigen::Vector3d& point : observations.points) {
-      center += point / static_cast<double>(observations.points.size());
+      center += point / observations.points.size();
     }
   }
   if (!(axis_s.norm() > 0.5 && axis_t.norm() > 0.5)) {
@@ -156,8 +157,7 @@ void AddCells(const PlaneFrame& frame,
     high = {std::max(high.s, points.back().s),
             std::max(high.t, points.back().t)};
   }
-  const float cell =
-      std::max(high.s - low.s, high.t - low.t) / static_cast<float>(num_cells);
+  const float cell = std::max(high.s - low.s, high.t - low.t) / num_cells;
   support->cell_sizes.push_back(points.empty() ? 0.f : cell);
   if (points.empty() || !(cell > 0.f)) {
     return;
@@ -166,26 +166,17 @@ void AddCells(const PlaneFrame& frame,
   const auto index = [&](float distance) {
     return std::min(static_cast<int>(distance / cell), num_cells - 1);
   };
-  std::vector<int> counts(
-      static_cast<size_t>(num_cells) * static_cast<size_t>(num_cells), 0);
+  std::vector<int> counts(num_cells * num_cells, 0);
   for (const PlanePoint& point : points) {
-    ++counts[static_cast<size_t>(index(point.s - low.s) * num_cells +
-                                 index(point.t - low.t))];
+    ++counts[index(point.s - low.s) * num_cells + index(point.t - low.t)];
   }
-  std::vector<int> sorted;
-  std::copy_if(
-      counts.begin(), counts.end(), std::back_inserter(sorted), [](int count) {
-        return count > 0;
-      });
-  const auto middle =
-      sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  std::vector<int> observed = counts;
+  std::erase(observed, 0);
+  const int median = UpperMedian(&observed);
   for (int i = 0; i < num_cells * num_cells; ++i) {
-    const int count = counts[static_cast<size_t>(i)];
-    if (count >= kMinCellCount && count * kMinCellShare >= *middle) {
-      support->cells.push_back(
-          {low.s + (static_cast<float>(i / num_cells) + 0.5f) * cell,
-           low.t + (static_cast<float>(i % num_cells) + 0.5f) * cell});
+    if (counts[i] >= kMinCellCount && counts[i] * kMinCellShare >= median) {
+      support->cells.push_back({low.s + (i / num_cells + 0.5f) * cell,
+                                low.t + (i % num_cells + 0.5f) * cell});
     }
   }
 }

@@ -24,19 +24,20 @@ SuperpixelObservations::SuperpixelObservations(
     for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
       int begin = evidence.first_observation[k];
       int end = evidence.first_observation[k + 1];
-      double all = 0.0;
-      for (int i = begin; i < end; ++i) {
-        all += evidence.observations[i].confidence;
-      }
+      const auto sum_confidences = [&] {
+        double sum = 0.0;
+        for (int i = begin; i < end; ++i) {
+          sum += evidence.observations[i].confidence;
+        }
+        return sum;
+      };
+      const double all = sum_confidences();
       double weight = evidence.weights[k];
       double confidences = all;
       const int first_of_prior = evidence.FirstOfPrior(k);
       if (first_of_prior < end) {
         (which == ObservationsOf::kViews ? end : begin) = first_of_prior;
-        confidences = 0.0;
-        for (int i = begin; i < end; ++i) {
-          confidences += evidence.observations[i].confidence;
-        }
+        confidences = sum_confidences();
         weight *= confidences / all;
       } else if (which == ObservationsOf::kPriors) {
         begin = end;
@@ -61,7 +62,7 @@ DepthObservation SuperpixelObservations::At(int superpixel, int index) const {
   observation.center = frame.center;
   observation.ray = frame.rotation * Eigen::Vector3d(sample.x, sample.y, 1.0);
   observation.depth = sample.z;
-  observation.sigma = static_cast<double>(sample.z) *
+  observation.sigma = double{sample.z} *
                       frame.resolution.RelativeDepthError(sample.z) *
                       (entry.errors == nullptr ? 1.f : entry.errors[index]);
   observation.weight = observed.confidence * entry.weight / entry.confidences;

@@ -54,7 +54,7 @@ class SuperpixelObservations {
                 const Function& add) const {
     size_t count = 0;
     for (const int k : members) {
-      count += static_cast<size_t>(NumObservations(k));
+      count += NumObservations(k);
     }
     const uint64_t share = count > max_samples
                                ? (uint64_t{max_samples} << 32) / count

@@ -7,12 +7,11 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/view/planes/fit_plane.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
-#include <cstdint>
+#include <utility>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace tsar {
 
@@ -36,30 +35,6 @@ struct Ball {
   float radius = 0.f;
 };
 
-// Scores planes for all superpixels on a device, by the score of
-// DiscoverPlanes. Planes are in the frame of the first camera.
-class PlaneScorer {
- public:
-  // tolerance: see DiscoverPlanesOptions.
-  PlaneScorer(const SuperpixelObservations& observations,
-              double tolerance,
-              Device& device);
-
-  int NumSuperpixels() const { return num_superpixels_; }
-
-  // Scores, one row per plane.
-  Buffer<float> Score(const std::vector<WorldPlane>& planes) const;
-
- private:
-  std::vector<Eigen::Vector3d> centers_;  // Camera centers.
-  int num_superpixels_;
-  Device* device_;
-  Buffer<int> views_;
-  Buffer<Ball> balls_;
-  Buffer<ObservationBlock> blocks_;
-  Buffer<int> first_block_;
-};
-
 // A plane with its score for each superpixel.
 struct ScoredPlane {
   ScoredPlane() = default;
@@ -71,10 +46,48 @@ struct ScoredPlane {
   std::vector<int> superpixels;
 };
 
-// device: the scorer's.
-std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
-                                     const std::vector<WorldPlane>& planes,
-                                     Device& device);
+// The scale of Cauchy's loss in fits of planes, as a share of the tolerance.
+inline constexpr double kCauchyShare = 0.5;
+
+// Fits planes to observations of superpixels, and scores them for all
+// superpixels on a device, by the score of DiscoverPlanes. Planes are in the
+// frame of the first camera. Keeps references to the arguments.
+class PlaneEstimator {
+ public:
+  // tolerance: see DiscoverPlanesOptions.
+  PlaneEstimator(const SuperpixelObservations& observations,
+                 double tolerance,
+                 Device& device);
+
+  const SuperpixelObservations& Observations() const { return observations_; }
+  double Tolerance() const { return tolerance_; }
+  Device& GetDevice() const { return device_; }
+  // See FitPlane.
+  double LossScale() const { return kCauchyShare * tolerance_; }
+
+  // As many of the observations of some superpixels as a fit needs.
+  FitSamples Sample(const std::vector<int>& members) const;
+
+  WorldPlane Fit(const WorldPlane& initial, const FitSamples& samples) const {
+    return FitPlane(initial, samples, LossScale());
+  }
+
+  std::vector<ScoredPlane> Score(const std::vector<WorldPlane>& planes) const;
+  ScoredPlane ScoreOne(const WorldPlane& plane) const {
+    return std::move(Score({plane})[0]);
+  }
+  // The scores alone, one row per plane.
+  Buffer<float> ScoreOnDevice(const std::vector<WorldPlane>& planes) const;
+
+ private:
+  const SuperpixelObservations& observations_;
+  double tolerance_;
+  Device& device_;
+  Buffer<int> views_;
+  Buffer<Ball> balls_;
+  Buffer<ObservationBlock> blocks_;
+  Buffer<int> first_block_;
+};
 
 // Greedy choice among candidate planes: finds the one that raises the best
 // scores of the superpixels most. Lazy evaluation: a candidate's gain never
@@ -88,8 +101,7 @@ class LazyGreedySelection {
   };
 
   LazyGreedySelection(const std::vector<WorldPlane>& candidates,
-                      const PlaneScorer& scorer,
-                      Device& device);
+                      const PlaneEstimator& estimator);
 
   // The score of a candidate for each superpixel.
   std::vector<float> Scores(int candidate) const;
@@ -102,8 +114,8 @@ class LazyGreedySelection {
   void UpdateGains(const std::vector<int>& candidates);
 
   int num_superpixels_;
-  Device* device_;
-  Buffer<float> scores_;
+  Device& device_;
+  Buffer<float> scores_;  // A row for each candidate.
   Buffer<float> best_;
   std::vector<float> gains_;  // The values last computed.
   std::vector<int> order_;

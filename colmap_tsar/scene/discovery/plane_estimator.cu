@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/discovery/plane_scores.h"
+#include "colmap_tsar/scene/discovery/plane_estimator.h"
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/device/parallel_for.h"
@@ -102,6 +102,21 @@ struct ScoreKernel {
   }
 };
 
+// The number of observations of a fit, where there are more.
+constexpr size_t kMaxFittedObservations = 8000;
+
+// One row of scores.
+std::vector<float> RowToHost(Device& device,
+                             const Buffer<float>& scores,
+                             size_t row,
+                             size_t num_superpixels) {
+  std::vector<float> result(num_superpixels);
+  device.CopyToHost(result.data(),
+                    scores.Data() + row * num_superpixels,
+                    num_superpixels * sizeof(float));
+  return result;
+}
+
 // A ball around the box and all points within reach of it; of radius 0 where
 // the box is empty.
 Ball BallAround(const Eigen::AlignedBox3d& box, double reach) {
@@ -140,25 +155,23 @@ struct GainKernel {
 
 }  // namespace
 
-PlaneScorer::PlaneScorer(const SuperpixelObservations& observations,
-                         double tolerance,
-                         Device& device)
-    : num_superpixels_(observations.Count()),
-      device_(&device),
+PlaneEstimator::PlaneEstimator(const SuperpixelObservations& observations,
+                               double tolerance,
+                               Device& device)
+    : observations_(observations),
+      tolerance_(tolerance),
+      device_(device),
       views_(device, observations.Views()) {
-  for (int i = 0; i < observations.NumViews(); ++i) {
-    centers_.push_back(observations.CameraCenter(i));
-  }
   constexpr int kSize = ObservationBlock::kSize;
   std::vector<int> first_block = {0};
-  for (int k = 0; k < num_superpixels_; ++k) {
+  for (int k = 0; k < observations.Count(); ++k) {
     first_block.push_back(first_block.back() +
                           (observations.NumObservations(k) + kSize - 1) /
                               kSize);
   }
   std::vector<ObservationBlock> blocks(first_block.back());
-  std::vector<Ball> balls(num_superpixels_);
-  const auto fill = [&](int k) {
+  std::vector<Ball> balls(observations.Count());
+  device.Threads().ForEach(balls.size(), [&](size_t k) {
     Eigen::AlignedBox3d box;
     double reach = 0.0;
     for (int i = 0; i < observations.NumObservations(k); ++i) {
@@ -182,41 +195,49 @@ PlaneScorer::PlaneScorer(const SuperpixelObservations& observations,
           (1.0 + observation.slack) * observation.sigma * tolerance * length);
     }
     balls[k] = BallAround(box, kReachMargin * reach);
-  };
-  device.Threads().Run(num_superpixels_, [&](int64_t begin, int64_t end) {
-    for (int64_t k = begin; k < end; ++k) {
-      fill(static_cast<int>(k));
-    }
   });
   blocks_ = Buffer<ObservationBlock>(device, blocks);
   first_block_ = Buffer<int>(device, first_block);
   balls_ = Buffer<Ball>(device, balls);
 }
 
-Buffer<float> PlaneScorer::Score(const std::vector<WorldPlane>& planes) const {
+FitSamples PlaneEstimator::Sample(const std::vector<int>& members) const {
+  FitSamples samples;
+  observations_.Sample(
+      members, kMaxFittedObservations, [&](const DepthObservation& sample) {
+        samples.Add(sample);
+      });
+  return samples;
+}
+
+Buffer<float> PlaneEstimator::ScoreOnDevice(
+    const std::vector<WorldPlane>& planes) const {
+  const int num_superpixels = observations_.Count();
+  const int num_views = observations_.NumViews();
   std::vector<Vec3f> normals;
   std::vector<float> offsets;
   std::vector<float> heights;
   for (const WorldPlane& plane : planes) {
     normals.push_back(ToVec3f(plane.normal));
     offsets.push_back(static_cast<float>(plane.offset));
-    for (const Eigen::Vector3d& center : centers_) {
-      heights.push_back(static_cast<float>(plane.Height(center)));
+    for (int i = 0; i < num_views; ++i) {
+      heights.push_back(
+          static_cast<float>(plane.Height(observations_.CameraCenter(i))));
     }
   }
-  const Buffer<Vec3f> device_normals(*device_, normals);
-  const Buffer<float> device_offsets(*device_, offsets);
-  const Buffer<float> device_heights(*device_, heights);
-  Buffer<float> scores(*device_, planes.size() * num_superpixels_);
-  const int64_t num_tiles = (num_superpixels_ + kTileSize - 1) / kTileSize;
-  ParallelFor(*device_,
+  const Buffer<Vec3f> device_normals(device_, normals);
+  const Buffer<float> device_offsets(device_, offsets);
+  const Buffer<float> device_heights(device_, heights);
+  Buffer<float> scores(device_, planes.size() * num_superpixels);
+  const int64_t num_tiles = (num_superpixels + kTileSize - 1) / kTileSize;
+  ParallelFor(device_,
               num_tiles * static_cast<int64_t>(planes.size()),
               ScoreKernel{balls_.Data(),
                           blocks_.Data(),
                           first_block_.Data(),
                           views_.Data(),
-                          num_superpixels_,
-                          static_cast<int>(centers_.size()),
+                          num_superpixels,
+                          num_views,
                           device_normals.Data(),
                           device_offsets.Data(),
                           device_heights.Data(),
@@ -234,48 +255,30 @@ ScoredPlane::ScoredPlane(const WorldPlane& plane, std::vector<float> scores)
   }
 }
 
-std::vector<ScoredPlane> ScorePlanes(const PlaneScorer& scorer,
-                                     const std::vector<WorldPlane>& planes,
-                                     Device& device) {
-  const Buffer<float> scores = scorer.Score(planes);
-  const auto num_superpixels = static_cast<size_t>(scorer.NumSuperpixels());
+std::vector<ScoredPlane> PlaneEstimator::Score(
+    const std::vector<WorldPlane>& planes) const {
+  const Buffer<float> scores = ScoreOnDevice(planes);
   std::vector<ScoredPlane> scored(planes.size());
-  device.Threads().Run(
-      static_cast<int64_t>(planes.size()), [&](int64_t begin, int64_t end) {
-        for (int64_t p = begin; p < end; ++p) {
-          const auto index = static_cast<size_t>(p);
-          std::vector<float> row(num_superpixels);
-          if (!row.empty()) {
-            device.CopyToHost(row.data(),
-                              scores.Data() + index * num_superpixels,
-                              num_superpixels * sizeof(float));
-          }
-          scored[index] = ScoredPlane(planes[index], std::move(row));
-        }
-      });
+  device_.Threads().ForEach(planes.size(), [&](size_t p) {
+    scored[p] = ScoredPlane(
+        planes[p], RowToHost(device_, scores, p, observations_.Count()));
+  });
   return scored;
 }
 
 LazyGreedySelection::LazyGreedySelection(
-    const std::vector<WorldPlane>& candidates,
-    const PlaneScorer& scorer,
-    Device& device)
-    : num_superpixels_(scorer.NumSuperpixels()),
-      device_(&device),
-      scores_(scorer.Score(candidates)),
-      best_(device, num_superpixels_),
+    const std::vector<WorldPlane>& candidates, const PlaneEstimator& estimator)
+    : num_superpixels_(estimator.Observations().Count()),
+      device_(estimator.GetDevice()),
+      scores_(estimator.ScoreOnDevice(candidates)),
+      best_(device_, num_superpixels_),
       gains_(candidates.size(), std::numeric_limits<float>::infinity()),
       order_(candidates.size()) {
   std::iota(order_.begin(), order_.end(), 0);
 }
 
 std::vector<float> LazyGreedySelection::Scores(int candidate) const {
-  std::vector<float> scores(num_superpixels_);
-  device_->CopyToHost(
-      scores.data(),
-      scores_.Data() + static_cast<size_t>(candidate) * num_superpixels_,
-      scores.size() * sizeof(float));
-  return scores;
+  return RowToHost(device_, scores_, candidate, num_superpixels_);
 }
 
 LazyGreedySelection::Choice LazyGreedySelection::Next(
@@ -305,10 +308,10 @@ LazyGreedySelection::Choice LazyGreedySelection::Next(
 }
 
 void LazyGreedySelection::UpdateGains(const std::vector<int>& candidates) {
-  const Buffer<int> device_candidates(*device_, candidates);
-  Buffer<float> device_gains(*device_, candidates.size());
-  ParallelForTeams<128>(*device_,
-                        static_cast<int64_t>(candidates.size()),
+  const Buffer<int> device_candidates(device_, candidates);
+  Buffer<float> device_gains(device_, candidates.size());
+  ParallelForTeams<128>(device_,
+                        candidates.size(),
                         GainKernel{scores_.Data(),
                                    num_superpixels_,
                                    best_.Data(),
