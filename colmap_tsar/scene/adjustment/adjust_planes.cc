@@ -20,9 +20,8 @@
 namespace tsar {
 namespace {
 
-// Tolerance of the lengths of normals and of the columns of rotations.
+// Tolerance of the lengths of normals.
 constexpr double kUnitTolerance = 1e-6;
-constexpr double kMinSigma = 1e-9;
 
 void Require(bool condition, const char* what) {
   if (!condition) {
@@ -30,54 +29,20 @@ void Require(bool condition, const char* what) {
   }
 }
 
-bool IsIndex(int index, size_t size) {
-  return index >= 0 && static_cast<size_t>(index) < size;
-}
-
-bool IsPositive(double value) { return std::isfinite(value) && value > 0.0; }
-
-void CheckAdjustment(const PlaneAdjustment& adjustment,
-                     const AdjustPlanesOptions& options) {
-  const size_t num_planes = adjustment.planes.size();
-  for (const WorldPlane& plane : adjustment.planes) {
+void CheckPlanes(const std::vector<WorldPlane>& planes) {
+  for (const WorldPlane& plane : planes) {
     Require(std::isfinite(plane.offset) &&
                 std::abs(plane.normal.norm() - 1.0) < kUnitTolerance,
             "a plane is not finite, or its normal not of unit length");
   }
-  for (const Eigen::Matrix3d& frame : adjustment.frames) {
-    Require(frame.determinant() > 0.0 && frame.isUnitary(kUnitTolerance),
-            "a frame is no rotation");
-  }
-  Require(adjustment.axes.empty() || adjustment.axes.size() == num_planes,
-          "the list of axes has not one for each plane");
-  for (const FrameColumn& axis : adjustment.axes) {
-    Require(
-        axis.frame == -1 || (IsIndex(axis.frame, adjustment.frames.size()) &&
-                             IsIndex(axis.column, 3)),
-        "an axis is no column of a frame");
-  }
-  for (const PlaneAnglePrior& angle : adjustment.angles) {
-    Require(IsIndex(angle.first, num_planes) &&
-                IsIndex(angle.second, num_planes) &&
-                angle.first != angle.second,
-            "an angle is not of two planes");
-    Require(IsPositive(angle.sigma) && angle.sigma >= kMinSigma,
-            "the sigma of an angle is out of range");
-  }
-  Require(options.max_rounds >= 1 && IsPositive(options.loss_scale),
-          "max_rounds has to be 1 at least, loss_scale above 0");
 }
 
-void CheckMeasurements(const std::vector<PlaneMeasurement>& measurements,
-                       size_t num_planes) {
+void CheckMeasurements(const std::vector<PlaneMeasurement>& measurements) {
   for (const PlaneMeasurement& measurement : measurements) {
-    Require(IsIndex(measurement.plane, num_planes),
-            "a measurement is of no plane");
     Require(measurement.center.allFinite() && measurement.form.allFinite() &&
                 measurement.foot.allFinite() &&
-                std::isfinite(measurement.information) &&
-                measurement.information >= 0.0,
-            "a measurement is not finite, or its information below 0");
+                std::isfinite(measurement.information),
+            "a measurement is not finite");
   }
 }
 
@@ -105,10 +70,10 @@ SceneExtent ExtentOf(const std::vector<WorldPlane>& planes,
       points.emplace_back(-plane.offset * plane.normal);
     }
   }
-  SceneExtent extent;
   if (points.empty()) {
-    return extent;
+    return {};
   }
+  SceneExtent extent;
   std::vector<double> values(points.size());
   for (int i = 0; i < 3; ++i) {
     for (size_t k = 0; k < points.size(); ++k) {
@@ -133,9 +98,9 @@ std::vector<Eigen::Vector3d> Middles(
   std::vector<Eigen::Vector3d> sums(num_planes, Eigen::Vector3d::Zero());
   std::vector<double> weights(num_planes, 0.0);
   for (const PlaneMeasurement& measurement : measurements) {
-    const auto p = static_cast<size_t>(measurement.plane);
-    sums[p] += measurement.information * (measurement.foot - extent.middle);
-    weights[p] += measurement.information;
+    sums[measurement.plane] +=
+        measurement.information * (measurement.foot - extent.middle);
+    weights[measurement.plane] += measurement.information;
   }
   for (size_t p = 0; p < num_planes; ++p) {
     sums[p] = weights[p] > 0.0
@@ -156,15 +121,14 @@ constexpr size_t kMaxTried = 30;
 std::optional<PlaneAnglePrior> FindPrior(const std::vector<ModelPlane>& planes,
                                          int first,
                                          int second) {
-  const Eigen::Vector3d& a = planes[static_cast<size_t>(first)].plane.normal;
-  const Eigen::Vector3d& b = planes[static_cast<size_t>(second)].plane.normal;
+  using Kind = PlaneAnglePrior::Kind;
+  const Eigen::Vector3d& a = planes[first].plane.normal;
+  const Eigen::Vector3d& b = planes[second].plane.normal;
   if (std::abs(a.dot(b)) < kSinMaxAngle) {
-    return PlaneAnglePrior{
-        PlaneAnglePrior::Kind::kOrthogonal, first, second, kSigma};
+    return PlaneAnglePrior{Kind::kOrthogonal, first, second, kSigma};
   }
   if (a.cross(b).norm() < kSinMaxAngle) {
-    return PlaneAnglePrior{
-        PlaneAnglePrior::Kind::kParallel, first, second, kSigma};
+    return PlaneAnglePrior{Kind::kParallel, first, second, kSigma};
   }
   return std::nullopt;
 }
@@ -172,10 +136,9 @@ std::optional<PlaneAnglePrior> FindPrior(const std::vector<ModelPlane>& planes,
 // Whether the normal is the axis of the frame up to rounding.
 bool IsAlongAxis(const ModelPlane& plane,
                  const std::vector<Eigen::Matrix3d>& frames) {
-  return plane.frame >= 0 && frames[static_cast<size_t>(plane.frame)]
-                                     .col(plane.axis)
-                                     .cross(plane.plane.normal)
-                                     .norm() < 1e-9;
+  return plane.frame >= 0 &&
+         frames[plane.frame].col(plane.axis).cross(plane.plane.normal).norm() <
+             1e-9;
 }
 
 // Sets the covariance of an adjusted plane on the plane that it was adjusted
@@ -196,26 +159,24 @@ void SetKnowledge(const AdjustedPlane& from, ModelPlane* plane) {
 
 AdjustedPlanes AdjustPlanes(const PlaneAdjustment& adjustment,
                             const MeasurePlanes& measure,
-                            const AdjustPlanesOptions& options) {
-  CheckAdjustment(adjustment, options);
+                            int max_rounds) {
+  CheckPlanes(adjustment.planes);
   const size_t num_planes = adjustment.planes.size();
-  AdjustedPlanes result;
   PlaneProblem problem;
   problem.at = adjustment;
-  problem.loss_scale = options.loss_scale;
   SceneExtent extent;
   bool moves = true;
-  while (moves && result.num_rounds < options.max_rounds) {
+  for (int round = 0; moves && round < max_rounds; ++round) {
     problem.measurements = measure(problem.at.planes);
-    CheckMeasurements(problem.measurements, num_planes);
-    if (result.num_rounds == 0) {
+    CheckMeasurements(problem.measurements);
+    if (round == 0) {
       extent = ExtentOf(adjustment.planes, problem.measurements);
       problem.size = extent.size;
     }
     problem.middles = Middles(problem.measurements, extent, num_planes);
     moves = SolvePlanes(&problem);
-    ++result.num_rounds;
   }
+  AdjustedPlanes result;
   result.planes = DescribePlanes(problem);
   for (size_t p = 0; p < num_planes; ++p) {
     AdjustedPlane& plane = result.planes[p];
@@ -233,7 +194,7 @@ std::vector<PlaneAnglePrior> FindAnglePriors(
   std::map<int, std::vector<int>> tried;  // By component.
   std::vector<PlaneAnglePrior> priors;
   for (int p = 0; p < static_cast<int>(planes.size()); ++p) {
-    const ModelPlane& plane = planes[static_cast<size_t>(p)];
+    const ModelPlane& plane = planes[p];
     std::vector<int>& before = tried[plane.component];
     int num_partners = 0;
     for (size_t i = 0;
@@ -265,18 +226,17 @@ void AdjustModel(const MeasurePlanes& measure,
   }
   adjustment.frames = model->frames;
   adjustment.angles = FindAnglePriors(model->planes);
-  AdjustPlanesOptions options;
-  if (std::find(may_move.begin(), may_move.end(), true) == may_move.end()) {
-    options.max_rounds = 1;  // One measurement is enough.
-  }
-  const AdjustedPlanes adjusted = AdjustPlanes(adjustment, measure, options);
+  // Where nothing may move, one measurement is enough.
+  const bool any_may_move = std::ranges::find(may_move, true) != may_move.end();
+  const AdjustedPlanes adjusted =
+      any_may_move ? AdjustPlanes(adjustment, measure)
+                   : AdjustPlanes(adjustment, measure, /*max_rounds=*/1);
   for (size_t p = 0; p < model->planes.size(); ++p) {
     ModelPlane& plane = model->planes[p];
     if (may_move[p]) {
       plane.plane = adjusted.planes[p].plane;
       if (plane.frame >= 0) {
-        const auto frame = static_cast<size_t>(plane.frame);
-        model->frames[frame] = adjusted.frames[frame];
+        model->frames[plane.frame] = adjusted.frames[plane.frame];
       }
     }
     SetKnowledge(adjusted.planes[p], &plane);

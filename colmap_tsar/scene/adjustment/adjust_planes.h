@@ -44,14 +44,6 @@ struct PlaneAdjustment {
 using MeasurePlanes = std::function<std::vector<PlaneMeasurement>(
     const std::vector<WorldPlane>& planes)>;
 
-struct AdjustPlanesOptions {
-  // The maximum number of rounds. Each round measures the planes anew, with the
-  // weights of observations at the current planes, and adjusts them.
-  int max_rounds = 3;
-  // Scale of the Cauchy loss of angles, in their standard deviations.
-  double loss_scale = 1.0;
-};
-
 struct AdjustedPlane {
   WorldPlane plane;
   // A point on the plane amid its measurements, and two orthogonal unit vectors
@@ -70,12 +62,13 @@ struct AdjustedPlane {
 struct AdjustedPlanes {
   std::vector<AdjustedPlane> planes;
   std::vector<Eigen::Matrix3d> frames;
-  int num_rounds = 0;
 };
 
 // Finds the planes and the rotations of the frames that agree best with the
 // measurements and the angle priors, by nonlinear least squares (Ceres).
-// Residuals are in expected errors; those of angles have a Cauchy loss.
+// Residuals are in expected errors; those of angles have a Cauchy loss. Each of
+// at most max_rounds rounds measures the planes anew, with the weights of
+// observations at the current planes, and adjusts them.
 //
 // Rotations known to no better than half a radian and shifts known to no better
 // than half of the scene's size are unknown: a weak prior keeps them at their
@@ -88,13 +81,11 @@ struct AdjustedPlanes {
 // of planes and measurements, as long as each plane shares angles with few
 // others. Prints nothing.
 //
-// Throws std::invalid_argument where a number is not finite or out of range (a
-// sigma below 1e-9 radians, too), a normal has not unit length, a frame is no
-// rotation, an index names no plane or frame, or a pair is twice the same
-// plane; this also goes for what `measure` returns.
+// Throws std::invalid_argument where a plane or a measurement is not finite,
+// a normal has not unit length, or lengths are too large for their squares.
 AdjustedPlanes AdjustPlanes(const PlaneAdjustment& adjustment,
                             const MeasurePlanes& measure,
-                            const AdjustPlanesOptions& options = {});
+                            int max_rounds = 3);
 
 // Angle priors for man-made scenes: each plane that lies in no Manhattan frame
 // (ModelPlane::axis) is nearly parallel or orthogonal to the planes of its

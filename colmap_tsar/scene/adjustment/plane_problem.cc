@@ -21,6 +21,8 @@
 namespace tsar {
 namespace {
 
+// Scale of the Cauchy loss of angles, in their standard deviations.
+constexpr double kLossScaleOfAngles = 1.0;
 // Convergence threshold of parameters: radians, and sizes of the scene.
 constexpr double kStandstill = 1e-9;
 // Inverse standard deviation of the prior, in these units: too weak to affect
@@ -35,10 +37,10 @@ constexpr double kUnknownVariance = 0.25;
 class CeresProblem {
  public:
   explicit CeresProblem(const PlaneProblem& problem)
-      : size_(problem.size), loss_(problem.loss_scale), ceres_(Options()) {
+      : size_(problem.size), loss_(kLossScaleOfAngles), ceres_(Options()) {
     AddPlanes(problem);
     for (const PlaneMeasurement& measurement : problem.measurements) {
-      const auto p = static_cast<size_t>(measurement.plane);
+      const int p = measurement.plane;
       const double height = problem.at.planes[p].Height(measurement.center);
       if (measurement.information > 0.0 &&
           std::abs(height) > 2.0 * kMinRelativeHeight * size_) {
@@ -49,8 +51,8 @@ class CeresProblem {
       }
     }
     for (const PlaneAnglePrior& angle : problem.at.angles) {
-      const auto first = static_cast<size_t>(angle.first);
-      const auto second = static_cast<size_t>(angle.second);
+      const int first = angle.first;
+      const int second = angle.second;
       // The angle of two planes of one frame is constant.
       if (turns_[first] != turns_[second]) {
         AddResidual(new AngleError(planes_[first], planes_[second], angle),
@@ -80,10 +82,9 @@ class CeresProblem {
     if (!summary.IsSolutionUsable()) {
       std::fill(parameters_.begin(), parameters_.end(), 0.0);
     }
-    return std::any_of(
-        parameters_.begin(), parameters_.end(), [](double parameter) {
-          return std::abs(parameter) >= kStandstill;
-        });
+    return std::ranges::any_of(parameters_, [](double parameter) {
+      return std::abs(parameter) >= kStandstill;
+    });
   }
 
   // Applies the parameters to planes and frames.
@@ -125,7 +126,7 @@ class CeresProblem {
           Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>(
               rows.num_rows,
               rows.num_cols,
-              static_cast<Eigen::Index>(rows.values.size()),
+              rows.values.size(),
               rows.rows.data(),
               rows.cols.data(),
               rows.values.data());
@@ -139,14 +140,12 @@ class CeresProblem {
         of_plane.push_back(turns_[p] - parameters_.data() + i);
       }
       of_plane.push_back(shifts_[p] - parameters_.data());
-      const auto size = static_cast<Eigen::Index>(of_plane.size());
+      const size_t size = of_plane.size();
       result.emplace_back(Eigen::MatrixXd::Identity(size, size) /
                           (kStay * kStay));
-      for (Eigen::Index i = 0; is_known && i < size; ++i) {
-        const auto num_parameters =
-            static_cast<Eigen::Index>(parameters_.size());
-        const Eigen::VectorXd column = information.solve(Eigen::VectorXd::Unit(
-            num_parameters, of_plane[static_cast<size_t>(i)]));
+      for (size_t i = 0; is_known && i < size; ++i) {
+        const Eigen::VectorXd column = information.solve(
+            Eigen::VectorXd::Unit(parameters_.size(), of_plane[i]));
         result.back().col(i) = column(of_plane);
       }
     }
@@ -167,8 +166,7 @@ class CeresProblem {
   }
 
   static Eigen::Vector3d ColumnOf(const PlaneAdjustment& at, size_t p) {
-    return at.frames[static_cast<size_t>(at.axes[p].frame)].col(
-        at.axes[p].column);
+    return at.frames[at.axes[p].frame].col(at.axes[p].column);
   }
 
   void AddPlanes(const PlaneProblem& problem) {
@@ -179,7 +177,7 @@ class CeresProblem {
     size_t end = 0;
     const auto add_block = [&](int size) {
       double* block = &parameters_[end];
-      end += static_cast<size_t>(size);
+      end += size;
       ceres_.AddResidualBlock(
           new ceres::NormalPrior(kStay * ceres::Matrix::Identity(size, size),
                                  ceres::Vector::Zero(size)),
@@ -201,8 +199,7 @@ class CeresProblem {
         const Eigen::Vector3d column = ColumnOf(at, p);
         moving.normal = column.dot(plane.normal) < 0.0 ? -column : column;
         moving.axes = Eigen::Matrix3d::Identity();
-        turns_.push_back(
-            &parameters_[3 * static_cast<size_t>(at.axes[p].frame)]);
+        turns_.push_back(&parameters_[3 * at.axes[p].frame]);
       } else {
         moving.axes.resize(3, 2);
         moving.axes.col(0) = plane.normal.unitOrthogonal();

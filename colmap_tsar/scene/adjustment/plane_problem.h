@@ -19,7 +19,6 @@ struct PlaneProblem {
   std::vector<Eigen::Vector3d> middles;
   std::vector<PlaneMeasurement> measurements;
   double size = 1.0;  // Size of the scene; above 0.
-  double loss_scale = 1.0;
 };
 
 // Moves the planes and the frames of `at` to the best agreement with the

@@ -283,14 +283,6 @@ TEST(AdjustPlanesChecks, RefusesWhatIsNotFiniteOrOutOfRange) {
       [](Corner* c) { c->adjustment.planes[1].offset = kNan; },
       [](Corner* c) { c->adjustment.planes[1].normal.x() = kInfinity; },
       [](Corner* c) { c->adjustment.planes[1].normal *= 2.0; },
-      [](Corner* c) { c->adjustment.frames[0] *= 1.1; },
-      [](Corner* c) { c->adjustment.frames[0] *= -1.0; },
-      [](Corner* c) { c->adjustment.frames[0](0, 0) = kNan; },
-      [](Corner* c) { c->adjustment.axes.pop_back(); },
-      [](Corner* c) { c->adjustment.axes[1].frame = 1; },
-      [](Corner* c) { c->adjustment.axes[1].column = 3; },
-      [](Corner* c) { c->adjustment.angles[0].first = 7; },
-      [](Corner* c) { c->adjustment.angles[0].sigma = -1.0; },
       [](Corner* c) { c->observations[1].second[3].depth = kNan; },
   };
   EXPECT_NO_THROW(Corner().Adjust());
@@ -299,24 +291,7 @@ TEST(AdjustPlanesChecks, RefusesWhatIsNotFiniteOrOutOfRange) {
     defects[i](&corner);
     EXPECT_THROW(corner.Adjust(), std::invalid_argument) << i;
   }
-  const Corner corner;
-  for (const int plane : {-1, 3}) {
-    const auto measure = [&](const std::vector<WorldPlane>& planes) {
-      auto measurements = Measure(corner.observations)(planes);
-      measurements[0].plane = plane;
-      return measurements;
-    };
-    EXPECT_THROW(AdjustPlanes(corner.adjustment, measure),
-                 std::invalid_argument);
-  }
-  EXPECT_THROW(
-      {
-        Corner huge(1e200);
-        huge.Adjust();
-      },
-      std::invalid_argument);
-  EXPECT_THROW(AdjustPlanes({}, MeasureNothing, {.max_rounds = 0}),
-               std::invalid_argument);
+  EXPECT_THROW(Corner(1e200).Adjust(), std::invalid_argument);
 }
 
 }  // namespace
