@@ -268,7 +268,7 @@ class SceneModeler {
     std::vector<std::vector<PlaneLine>> of_views(inputs_.views.size());
     ForEachFullView("lines", [&](size_t view, const ObservedView& observed) {
       of_views[view] =
-          FindPlaneLines(observed, Renumber(*labels[view], copies), model_, {});
+          FindPlaneLines(observed, Renumber(*labels[view], copies), model_);
     });
     const std::vector<SharedLine> lines = JoinPlaneLines(of_views);
     if (lines.empty() || inputs_.should_stop()) {

@@ -52,27 +52,27 @@ struct EndOfPlane {
   int beyond;  // The side of the line beyond the end.
 };
 
-bool Ends(const LineEvidence& evidence, size_t beyond) {
+// Whether the line's plane ends there: nothing was measured beyond.
+bool PlaneEnds(const LineEvidence& evidence, int beyond) {
   const LineEvidence::Side& side = evidence.sides[beyond];
+  const double measured_before = evidence.sides[1 - beyond].measured;
   return side.num_views >= kMinViews && side.area > kMinArea &&
-         side.measured <=
-             kMaxMeasured *
-                 std::min(side.area, evidence.sides[1 - beyond].measured) &&
+         side.measured <= kMaxMeasured * std::min(side.area, measured_before) &&
          side.through <= kMaxThrough * side.area &&
-         evidence.sides[1 - beyond].measured > kMinMeasured;
+         measured_before > kMinMeasured;
 }
 
-class CreaseFinderOfModel {
+class CreaseFinder {
  public:
-  CreaseFinderOfModel(const std::vector<SharedLine>& lines,
-                      const std::vector<LineEvidence>& evidence,
-                      const std::vector<int>& copies,
-                      SceneModel* model)
+  CreaseFinder(const std::vector<SharedLine>& lines,
+               const std::vector<LineEvidence>& evidence,
+               const std::vector<int>& copies,
+               SceneModel* model)
       : lines_(lines),
         evidence_(evidence),
         copies_(copies),
         model_(model),
-        first_new_(model->planes.size()) {
+        first_new_(static_cast<int>(model->planes.size())) {
     for (size_t i = 0; i < lines.size(); ++i) {
       on_axis_[{lines[i].line.plane, lines[i].line.axis}].push_back(i);
     }
@@ -96,8 +96,7 @@ class CreaseFinderOfModel {
     for (size_t i = 0; i < lines_.size(); ++i) {
       const PlaneLine& line = lines_[i].line;
       for (const int beyond : {0, 1}) {
-        if (tsar::Ends(evidence_[i], static_cast<size_t>(beyond)) &&
-            !IsPattern(line)) {
+        if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line)) {
           ends[{line.plane, line.axis, beyond}].push_back({lines_[i], beyond});
         }
       }
@@ -124,7 +123,7 @@ class CreaseFinderOfModel {
       return a.beyond == 0 ? a.shared.line.position < b.shared.line.position
                            : a.shared.line.position > b.shared.line.position;
     };
-    EndOfPlane last = *std::min_element(ends.begin(), ends.end(), is_further);
+    EndOfPlane last = *std::ranges::min_element(ends, is_further);
     PlaneLine& line = last.shared.line;
     std::optional<EndOfPlane> partner;
     for (const EndOfPlane& end : ends) {
@@ -152,12 +151,11 @@ class CreaseFinderOfModel {
       crease.beyond = static_cast<int>(model_->planes.size());
       model_->planes.push_back(MakePlane(line, crease.limit));
     }
-    const auto index = static_cast<size_t>(crease.beyond);
-    crease.is_new = index >= first_new_;
+    crease.is_new = crease.beyond >= first_new_;
     if (crease.is_new) {
       creases_of_new_.resize(model_->planes.size() - first_new_);
-      creases_of_new_[index - first_new_].push_back(
-          {-model_->planes[index].plane.normal.dot(OnLine(line)),
+      creases_of_new_[crease.beyond - first_new_].push_back(
+          {-model_->planes[crease.beyond].plane.normal.dot(OnLine(line)),
            double(end.shared.num_views)});
     }
     return crease;
@@ -167,44 +165,42 @@ class CreaseFinderOfModel {
   // enough support and is not a copy, or else the nearest that begins at
   // another crease; -1 where there is none.
   int FindPlane(const PlaneLine& line, const WorldPlane& limit) const {
-    const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
+    const ModelPlane& ending = model_->planes[line.plane];
     const double max_gap = double{kMaxOffset} * line.pixel;
     const Eigen::Vector3d on_line = OnLine(line);
     const auto gap = [&](int plane) {
-      return std::abs(
-          model_->planes[static_cast<size_t>(plane)].plane.Height(on_line));
+      return std::abs(model_->planes[plane].plane.Height(on_line));
     };
     int best = -1;
     const auto is_better = [&](int plane) {
       if (best < 0) {
         return true;
       }
-      const double most = model_->planes[static_cast<size_t>(best)].support;
-      const double support = model_->planes[static_cast<size_t>(plane)].support;
+      const double most = model_->planes[best].support;
+      const double support = model_->planes[plane].support;
       return support > most || (support == most && gap(plane) < gap(best));
     };
-    for (size_t i = 0; i < model_->planes.size(); ++i) {
+    for (int i = 0; i < static_cast<int>(model_->planes.size()); ++i) {
       const ModelPlane& plane = model_->planes[i];
-      const auto index = static_cast<int>(i);
       if (plane.component == ending.component &&
           plane.plane.normal.dot(limit.normal) > kMinCopyCosine &&
           (i >= first_new_ ||
-           (copies_[i] == index &&
+           (copies_[i] == i &&
             plane.support >= kMinSupport * ending.support)) &&
-          gap(index) < max_gap && is_better(index)) {
-        best = index;
+          gap(i) < max_gap && is_better(i)) {
+        best = i;
       }
     }
     return best;
   }
 
   Eigen::Vector3d OnLine(const PlaneLine& line) const {
-    return model_->planes[static_cast<size_t>(line.plane)].center +
+    return model_->planes[line.plane].center +
            double{line.position} * AxisOf(*model_, line.plane, line.axis);
   }
 
   ModelPlane MakePlane(const PlaneLine& line, const WorldPlane& limit) const {
-    const ModelPlane& ending = model_->planes[static_cast<size_t>(line.plane)];
+    const ModelPlane& ending = model_->planes[line.plane];
     ModelPlane plane;
     plane.plane = limit;
     plane.center = OnLine(line);
@@ -244,7 +240,7 @@ class CreaseFinderOfModel {
   const std::vector<LineEvidence>& evidence_;
   const std::vector<int>& copies_;
   SceneModel* const model_;
-  const size_t first_new_;  // Index of the first new plane.
+  const int first_new_;  // Index of the first new plane.
   // By new plane, for each of its creases the offset of the plane through it
   // and the number of views that see it.
   std::vector<std::vector<std::pair<double, double>>> creases_of_new_;
@@ -260,11 +256,11 @@ std::vector<BoundingCrease> FindBoundingCreases(
     const std::vector<int>& copies,
     SceneModel* model) {
   std::vector<BoundingCrease> creases =
-      CreaseFinderOfModel(lines, evidence, copies, model).Run();
+      CreaseFinder(lines, evidence, copies, model).Run();
   std::map<int, std::vector<int>> of_originals;
-  for (size_t plane = 0; plane < copies.size(); ++plane) {
-    if (copies[plane] != static_cast<int>(plane)) {
-      of_originals[copies[plane]].push_back(static_cast<int>(plane));
+  for (int plane = 0; plane < static_cast<int>(copies.size()); ++plane) {
+    if (copies[plane] != plane) {
+      of_originals[copies[plane]].push_back(plane);
     }
   }
   const size_t num_originals = creases.size();

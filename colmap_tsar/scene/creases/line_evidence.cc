@@ -9,9 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
-#include <optional>
 #include <set>
 
 namespace tsar {
@@ -40,26 +38,34 @@ class SumsByPosition {
  public:
   explicit SumsByPosition(std::vector<float> positions)
       : positions_(std::move(positions)), sums_(positions_.size() + 1, 0.0) {
-    std::sort(positions_.begin(), positions_.end());
+    std::ranges::sort(positions_);
   }
 
   void Add(float position, double weight) {
-    sums_[static_cast<size_t>(
-        std::lower_bound(positions_.begin(), positions_.end(), position) -
-        positions_.begin())] += weight;
+    sums_[std::ranges::lower_bound(positions_, position) -
+          positions_.begin()] += weight;
   }
 
   // The sum of weights up to and including a position.
   double UpTo(float position) const {
-    const auto end =
-        std::upper_bound(positions_.begin(), positions_.end(), position) -
-        positions_.begin();
-    return std::accumulate(sums_.begin(), sums_.begin() + end, 0.0);
+    const auto end = std::ranges::upper_bound(positions_, position);
+    return std::accumulate(
+        sums_.begin(), sums_.begin() + (end - positions_.begin()), 0.0);
   }
 
  private:
   std::vector<float> positions_;
   std::vector<double> sums_;
+};
+
+// The pixels of one side of lines: up to each cut, or beyond it.
+struct SideSums {
+  explicit SideSums(std::vector<float> positions)
+      : cuts(std::move(positions)), area(cuts), measured(cuts) {}
+
+  std::vector<float> cuts;  // By line.
+  SumsByPosition area;
+  SumsByPosition measured;  // Measured on the plane.
 };
 
 // Computes the evidence of one view for the lines of one plane along one axis.
@@ -83,17 +89,17 @@ class LineTest {
                        const std::vector<uint8_t>& shown,
                        const std::vector<Vec3f>& middles) const {
     const PlaneLine& any = lines_[first].line;
-    const PlaneAxis axis(model_.planes[static_cast<size_t>(any.plane)],
-                         AxisOf(model_, any.plane, any.axis),
-                         camera_);
+    const PlaneAxis axis(
+        model_.planes[any.plane], AxisOf(model_, any.plane, any.axis), camera_);
     ViewLineEvidence result;
     result.first = first;
     result.last = last;
     const std::vector<Measurement> measurements = Measurements(axis);
+    double on_plane = 0.0;
     for (const Measurement& measurement : measurements) {
-      result.measured += measurement.is_on_plane ? measurement.weight : 0.0;
+      on_plane += measurement.is_on_plane ? measurement.weight : 0.0;
     }
-    result.measured = std::round(result.measured);
+    result.measured = std::round(on_plane);
     const auto [begin, end] = LinesAround(axis, shown, middles, first, last);
     result.begin = begin;
     if (begin == end) {
@@ -105,43 +111,25 @@ class LineTest {
       cuts[0].push_back(line.position - kMargin * line.pixel);
       // Measurements at the limit count as above it.
       cuts[1].push_back(
-          std::nextafter(line.position + kMargin * line.pixel,
-                         -std::numeric_limits<float>::infinity()));
+          std::nextafter(line.position + kMargin * line.pixel, -INFINITY));
     }
-    std::vector<SumsByPosition> areas = {SumsByPosition(cuts[0]),
-                                         SumsByPosition(cuts[1])};
-    std::vector<SumsByPosition> measured = areas;
-    double area = 0.0;
-    for (int y = 0; y < evidence_.height; ++y) {
-      for (int x = 0; x < evidence_.width; ++x) {
-        if (is_plane_[evidence_.superpixels(x, y)] == 0) {
-          continue;
-        }
-        const float position = axis.Position(
-            intrinsics_.Ray(static_cast<float>(x), static_cast<float>(y)));
-        if (!std::isnan(position)) {
-          areas[0].Add(position, 1.0);
-          areas[1].Add(position, 1.0);
-          ++area;
-        }
-      }
-    }
-    double on_plane = 0.0;
+    SideSums below(cuts[0]);
+    SideSums above(cuts[1]);
+    const double area = AddArea(axis, &below.area, &above.area);
     for (const Measurement& measurement : measurements) {
       if (measurement.is_on_plane) {
-        measured[0].Add(measurement.position, measurement.weight);
-        measured[1].Add(measurement.position, measurement.weight);
-        on_plane += measurement.weight;
+        below.measured.Add(measurement.position, measurement.weight);
+        above.measured.Add(measurement.position, measurement.weight);
       }
     }
     for (size_t i = begin; i < end; ++i) {
       LineEvidence& line = result.lines.emplace_back();
-      const float low = cuts[0][i - begin];
-      const float high = cuts[1][i - begin];
-      line.sides[0].area = areas[0].UpTo(low);
-      line.sides[1].area = area - areas[1].UpTo(high);
-      line.sides[0].measured = std::round(measured[0].UpTo(low));
-      line.sides[1].measured = std::round(on_plane - measured[1].UpTo(high));
+      const float low = below.cuts[i - begin];
+      const float high = above.cuts[i - begin];
+      line.sides[0].area = below.area.UpTo(low);
+      line.sides[1].area = area - above.area.UpTo(high);
+      line.sides[0].measured = std::round(below.measured.UpTo(low));
+      line.sides[1].measured = std::round(on_plane - above.measured.UpTo(high));
       for (const int side : {0, 1}) {
         LookThrough(i, axis, measurements, side, &line);
       }
@@ -150,16 +138,37 @@ class LineTest {
   }
 
  private:
+  // Adds the pixels labeled with the plane or with none; returns their number.
+  double AddArea(const PlaneAxis& axis,
+                 SumsByPosition* below,
+                 SumsByPosition* above) const {
+    double area = 0.0;
+    for (int y = 0; y < evidence_.height; ++y) {
+      for (int x = 0; x < evidence_.width; ++x) {
+        if (is_plane_[evidence_.superpixels(x, y)] == 0) {
+          continue;
+        }
+        const float position = axis.Position(intrinsics_.Ray(x, y));
+        if (!std::isnan(position)) {
+          below->Add(position, 1.0);
+          above->Add(position, 1.0);
+          ++area;
+        }
+      }
+    }
+    return area;
+  }
+
   std::vector<Measurement> Measurements(const PlaneAxis& axis) const {
     std::vector<Measurement> result;
     for (size_t s = 0; s < evidence_.weights.size(); ++s) {
-      const auto begin = static_cast<size_t>(evidence_.first_observation[s]);
-      const auto end = static_cast<size_t>(evidence_.first_observation[s + 1]);
+      const int begin = evidence_.first_observation[s];
+      const int end = evidence_.first_observation[s + 1];
       float confidence = 0.f;
-      for (size_t i = begin; i < end; ++i) {
+      for (int i = begin; i < end; ++i) {
         confidence += evidence_.observations[i].confidence;
       }
-      for (size_t i = begin; i < end; ++i) {
+      for (int i = begin; i < end; ++i) {
         const RayDepth& sample = evidence_.observations[i].sample;
         const Vec3f ray = {sample.x, sample.y, 1.f};
         const float position = axis.Position(ray);
@@ -188,8 +197,8 @@ class LineTest {
                                         const std::vector<Vec3f>& middles,
                                         size_t first,
                                         size_t last) const {
-    float low = std::numeric_limits<float>::infinity();
-    float high = -low;
+    float low = INFINITY;
+    float high = -INFINITY;
     for (size_t s = 0; s < shown.size(); ++s) {
       const float position = shown[s] != 0 ? axis.Position(middles[s]) : NAN;
       if (!std::isnan(position)) {
@@ -198,20 +207,17 @@ class LineTest {
       }
     }
     const float width = std::max(high - low, 0.f);
-    const auto is_before = [](const SharedLine& line, float position) {
-      return line.line.position < position;
+    const auto first_from = [&](float wanted) {
+      const auto found = std::ranges::lower_bound(
+          lines_.begin() + first,
+          lines_.begin() + last,
+          wanted,
+          {},
+          [](const SharedLine& line) { return line.line.position; });
+      return static_cast<size_t>(found - lines_.begin());
     };
-    const auto all = lines_.begin();
-    const auto begin =
-        std::lower_bound(all + static_cast<std::ptrdiff_t>(first),
-                         all + static_cast<std::ptrdiff_t>(last),
-                         low - width,
-                         is_before);
-    const auto end = std::lower_bound(begin,
-                                      all + static_cast<std::ptrdiff_t>(last),
-                                      high + width,
-                                      is_before);
-    return {static_cast<size_t>(begin - all), static_cast<size_t>(end - all)};
+    const size_t begin = first_from(low - width);
+    return {begin, std::max(begin, first_from(high + width))};
   }
 
   // Adds measurements behind the plane that begins at the line if the first one
@@ -224,7 +230,7 @@ class LineTest {
                    LineEvidence* result) const {
     const PlaneLine& line = lines_[index].line;
     const WorldPlane limit = PlaneAtLine(model_, line, side);
-    LineEvidence::Side& of_side = result->sides[static_cast<size_t>(side)];
+    LineEvidence::Side& of_side = result->sides[side];
     if (limit.Height(camera_.Center()) <= 0.0) {
       of_side.area = 0.0;
       return;
@@ -274,23 +280,15 @@ std::vector<ViewLineEvidence> TestPlaneLines(
     const std::vector<int>& labels,
     const std::vector<SharedLine>& lines,
     const SceneModel& model) {
-  std::set<int> planes;
-  for (const int label : labels) {
-    if (label >= 0) {
-      planes.insert(label);
-    }
-  }
   const std::vector<Vec3f> middles =
       MiddleRays(*view.evidence, view.camera.GetIntrinsics());
   std::vector<ViewLineEvidence> result;
-  for (const int plane : planes) {
-    auto first = std::lower_bound(lines.begin(),
-                                  lines.end(),
-                                  plane,
-                                  [](const SharedLine& line, int wanted) {
-                                    return line.line.plane < wanted;
-                                  });
-    if (first == lines.end() || first->line.plane != plane) {
+  for (const int plane : std::set<int>(labels.begin(), labels.end())) {
+    const auto on_plane =
+        std::ranges::equal_range(lines, plane, {}, [](const SharedLine& line) {
+          return line.line.plane;
+        });
+    if (plane < 0 || on_plane.empty()) {
       continue;
     }
     std::vector<uint8_t> shown;
@@ -300,16 +298,13 @@ std::vector<ViewLineEvidence> TestPlaneLines(
       is_plane.push_back(shown.back() != 0 || label < 0);
     }
     const LineTest test(view, is_plane, lines, model);
-    while (first != lines.end() && first->line.plane == plane) {
+    for (auto first = on_plane.begin(); first != on_plane.end();) {
       const auto last =
-          std::find_if(first, lines.end(), [&](const SharedLine& line) {
-            return line.line.plane != plane ||
-                   line.line.axis != first->line.axis;
+          std::find_if(first, on_plane.end(), [&](const SharedLine& line) {
+            return line.line.axis != first->line.axis;
           });
-      result.push_back(test.Run(static_cast<size_t>(first - lines.begin()),
-                                static_cast<size_t>(last - lines.begin()),
-                                shown,
-                                middles));
+      result.push_back(test.Run(
+          first - lines.begin(), last - lines.begin(), shown, middles));
       first = last;
     }
   }

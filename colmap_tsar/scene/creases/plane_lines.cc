@@ -9,15 +9,36 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <utility>
 
 namespace tsar {
 namespace {
 
+// Lengths are in pixels of the raster.
+// Only planes that cover this share of the raster,
+constexpr float kMinArea = 0.02f;
+// and lines that are at least this long, as a share of the raster's width.
+constexpr float kMinLength = 0.1f;
+// Brightness is compared this far on either side of a pixel.
+constexpr float kReach = 1.5f;
+// A line lies on the plane if a pixel labeled with it is within this distance
+// on either side.
+constexpr float kMaxDistance = 6.f;
+// In gray levels. Walls darken toward their creases by one level in ten pixels,
+// and noise is below one along a line of sixty.
+constexpr float kMinStep = 1.f;
+// Differences are clamped to this many gray levels: one lamp is no line.
+constexpr float kMaxDifference = 15.f;
+// The share of the line's pixels at which brightness must rise by half of its
+// step or more. A poster's edge covers a small share of such a line.
+constexpr float kMinShare = 0.5f;
 // In bins of one pixel. The level around a line is that of bins at these
 // distances,
 constexpr int kNearestAround = 5;
@@ -53,7 +74,7 @@ class LineProfile {
     for (const Sample& sample : samples) {
       positions.push_back(sample.position);
     }
-    first_ = std::max(*std::min_element(positions.begin(), positions.end()),
+    first_ = std::max(std::ranges::min(positions),
                       Median(positions) - kMaxBins / 2 * pixel);
     for (const Sample& sample : samples) {
       const float bin = (sample.position - first_) / pixel;
@@ -64,11 +85,10 @@ class LineProfile {
       }
     }
     for (const std::vector<float>& bin : bins_) {
-      means_.push_back(
-          static_cast<int>(bin.size()) >= min_length
-              ? std::optional(std::accumulate(bin.begin(), bin.end(), 0.f) /
-                              static_cast<float>(bin.size()))
-              : std::nullopt);
+      std::optional<float>& mean = means_.emplace_back();
+      if (static_cast<int>(bin.size()) >= min_length) {
+        mean = std::accumulate(bin.begin(), bin.end(), 0.f) / bin.size();
+      }
     }
     for (int bin = 0; bin < NumBins(); ++bin) {
       steps_.push_back(Mean(bin) ? *Mean(bin) - LevelAround(bin) : 0.f);
@@ -76,10 +96,8 @@ class LineProfile {
   }
 
   int NumBins() const { return static_cast<int>(bins_.size()); }
-  float Step(int bin) const { return steps_[static_cast<size_t>(bin)]; }
-  float Position(int bin) const {
-    return first_ + (static_cast<float>(bin) + 0.5f) * pixel_;
-  }
+  float Step(int bin) const { return steps_[bin]; }
+  float Position(int bin) const { return first_ + (bin + 0.5f) * pixel_; }
 
   bool IsPeak(int bin) const {
     const float step = std::abs(Step(bin));
@@ -97,20 +115,16 @@ class LineProfile {
   // The share of the pixels at which brightness rises by half of the step or
   // more.
   float Share(int bin) const {
-    const std::vector<float>& rises = bins_[static_cast<size_t>(bin)];
+    const std::vector<float>& rises = bins_[bin];
     const float step = Step(bin);
     const float level = *Mean(bin) - step;
-    const auto num_rises =
-        std::count_if(rises.begin(), rises.end(), [&](float rise) {
-          return (rise - level) / step > 0.5f;
-        });
-    return static_cast<float>(num_rises) / static_cast<float>(rises.size());
+    const auto num_rises = std::ranges::count_if(
+        rises, [&](float rise) { return (rise - level) / step > 0.5f; });
+    return static_cast<float>(num_rises) / rises.size();
   }
 
  private:
-  const std::optional<float>& Mean(int bin) const {
-    return means_[static_cast<size_t>(bin)];
-  }
+  const std::optional<float>& Mean(int bin) const { return means_[bin]; }
 
   // The level of the bin itself where there are too few bins around it.
   float LevelAround(int bin) const {
@@ -136,18 +150,15 @@ class LineFinder {
  public:
   LineFinder(const ObservedView& view,
              const std::vector<int>& labels,
-             const SceneModel& model,
-             const PlaneLineOptions& options)
-      : evidence_(*view.evidence),
-        camera_(view.camera),
+             const SceneModel& model)
+      : camera_(view.camera),
         intrinsics_(view.camera.GetIntrinsics()),
         model_(model),
-        options_(options),
-        gray_(GrayLevels(evidence_.color)),
-        planes_(evidence_.width, evidence_.height) {
-    for (size_t i = 0; i < planes_.NumPixels(); ++i) {
-      planes_.Data()[i] = labels[evidence_.superpixels.Data()[i]];
-    }
+        gray_(GrayLevels(view.evidence->color)),
+        planes_(view.evidence->width, view.evidence->height) {
+    std::ranges::transform(view.evidence->superpixels,
+                           planes_.begin(),
+                           [&](uint16_t s) { return labels[s]; });
   }
 
   std::vector<PlaneLine> Run() {
@@ -155,14 +166,13 @@ class LineFinder {
     for (const int plane : planes_) {
       ++areas[plane];
     }
-    const float min_area =
-        options_.min_area * static_cast<float>(planes_.NumPixels());
+    const float min_area = kMinArea * planes_.NumPixels();
     std::vector<PlaneLine> lines;
     for (const auto& [index, area] : areas) {
-      if (index < 0 || static_cast<float>(area) < min_area) {
+      if (index < 0 || area < min_area) {
         continue;
       }
-      const ModelPlane& plane = model_.planes[static_cast<size_t>(index)];
+      const ModelPlane& plane = model_.planes[index];
       for (int axis = 0; axis < 3 && plane.axis >= 0; ++axis) {
         if (axis != plane.axis) {
           FindAcross(index, axis, &lines);
@@ -199,8 +209,8 @@ class LineFinder {
   float Gray(float x, float y) const {
     const auto column = static_cast<int>(x);
     const auto row = static_cast<int>(y);
-    const float right = x - static_cast<float>(column);
-    const float below = y - static_cast<float>(row);
+    const float right = x - column;
+    const float below = y - row;
     return (gray_(column, row) * (1.f - right) +
             gray_(column + 1, row) * right) *
                (1.f - below) +
@@ -210,31 +220,29 @@ class LineFinder {
   }
 
   void FindAcross(int index, int axis, std::vector<PlaneLine>* lines) const {
-    const ModelPlane& plane = model_.planes[static_cast<size_t>(index)];
+    const ModelPlane& plane = model_.planes[index];
     const PlaneAxis in_view(plane, AxisOf(model_, index, axis), camera_);
     std::vector<LineProfile::Sample> samples;
     std::vector<float> pixels;
     // The margin is the reach, plus a pixel for interpolation.
-    const int margin = static_cast<int>(std::ceil(options_.reach)) + 1;
+    const int margin = static_cast<int>(std::ceil(kReach)) + 1;
     for (int y = margin; y < planes_.Height() - margin; ++y) {
       for (int x = margin; x < planes_.Width() - margin; ++x) {
-        if (planes_(x, y) != index && planes_(x, y) >= 0) {
-          continue;
+        if (planes_(x, y) == index || planes_(x, y) < 0) {
+          AddSample(index, in_view, x, y, &samples, &pixels);
         }
-        AddSample(index, in_view, x, y, &samples, &pixels);
       }
     }
     if (pixels.empty()) {
       return;
     }
     const float pixel = Median(std::move(pixels));
-    const auto min_length = static_cast<int>(
-        options_.min_length * static_cast<float>(planes_.Width()));
+    const auto min_length = static_cast<int>(kMinLength * planes_.Width());
     const LineProfile profile(samples, pixel, std::max(min_length, 1));
     for (int bin = 0; bin < profile.NumBins(); ++bin) {
       const float step = profile.Step(bin);
-      if (std::abs(step) >= options_.min_step && profile.IsPeak(bin) &&
-          profile.Share(bin) >= options_.min_share) {
+      if (std::abs(step) >= kMinStep && profile.IsPeak(bin) &&
+          profile.Share(bin) >= kMinShare) {
         lines->push_back({index, axis, profile.Position(bin), pixel, step});
       }
     }
@@ -242,12 +250,10 @@ class LineFinder {
 
   void AddSample(int plane,
                  const PlaneAxis& in_view,
-                 int column,
-                 int row,
+                 int x,
+                 int y,
                  std::vector<LineProfile::Sample>* samples,
                  std::vector<float>* pixels) const {
-    const auto x = static_cast<float>(column);
-    const auto y = static_cast<float>(row);
     const float position = in_view.Position(intrinsics_.Ray(x, y));
     float across_x = in_view.Position(intrinsics_.Ray(x + 1.f, y)) - position;
     float across_y = in_view.Position(intrinsics_.Ray(x, y + 1.f)) - position;
@@ -257,10 +263,10 @@ class LineFinder {
     }
     across_x /= pixel;
     across_y /= pixel;
-    const float reach_x = options_.reach * across_x;
-    const float reach_y = options_.reach * across_y;
-    const float far_x = options_.max_distance * across_x;
-    const float far_y = options_.max_distance * across_y;
+    const float reach_x = kReach * across_x;
+    const float reach_y = kReach * across_y;
+    const float far_x = kMaxDistance * across_x;
+    const float far_y = kMaxDistance * across_y;
     if (!IsFree(plane, x + reach_x, y + reach_y) ||
         !IsFree(plane, x - reach_x, y - reach_y) ||
         (!IsOn(plane, x + far_x, y + far_y) &&
@@ -270,18 +276,15 @@ class LineFinder {
     const float rise =
         Gray(x + reach_x, y + reach_y) - Gray(x - reach_x, y - reach_y);
     samples->push_back(
-        {position,
-         std::clamp(rise, -options_.max_difference, options_.max_difference)});
-    if (planes_(column, row) == plane) {
+        {position, std::clamp(rise, -kMaxDifference, kMaxDifference)});
+    if (planes_(x, y) == plane) {
       pixels->push_back(pixel);
     }
   }
 
-  const ViewEvidence& evidence_;
   const Camera& camera_;
   const Intrinsics intrinsics_;
   const SceneModel& model_;
-  const PlaneLineOptions& options_;
   const Image<float> gray_;
   // For each pixel of the raster the original of its plane's copies, or -1.
   Image<int> planes_;
@@ -294,8 +297,7 @@ WorldPlane PlaneAtLine(const SceneModel& model,
                        int side) {
   const Eigen::Vector3d axis = AxisOf(model, line.plane, line.axis);
   const Eigen::Vector3d on_line =
-      model.planes[static_cast<size_t>(line.plane)].center +
-      double{line.position} * axis;
+      model.planes[line.plane].center + double{line.position} * axis;
   WorldPlane plane;
   plane.normal = side == 0 ? axis : Eigen::Vector3d(-axis);
   plane.offset = -plane.normal.dot(on_line);
@@ -305,47 +307,41 @@ WorldPlane PlaneAtLine(const SceneModel& model,
 std::vector<int> FindPlaneCopies(
     const SceneModel& model,
     const std::vector<Camera>& cameras,
-    const std::vector<const std::vector<int>*>& labels,
-    float tolerance) {
+    const std::vector<const std::vector<int>*>& labels) {
   const std::vector<ModelPlane>& planes = model.planes;
   std::vector<std::vector<float>> distances(planes.size());
   for (size_t view = 0; view < cameras.size(); ++view) {
-    std::vector<int> shown = *labels[view];
-    std::sort(shown.begin(), shown.end());
-    shown.erase(std::unique(shown.begin(), shown.end()), shown.end());
-    for (const int plane : shown) {
+    for (const int plane :
+         std::set<int>(labels[view]->begin(), labels[view]->end())) {
       if (plane >= 0) {
-        const auto i = static_cast<size_t>(plane);
-        distances[i].push_back(static_cast<float>(
-            std::abs(planes[i].plane.Height(cameras[view].Center()))));
+        distances[plane].push_back(static_cast<float>(
+            std::abs(planes[plane].plane.Height(cameras[view].Center()))));
       }
     }
   }
   std::vector<int> copies(planes.size());
   std::iota(copies.begin(), copies.end(), 0);
   std::vector<int> by_support = copies;
-  std::stable_sort(by_support.begin(), by_support.end(), [&](int a, int b) {
-    return planes[static_cast<size_t>(a)].support >
-           planes[static_cast<size_t>(b)].support;
+  std::ranges::stable_sort(by_support, std::greater{}, [&](int plane) {
+    return planes[plane].support;
   });
   // Planes that are not copies by component, axis and sign of the normal, then
   // by offset.
   std::map<std::tuple<int, int, bool>, std::multimap<double, int>> originals;
   for (const int index : by_support) {
-    const auto i = static_cast<size_t>(index);
-    const ModelPlane& plane = planes[i];
-    if (plane.axis < 0 || distances[i].empty()) {
+    const ModelPlane& plane = planes[index];
+    if (plane.axis < 0 || distances[index].empty()) {
       continue;
     }
     const Eigen::Vector3d& normal = plane.plane.normal;
     const bool is_along = normal.dot(AxisOf(model, index, plane.axis)) > 0.0;
     std::multimap<double, int>& of_axis =
         originals[{plane.component, 3 * plane.frame + plane.axis, is_along}];
-    const double max_gap = tolerance * Median(distances[i]);
+    const double max_gap = kCopyTolerance * Median(distances[index]);
     const auto nearest = of_axis.lower_bound(plane.plane.offset - max_gap);
     if (nearest != of_axis.end() &&
         nearest->first <= plane.plane.offset + max_gap) {
-      copies[i] = nearest->second;
+      copies[index] = nearest->second;
     } else {
       of_axis.emplace(plane.plane.offset, index);
     }
@@ -355,9 +351,8 @@ std::vector<int> FindPlaneCopies(
 
 std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
                                       const std::vector<int>& labels,
-                                      const SceneModel& model,
-                                      const PlaneLineOptions& options) {
-  return LineFinder(view, labels, model, options).Run();
+                                      const SceneModel& model) {
+  return LineFinder(view, labels, model).Run();
 }
 
 }  // namespace tsar

@@ -47,10 +47,7 @@ class PlaneAxis {
 
 // A column of the rotation of the plane's frame, in the world frame.
 inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
-  return model
-      .frames[static_cast<size_t>(
-          model.planes[static_cast<size_t>(plane)].frame)]
-      .col(axis);
+  return model.frames[model.planes[plane].frame].col(axis);
 }
 
 // A straight line in an image along an axis of the Manhattan frame, across the
@@ -73,27 +70,6 @@ WorldPlane PlaneAtLine(const SceneModel& model,
                        const PlaneLine& line,
                        int side);
 
-// Lengths are in pixels of the raster.
-struct PlaneLineOptions {
-  // Only planes that cover this share of the raster,
-  float min_area = 0.02f;
-  // and lines that are at least this long, as a share of the raster's width.
-  float min_length = 0.1f;
-  // Brightness is compared this far on either side of a pixel.
-  float reach = 1.5f;
-  // A line lies on the plane if a pixel labeled with it is within this distance
-  // on either side.
-  float max_distance = 6.f;
-  // In gray levels. Walls darken toward their creases by one level in ten
-  // pixels, and noise is below one along a line of sixty.
-  float min_step = 1.f;
-  // Differences are clamped to this many gray levels: one lamp is no line.
-  float max_difference = 15.f;
-  // The share of the line's pixels at which brightness must rise by half of its
-  // step or more. A poster's edge covers a small share of such a line.
-  float min_share = 0.5f;
-};
-
 // The largest distance between copies of a plane, as a share of the distance
 // from which they are seen: posters hang on a wall, and measurements next to
 // them lie between both.
@@ -105,20 +81,20 @@ inline constexpr double kMinCopyCosine = 0.9986;
 // Groups planes of the model that are one surface within the errors of views:
 // for each plane the index of its copy with the largest support, which may be
 // itself. Only planes along an axis of a frame have copies: those within
-// tolerance, as a share of the median distance to the cameras whose views were
-// labeled with the plane. labels: by view, the plane of each superpixel, or -1.
+// kCopyTolerance, relative to the median distance to the cameras whose views
+// were labeled with the plane. labels: by view, the plane of each superpixel,
+// or -1.
 std::vector<int> FindPlaneCopies(
     const SceneModel& model,
     const std::vector<Camera>& cameras,
-    const std::vector<const std::vector<int>*>& labels,
-    float tolerance);
+    const std::vector<const std::vector<int>*>& labels);
 
-// The lines in one view on planes that lie along an axis of a frame. labels:
-// the plane of each superpixel, of which copies have the index that
-// FindPlaneCopies gives (Renumber), or -1. The evidence must have its colors.
+// The lines in one view on planes that lie along an axis of a frame and cover
+// at least 2 % of the raster. labels: the plane of each superpixel, of which
+// copies have the index that FindPlaneCopies gives (Renumber), or -1. The
+// evidence must have its colors.
 std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
                                       const std::vector<int>& labels,
-                                      const SceneModel& model,
-                                      const PlaneLineOptions& options);
+                                      const SceneModel& model);
 
 }  // namespace tsar

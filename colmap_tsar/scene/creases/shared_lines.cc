@@ -3,9 +3,12 @@
 
 #include "colmap_tsar/scene/creases/shared_lines.h"
 
+#include "colmap_tsar/base/median.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <tuple>
 
@@ -31,15 +34,14 @@ struct Window {
 };
 
 // The widest windows that begin at each line.
-std::vector<Window> FindWindows(const std::vector<LineInView>& lines,
-                                float max_gap) {
+std::vector<Window> FindWindows(const std::vector<LineInView>& lines) {
   std::vector<Window> windows;
   std::map<size_t, int> views;
   size_t end = 0;
   for (size_t begin = 0; begin < lines.size(); ++begin) {
     // One gap to either side of the middle.
     const float last =
-        lines[begin].line.position + 2.f * max_gap * lines[begin].line.pixel;
+        lines[begin].line.position + 2.f * kMaxGap * lines[begin].line.pixel;
     for (; end < lines.size() && lines[end].line.position <= last; ++end) {
       ++views[lines[end].view];
     }
@@ -66,11 +68,9 @@ SharedLine Average(const std::vector<LineInView>& lines, const Window& window) {
     steps += line.step;
     pixels.push_back(line.pixel);
   }
-  std::sort(pixels.begin(), pixels.end());
   shared.line.position = static_cast<float>(positions / weights);
-  shared.line.pixel = pixels[pixels.size() / 2];
-  shared.line.step = static_cast<float>(
-      steps / static_cast<double>(window.end - window.begin));
+  shared.line.pixel = UpperMedian(&pixels);
+  shared.line.step = static_cast<float>(steps / (window.end - window.begin));
   return shared;
 }
 
@@ -87,35 +87,24 @@ std::vector<SharedLine> JoinPlaneLines(
   }
   std::vector<SharedLine> shared;
   for (auto& [key, of_group] : groups) {
-    std::stable_sort(of_group.begin(),
-                     of_group.end(),
-                     [](const LineInView& a, const LineInView& b) {
-                       return a.line.position < b.line.position;
-                     });
-    std::vector<Window> windows = FindWindows(of_group, kMaxGap);
-    std::stable_sort(
-        windows.begin(), windows.end(), [](const Window& a, const Window& b) {
-          return a.num_views > b.num_views;
-        });
+    std::ranges::stable_sort(of_group, {}, [](const LineInView& in_view) {
+      return in_view.line.position;
+    });
+    std::vector<Window> windows = FindWindows(of_group);
+    std::ranges::stable_sort(windows, std::greater{}, &Window::num_views);
     std::vector<uint8_t> is_taken(of_group.size(), 0);
     for (const Window& window : windows) {
-      const auto begin =
-          is_taken.begin() + static_cast<std::ptrdiff_t>(window.begin);
-      const auto end =
-          is_taken.begin() + static_cast<std::ptrdiff_t>(window.end);
+      const auto begin = is_taken.begin() + window.begin;
+      const auto end = is_taken.begin() + window.end;
       if (window.num_views >= kMinViews && std::find(begin, end, 1) == end) {
         std::fill(begin, end, uint8_t{1});
         shared.push_back(Average(of_group, window));
       }
     }
   }
-  std::stable_sort(
-      shared.begin(),
-      shared.end(),
-      [](const SharedLine& a, const SharedLine& b) {
-        return std::tie(a.line.plane, a.line.axis, a.line.position) <
-               std::tie(b.line.plane, b.line.axis, b.line.position);
-      });
+  std::ranges::stable_sort(shared, {}, [](const SharedLine& line) {
+    return std::tie(line.line.plane, line.line.axis, line.line.position);
+  });
   return shared;
 }
 

@@ -17,13 +17,8 @@ class PlaneLinesTest : public DrawnWallTest {
         evidence_(BareEvidence(camera_)),
         labels_(AllOn(0)) {}
 
-  std::vector<PlaneLine> Find(const PlaneLineOptions& options = {}) const {
-    std::vector<int> copies;
-    for (size_t i = 0; i < model_.planes.size(); ++i) {
-      copies.push_back(static_cast<int>(i));
-    }
-    return FindPlaneLines(
-        {&evidence_, camera_}, Renumber(labels_, copies), model_, options);
+  std::vector<PlaneLine> Find() const {
+    return FindPlaneLines({&evidence_, camera_}, labels_, model_);
   }
 
   // The wall is brighter by `step` from this place on an axis, as a lens shows
@@ -102,11 +97,22 @@ TEST_F(PlaneLinesTest, AWallThatGetsDarkerHasNoLine) {
 }
 
 TEST_F(PlaneLinesTest, AStepBelowTheThresholdIsNone) {
-  PaintStep(1, 0.3, 3.0);
-  PlaneLineOptions options;
-  EXPECT_EQ(Find(options).size(), 1u);
-  options.min_step = 4.f;
-  EXPECT_TRUE(Find(options).empty());
+  // It rises at three of five pixels along the line.
+  const auto paint = [&](double step) {
+    Paint(
+        camera_,
+        [&](const Eigen::Vector3d& point) {
+          const double stripes = point.x() / (25.0 * kPixel);
+          const bool rises =
+              point.y() > 0.3 && stripes - std::floor(stripes) < 0.6;
+          return rises ? 100.0 + step : 100.0;
+        },
+        &evidence_);
+  };
+  paint(2.0);
+  EXPECT_EQ(Find().size(), 1u);
+  paint(1.0);
+  EXPECT_TRUE(Find().empty());
 }
 
 TEST_F(PlaneLinesTest, ThePosterOfAFifthOfTheWallHasNone) {
@@ -178,9 +184,14 @@ TEST_F(PlaneLinesTest, TheWallMayEndAtTheLineAndNotFarBeforeIt) {
 
 TEST_F(PlaneLinesTest, SmallPlanesAndThoseOfNoFrameHaveNone) {
   PaintStep(1, 0.0, 6.0);
-  PlaneLineOptions options;
-  options.min_area = 1.1f;
-  EXPECT_TRUE(Find(options).empty());
+  EXPECT_EQ(Find().size(), 1u);
+  // Superpixels at the line, of which four are 2 % of the raster.
+  labels_ = AllOn(-1);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(Find().empty()) << i;
+    labels_[5 * kNumColumns + i] = 0;
+  }
+  EXPECT_FALSE(Find().empty());
   model_.planes[0].axis = -1;
   EXPECT_TRUE(Find().empty());
 }
@@ -192,26 +203,22 @@ TEST_F(PlaneLinesTest, LinesBelongToThePlaneThatIsNoCopy) {
   for (size_t s = 0; s < labels_.size(); s += 2) {
     labels_[s] = 1;
   }
-  const std::vector<PlaneLine> lines = FindPlaneLines(
-      {&evidence_, camera_}, Renumber(labels_, {0, 0}), model_, {});
+  const std::vector<PlaneLine> lines =
+      FindPlaneLines({&evidence_, camera_}, Renumber(labels_, {0, 0}), model_);
   ASSERT_EQ(lines.size(), 1u);
   ExpectLine(lines[0], 1, 0.0, 6.0);
 }
 
 class PlaneCopiesTest : public DrawnWallTest {
  protected:
-  static constexpr float kTolerance = 0.015f;
-
   // Two cameras, five units before the wall, see all planes.
   std::vector<int> Find() const {
     std::vector<int> all;
     for (size_t i = 0; i < model_.planes.size(); ++i) {
       all.push_back(static_cast<int>(i));
     }
-    return FindPlaneCopies(model_,
-                           {CameraAt({0, 0, 0}), CameraAt({0.5, 0, 0})},
-                           {&all, &all},
-                           kTolerance);
+    return FindPlaneCopies(
+        model_, {CameraAt({0, 0, 0}), CameraAt({0.5, 0, 0})}, {&all, &all});
   }
 
   int AddWall(double z, double support) {
@@ -242,9 +249,8 @@ TEST_F(PlaneCopiesTest, OtherSurfacesAreNot) {
 TEST_F(PlaneCopiesTest, WhatNoViewShowsIsNone) {
   AddWall(kDistance, 1.0);
   const std::vector<int> shown = {-1, 0, 0};
-  EXPECT_EQ(
-      FindPlaneCopies(model_, {CameraAt({0, 0, 0})}, {&shown}, kTolerance),
-      (std::vector<int>{0, 1}));
+  EXPECT_EQ(FindPlaneCopies(model_, {CameraAt({0, 0, 0})}, {&shown}),
+            (std::vector<int>{0, 1}));
 }
 
 }  // namespace
