@@ -24,7 +24,7 @@ void AddView(std::vector<double> heights,
     const int i = static_cast<int>((height - lowest) / bin);
     const int first = last >= 0 && i - last <= kMaxGap ? last + 1 : i;
     for (int k = first; k <= i; ++k) {
-      ++(*num_views)[static_cast<size_t>(k)];
+      ++(*num_views)[k];
     }
     last = i;
   }

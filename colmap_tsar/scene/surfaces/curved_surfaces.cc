@@ -39,13 +39,13 @@ std::vector<GrownSurface> Candidates(const SurfaceCosts& costs,
   std::vector<GrownSurface> candidates;
   std::vector<char> is_covered(static_cast<size_t>(costs.Count()), 0);
   for (const int seed : Seeds(costs)) {
-    if (is_covered[static_cast<size_t>(seed)]) {
+    if (is_covered[seed]) {
       continue;
     }
     GrownSurface grown = grower->Grow(seed);
     if (grown.gain > 0.0) {
       for (const int s : grown.members) {
-        is_covered[static_cast<size_t>(s)] = 1;
+        is_covered[s] = 1;
       }
       candidates.push_back(std::move(grown));
     }

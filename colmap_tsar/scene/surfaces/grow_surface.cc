@@ -37,7 +37,7 @@ SurfaceGrower::SurfaceGrower(const SurfaceCosts& costs)
 
 void SurfaceGrower::Take(const std::vector<int>& superpixels) {
   for (const int s : superpixels) {
-    taken_[static_cast<size_t>(s)] = 1;
+    taken_[s] = 1;
   }
   for (auto& [members, trial] : trials_) {
     trial.parts.clear();
@@ -134,8 +134,8 @@ std::vector<int> SurfaceGrower::Connected(
   std::vector<char> is_member(static_cast<size_t>(costs_.Count()), 0);
   std::vector<float> residuals(static_cast<size_t>(costs_.Count()));
   for (size_t i = 0; i < members.size(); ++i) {
-    is_member[static_cast<size_t>(members[i])] = 1;
-    residuals[static_cast<size_t>(members[i])] = trial.residuals[i];
+    is_member[members[i]] = 1;
+    residuals[members[i]] = trial.residuals[i];
   }
   const auto holds = [&](int s) {
     const Superpixel& superpixel = costs_.At(s);
@@ -143,9 +143,8 @@ std::vector<int> SurfaceGrower::Connected(
       return false;
     }
     const float residual =
-        is_member[static_cast<size_t>(s)]
-            ? residuals[static_cast<size_t>(s)]
-            : costs_.Measure(superpixel, fitted.surface).residual;
+        is_member[s] ? residuals[s]
+                     : costs_.Measure(superpixel, fitted.surface).residual;
     return residual <= costs_.Options().max_residual_of_superpixel &&
            IsKnown(fitted, costs_, superpixel) &&
            costs_.Cost(superpixel, residual) <=
@@ -158,15 +157,15 @@ std::vector<int> SurfaceGrower::Connected(
     return result;
   }
   result.push_back(seed);
-  is_seen[static_cast<size_t>(seed)] = 1;
+  is_seen[seed] = 1;
   for (size_t i = 0; i < result.size(); ++i) {
     const int s = result[i];
     // Superpixels of the ring are not expanded.
-    if (!is_member[static_cast<size_t>(s)]) {
+    if (!is_member[s]) {
       continue;
     }
     for (const int t : costs_.At(s).neighbors) {
-      char& seen = is_seen[static_cast<size_t>(t)];
+      char& seen = is_seen[t];
       if (!seen) {
         seen = 1;
         if (holds(t)) {
@@ -255,19 +254,19 @@ std::vector<int> SurfaceGrower::Largest(
     const std::vector<int>& superpixels) const {
   std::vector<char> is_left(static_cast<size_t>(costs_.Count()), 0);
   for (const int s : superpixels) {
-    is_left[static_cast<size_t>(s)] = 1;
+    is_left[s] = 1;
   }
   std::vector<int> largest;
   for (const int seed : superpixels) {
-    if (!is_left[static_cast<size_t>(seed)]) {
+    if (!is_left[seed]) {
       continue;
     }
     std::vector<int> part = {seed};
-    is_left[static_cast<size_t>(seed)] = 0;
+    is_left[seed] = 0;
     for (size_t i = 0; i < part.size(); ++i) {
       for (const int t : costs_.At(part[i]).neighbors) {
-        if (is_left[static_cast<size_t>(t)]) {
-          is_left[static_cast<size_t>(t)] = 0;
+        if (is_left[t]) {
+          is_left[t] = 0;
           part.push_back(t);
         }
       }
@@ -285,7 +284,7 @@ void SurfaceGrower::FillBetween(GrownSurface* surface) const {
   const std::vector<int> measured = surface->members;
   std::vector<char> is_seen(static_cast<size_t>(costs_.Count()), 0);
   for (const int s : measured) {
-    is_seen[static_cast<size_t>(s)] = 1;
+    is_seen[s] = 1;
   }
   std::set<int> replaced;
   for (const int s : measured) {
@@ -300,7 +299,7 @@ void SurfaceGrower::FillBetween(GrownSurface* surface) const {
     // A copy, since the list grows.
     const int s = members[i];
     for (const int t : costs_.At(s).neighbors) {
-      char& seen = is_seen[static_cast<size_t>(t)];
+      char& seen = is_seen[t];
       if (seen) {
         continue;
       }

@@ -27,7 +27,7 @@ class SurfaceGrower {
   // Keeps a reference to the costs.
   explicit SurfaceGrower(const SurfaceCosts& costs);
 
-  bool IsTaken(int s) const { return taken_[static_cast<size_t>(s)] != 0; }
+  bool IsTaken(int s) const { return taken_[s] != 0; }
   void Take(const std::vector<int>& superpixels);
 
   // Grows a surface. If it has no gain, its members are those last tried.

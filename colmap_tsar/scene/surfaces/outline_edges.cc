@@ -110,17 +110,16 @@ std::vector<float> SquaredSlopes(const RectifiedImage& rectified, int row) {
   std::vector<uint8_t> is_valid(static_cast<size_t>(width), 1);
   for (int y = row - kReach; y <= row + kReach; ++y) {
     for (int x = 0; x < width; ++x) {
-      is_valid[static_cast<size_t>(x)] &= rectified.is_valid(x, y);
+      is_valid[x] &= rectified.is_valid(x, y);
     }
   }
   std::vector<float> smooth(static_cast<size_t>(width));
   for (const Channel& channel : rectified.channels) {
     std::fill(smooth.begin(), smooth.end(), 0.f);
     for (int y = -kReach; y <= kReach; ++y) {
-      const float weight =
-          kSmoothing[static_cast<size_t>(y + kReach)] / kSumOfSmoothing;
+      const float weight = kSmoothing[y + kReach] / kSumOfSmoothing;
       for (int x = 0; x < width; ++x) {
-        smooth[static_cast<size_t>(x)] += weight * channel(x, row + y);
+        smooth[x] += weight * channel(x, row + y);
       }
     }
     for (size_t x = kReach; x + kReach < smooth.size(); ++x) {
@@ -251,7 +250,7 @@ std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
       const float after = slopes[x + 1];
       if (peak > kMinSlope && peak >= before && peak > after) {
         const float bend = before + after - 2.f * peak;
-        edges[static_cast<size_t>(row)].push_back(
+        edges[row].push_back(
             {static_cast<float>(x) + 0.5f * (before - after) / bend, peak});
       }
     }

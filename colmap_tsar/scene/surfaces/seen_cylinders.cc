@@ -62,7 +62,7 @@ void CloseGapsAndDropShort(std::vector<uint8_t>* rows) {
     const uint8_t value = closes ? 0 : 1;
     int begin = 0;
     for (int row = 0; row <= count; ++row) {
-      if (row < count && (*rows)[static_cast<size_t>(row)] == value) {
+      if (row < count && (*rows)[row] == value) {
         continue;
       }
       const bool is_inside = begin > 0 && row < count;
@@ -204,8 +204,7 @@ std::vector<CylinderEvidence> TestCylinders(
         const int label = labels.planes[superpixel];
         if (label >= 0 &&
             labels.evidence[superpixel] == LabelEvidence::kMeasured) {
-          const float depth =
-              camera_planes[static_cast<size_t>(label)].Depth(ray);
+          const float depth = camera_planes[label].Depth(ray);
           result[k].on_planes +=
               std::abs(depth - intersection.depth) > gap ? 1 : 0;
         }

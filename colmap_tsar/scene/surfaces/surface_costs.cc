@@ -58,17 +58,15 @@ void SurfaceCosts::MakeSuperpixels() {
   ListPixels();
   superpixels_.resize(static_cast<size_t>(evidence_.NumSuperpixels()));
   for (const SuperpixelBorder& border : evidence_.borders) {
-    superpixels_[static_cast<size_t>(border.first)].neighbors.push_back(
-        border.second);
-    superpixels_[static_cast<size_t>(border.second)].neighbors.push_back(
-        border.first);
+    superpixels_[border.first].neighbors.push_back(border.second);
+    superpixels_[border.second].neighbors.push_back(border.first);
   }
   num_measured_.assign(labeled_.planes.size(), 0);
   for (int s = 0; s < evidence_.NumSuperpixels(); ++s) {
-    Superpixel& superpixel = superpixels_[static_cast<size_t>(s)];
+    Superpixel& superpixel = superpixels_[s];
     std::sort(superpixel.neighbors.begin(), superpixel.neighbors.end());
-    superpixel.num_pixels = first_pixel_[static_cast<size_t>(s) + 1] -
-                            first_pixel_[static_cast<size_t>(s)];
+    superpixel.num_pixels =
+        first_pixel_[static_cast<size_t>(s) + 1] - first_pixel_[s];
     AddSamples(s, &superpixel);
     AddTests(s, &superpixel);
     const int label = LabelOf(s);
@@ -76,7 +74,7 @@ void SurfaceCosts::MakeSuperpixels() {
         label < 0 ? options_.labels.cost_of_unexplained
                   : Measure(superpixel, PlaneSurface(label)).residual;
     if (label >= 0 && superpixel.IsMeasured()) {
-      ++num_measured_[static_cast<size_t>(label)];
+      ++num_measured_[label];
     }
   }
   present_costs_.assign(superpixels_.size(), NAN);
@@ -110,8 +108,7 @@ void SurfaceCosts::AddSamples(int s, Superpixel* superpixel) {
   for (int k = evidence_.first_observation[i];
        k < evidence_.first_observation[i + 1];
        ++k) {
-    const Observation& observation =
-        evidence_.observations[static_cast<size_t>(k)];
+    const Observation& observation = evidence_.observations[k];
     all += observation.confidence;
     if (observation.confidence >= options_.min_confidence &&
         !evidence_.IsOfPrior(static_cast<size_t>(k))) {
@@ -134,27 +131,26 @@ void SurfaceCosts::AddTests(int s, Superpixel* superpixel) {
   const int num_pixels = superpixel->num_pixels;
   const int num_tests =
       num_pixels > 0 ? kCurvedSampling.NumTests(num_pixels) : 0;
-  const int first = first_pixel_[static_cast<size_t>(s)];
+  const int first = first_pixel_[s];
   std::vector<Vec3f> rays;
   for (int i = 0; i < num_tests; ++i) {
-    rays.push_back(RayOf(pixels_[static_cast<size_t>(
-        first + VoteSampling::Pixel(i, num_tests, num_pixels))]));
+    rays.push_back(
+        RayOf(pixels_[first + VoteSampling::Pixel(i, num_tests, num_pixels)]));
   }
   superpixel->tests = tests_.Add(rays);
 }
 
 Vec3f SurfaceCosts::MiddleOf(int s) const {
   Vec3f sum;
-  for (int k = first_pixel_[static_cast<size_t>(s)];
-       k < first_pixel_[static_cast<size_t>(s) + 1];
+  for (int k = first_pixel_[s]; k < first_pixel_[static_cast<size_t>(s) + 1];
        ++k) {
-    sum = sum + RayOf(pixels_[static_cast<size_t>(k)]);
+    sum = sum + RayOf(pixels_[k]);
   }
   return sum.z > 0.f ? sum * (1.f / sum.z) : sum;
 }
 
 CurvedSurface SurfaceCosts::PlaneSurface(int label) const {
-  const Plane& plane = labeled_.planes[static_cast<size_t>(label)];
+  const Plane& plane = labeled_.planes[label];
   CurvedSurface surface;
   surface.coefficients[0] = -plane.normal.z / plane.offset;
   surface.coefficients[1] = -plane.normal.x / plane.offset;
@@ -204,7 +200,7 @@ float SurfaceCosts::ResidualOfNearest(int s,
 }
 
 const std::vector<float>& SurfaceCosts::FindShares(int s, int plane) const {
-  std::vector<SharesOnPlane>& known = shares_[static_cast<size_t>(s)];
+  std::vector<SharesOnPlane>& known = shares_[s];
   for (const SharesOnPlane& entry : known) {
     if (entry.plane == plane) {
       return entry.shares;
@@ -221,7 +217,7 @@ const std::vector<float>& SurfaceCosts::FindShares(int s, int plane) const {
 }
 
 float SurfaceCosts::PresentCost(int s) const {
-  float& cost = present_costs_[static_cast<size_t>(s)];
+  float& cost = present_costs_[s];
   if (!std::isnan(cost)) {
     return cost;
   }
@@ -271,7 +267,7 @@ bool SurfaceCosts::OpposesRegion(int s, const CurvedSurface& surface) const {
        k < evidence_.first_observation[i + 1];
        ++k) {
     if (!evidence_.IsOfPrior(static_cast<size_t>(k))) {
-      observations.push_back(evidence_.observations[static_cast<size_t>(k)]);
+      observations.push_back(evidence_.observations[k]);
     }
   }
   DepthSamples samples;

@@ -57,18 +57,14 @@ class SurfaceCosts {
   const DepthSamples& Samples() const { return samples_; }
   const RaySamples& Tests() const { return tests_; }
   int Count() const { return static_cast<int>(superpixels_.size()); }
-  const Superpixel& At(int s) const {
-    return superpixels_[static_cast<size_t>(s)];
-  }
+  const Superpixel& At(int s) const { return superpixels_[s]; }
   // The mean of the rays of its pixels.
   Vec3f MiddleOf(int s) const;
   // The index of the superpixel's plane, or -1.
-  int LabelOf(int s) const { return labeled_.labels[static_cast<size_t>(s)]; }
+  int LabelOf(int s) const { return labeled_.labels[s]; }
   int NumPlanes() const { return static_cast<int>(labeled_.planes.size()); }
   // The number of measured superpixels of a plane.
-  int NumMeasured(int plane) const {
-    return num_measured_[static_cast<size_t>(plane)];
-  }
+  int NumMeasured(int plane) const { return num_measured_[plane]; }
 
   MeasuredFit Measure(const Superpixel& superpixel,
                       const CurvedSurface& surface) const;

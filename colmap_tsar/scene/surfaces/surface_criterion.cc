@@ -36,7 +36,7 @@ std::vector<int> PlanesAround(const SurfaceCosts& costs,
   std::vector<char> is_around(static_cast<size_t>(costs.NumPlanes()), 0);
   const auto add = [&](int s) {
     if (costs.LabelOf(s) >= 0) {
-      is_around[static_cast<size_t>(costs.LabelOf(s))] = 1;
+      is_around[costs.LabelOf(s)] = 1;
     }
   };
   for (const int s : superpixels) {
@@ -47,7 +47,7 @@ std::vector<int> PlanesAround(const SurfaceCosts& costs,
   }
   std::vector<int> planes;
   for (int k = 0; k < costs.NumPlanes(); ++k) {
-    if (is_around[static_cast<size_t>(k)]) {
+    if (is_around[k]) {
       planes.push_back(k);
     }
   }
@@ -124,13 +124,13 @@ double CriterionGain(const SurfaceCosts& costs,
     const int s = members[i];
     loss += static_cast<double>(surface_costs[i]) - costs.PresentCost(s);
     if (costs.LabelOf(s) >= 0) {
-      ++num_of_plane[static_cast<size_t>(costs.LabelOf(s))];
+      ++num_of_plane[costs.LabelOf(s)];
     }
   }
   double gain = -loss - FittedSurface::kNumParameters * cost_of_parameter -
                 ToCost(costs, costs.Options().min_gain);
   for (int k = 0; k < costs.NumPlanes(); ++k) {
-    if (IsWhole(costs, k, num_of_plane[static_cast<size_t>(k)])) {
+    if (IsWhole(costs, k, num_of_plane[k])) {
       gain += kNumParametersOfPlane * cost_of_parameter;
     }
   }
