@@ -119,8 +119,7 @@ std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
   // The image is not visible, or a coordinate is NaN.
   if (!(size.minCoeff() >= 0.0) ||
       !(size.maxCoeff() <=
-        kMaxEnlargement *
-            (static_cast<double>(camera.width) + camera.height))) {
+        kMaxEnlargement * (double(camera.width) + camera.height))) {
     return std::nullopt;
   }
   result.cx = -low.x() * result.focal;
@@ -182,7 +181,7 @@ std::optional<AxisCircle> FitCircle(const std::vector<CircleTangent>& tangents,
                                     Eigen::Matrix3d* covariance) {
   Eigen::Vector2d origin = Eigen::Vector2d::Zero();
   for (const CircleTangent& tangent : tangents) {
-    origin += tangent.camera->center / static_cast<double>(tangents.size());
+    origin += tangent.camera->center / tangents.size();
   }
   // Unit of weights, which makes them about 1 at any scale of the scene.
   const double unit = near != nullptr && !tangents.empty()

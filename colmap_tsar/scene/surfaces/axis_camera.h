@@ -63,6 +63,8 @@ struct CircleOutline {
   // rays of these columns touch the circle.
   double left_distance = 0.0;
   double right_distance = 0.0;
+
+  double MeanDistance() const { return 0.5 * (left_distance + right_distance); }
 };
 
 // The outlines; nothing where the camera is in the circle or close to it, or

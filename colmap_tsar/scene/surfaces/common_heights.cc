@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -18,7 +17,7 @@ void AddView(std::vector<double> heights,
              double lowest,
              double bin,
              std::vector<size_t>* num_views) {
-  std::sort(heights.begin(), heights.end());
+  std::ranges::sort(heights);
   int last = -1;
   for (const double height : heights) {
     const int i = static_cast<int>((height - lowest) / bin);
@@ -28,23 +27,6 @@ void AddView(std::vector<double> heights,
     }
     last = i;
   }
-}
-
-// The runs of bins with enough views, as half-open ranges.
-std::vector<std::pair<size_t, size_t>> RunsOf(
-    const std::vector<size_t>& num_views, size_t min_views) {
-  std::vector<std::pair<size_t, size_t>> runs;
-  size_t begin = 0;
-  for (size_t i = 0; i <= num_views.size(); ++i) {
-    if (i < num_views.size() && num_views[i] >= min_views) {
-      continue;
-    }
-    if (i > begin) {
-      runs.emplace_back(begin, i);
-    }
-    begin = i + 1;
-  }
-  return runs;
 }
 
 }  // namespace
@@ -69,10 +51,10 @@ std::vector<HeightRange> FindCommonHeights(
   for (const std::vector<double>& of_view : heights) {
     AddView(of_view, lowest, bin, &num_views);
   }
+  const auto is_common = [&](size_t i) { return num_views[i] >= min_views; };
   std::vector<HeightRange> ranges;
-  for (const auto& [begin, end] : RunsOf(num_views, min_views)) {
-    ranges.push_back({lowest + bin * static_cast<double>(begin),
-                      lowest + bin * static_cast<double>(end)});
+  for (const auto& [begin, end] : RunsOf(num_views.size(), is_common)) {
+    ranges.push_back({lowest + bin * begin, lowest + bin * end});
   }
   return ranges;
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -27,6 +28,24 @@ struct HeightRange {
  private:
   static constexpr double kMinOverlap = 0.2;
 };
+
+// The runs of indices below `size` for which holds(index), as half-open ranges.
+template <typename Predicate>
+std::vector<std::pair<size_t, size_t>> RunsOf(size_t size,
+                                              const Predicate& holds) {
+  std::vector<std::pair<size_t, size_t>> runs;
+  size_t begin = 0;
+  for (size_t i = 0; i <= size; ++i) {
+    if (i < size && holds(i)) {
+      continue;
+    }
+    if (i > begin) {
+      runs.emplace_back(begin, i);
+    }
+    begin = i + 1;
+  }
+  return runs;
+}
 
 // The intervals of an axis with observations in at least min_views views, in
 // ascending order. heights: by view, the heights of its observations, either

@@ -7,7 +7,7 @@
 #include "colmap_tsar/scene/surfaces/surface_costs.h"
 
 #include <algorithm>
-#include <cstddef>
+#include <functional>
 #include <utility>
 
 namespace tsar {
@@ -19,17 +19,15 @@ std::vector<int> Seeds(const SurfaceCosts& costs) {
   std::vector<int> seeds;
   for (int s = 0; s < costs.Count(); ++s) {
     const Superpixel& superpixel = costs.At(s);
-    const bool is_alone = std::all_of(
-        superpixel.neighbors.begin(), superpixel.neighbors.end(), [&](int t) {
-          return costs.LabelOf(t) == costs.LabelOf(s);
-        });
-    if (superpixel.IsMeasured() && (costs.LabelOf(s) < 0 || !is_alone)) {
+    const bool is_interior = std::ranges::all_of(
+        superpixel.neighbors,
+        [&](int t) { return costs.LabelOf(t) == costs.LabelOf(s); });
+    if (superpixel.IsMeasured() && (costs.LabelOf(s) < 0 || !is_interior)) {
       seeds.push_back(s);
     }
   }
-  std::stable_sort(seeds.begin(), seeds.end(), [&](int s, int t) {
-    return costs.At(s).residual > costs.At(t).residual;
-  });
+  std::ranges::stable_sort(
+      seeds, std::greater{}, [&](int s) { return costs.At(s).residual; });
   return seeds;
 }
 
@@ -37,7 +35,7 @@ std::vector<int> Seeds(const SurfaceCosts& costs) {
 std::vector<GrownSurface> Candidates(const SurfaceCosts& costs,
                                      SurfaceGrower* grower) {
   std::vector<GrownSurface> candidates;
-  std::vector<char> is_covered(static_cast<size_t>(costs.Count()), 0);
+  std::vector<char> is_covered(costs.Count(), 0);
   for (const int seed : Seeds(costs)) {
     if (is_covered[seed]) {
       continue;
@@ -50,11 +48,7 @@ std::vector<GrownSurface> Candidates(const SurfaceCosts& costs,
       candidates.push_back(std::move(grown));
     }
   }
-  std::stable_sort(candidates.begin(),
-                   candidates.end(),
-                   [](const GrownSurface& a, const GrownSurface& b) {
-                     return a.gain > b.gain;
-                   });
+  std::ranges::stable_sort(candidates, std::greater{}, &GrownSurface::gain);
   return candidates;
 }
 
@@ -66,14 +60,11 @@ CurvedView FindCurvedSurfaces(const std::vector<ObservedView>& views,
   const SurfaceCosts costs(views, labeled, options);
   SurfaceGrower grower(costs);
   CurvedView result;
-  result.labels.assign(static_cast<size_t>(costs.Count()), -1);
+  result.labels.assign(costs.Count(), -1);
   result.evidence = labeled.evidence;
   for (GrownSurface& grown : Candidates(costs, &grower)) {
-    const bool is_touched =
-        std::any_of(grown.members.begin(), grown.members.end(), [&](int s) {
-          return grower.IsTaken(s);
-        });
-    if (is_touched) {
+    if (std::ranges::any_of(grown.members,
+                            [&](int s) { return grower.IsTaken(s); })) {
       grown = grower.Grow(grown.seed);
     }
     if (!(grown.gain > 0.0)) {
@@ -83,9 +74,8 @@ CurvedView FindCurvedSurfaces(const std::vector<ObservedView>& views,
     grower.Take(grown.members);
     const CurvedSurface& surface = grown.fitted.surface;
     for (const int s : grown.members) {
-      const auto i = static_cast<size_t>(s);
-      result.labels[i] = static_cast<int>(result.surfaces.size());
-      result.evidence[i] = costs.EvidenceOf(costs.At(s), surface);
+      result.labels[s] = static_cast<int>(result.surfaces.size());
+      result.evidence[s] = costs.EvidenceOf(costs.At(s), surface);
     }
     result.surfaces.push_back(surface);
   }

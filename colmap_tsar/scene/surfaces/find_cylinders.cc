@@ -3,12 +3,14 @@
 
 #include "colmap_tsar/scene/surfaces/find_cylinders.h"
 
-#include "colmap_tsar/scene/surfaces/axis_camera.h"
+#include "colmap_tsar/base/median.h"
 #include "colmap_tsar/scene/surfaces/common_heights.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <utility>
 
@@ -71,15 +73,11 @@ bool Agrees(const OutlinePair& pair,
          std::abs(pair.right - outline.right) <= max_difference;
 }
 
-double MeanDistance(const CircleOutline& outline) {
-  return 0.5 * (outline.left_distance + outline.right_distance);
-}
-
 // The interval of the axis in which a pair is seen.
 HeightRange HeightsOf(const OutlinePair& pair,
                       const AxisCamera& camera,
                       const CircleOutline& outline) {
-  const double distance = MeanDistance(outline);
+  const double distance = outline.MeanDistance();
   return {camera.Height(pair.rows.front(), distance),
           camera.Height(pair.rows.back(), distance)};
 }
@@ -105,12 +103,10 @@ class CylinderFinder {
     for (const std::vector<Hypothesis>& of_view : of_views) {
       hypotheses.insert(hypotheses.end(), of_view.begin(), of_view.end());
     }
-    std::stable_sort(hypotheses.begin(),
-                     hypotheses.end(),
-                     [](const Hypothesis& a, const Hypothesis& b) {
-                       return std::tuple(a.num_views, a.num_rows) >
-                              std::tuple(b.num_views, b.num_rows);
-                     });
+    std::ranges::stable_sort(
+        hypotheses, std::greater{}, [](const Hypothesis& hypothesis) {
+          return std::tuple(hypothesis.num_views, hypothesis.num_rows);
+        });
     return hypotheses;
   }
 
@@ -159,14 +155,10 @@ class CylinderFinder {
  private:
   // Two views and their neighbors.
   std::vector<size_t> ViewsAround(size_t first, size_t second) const {
-    std::vector<size_t> around = neighbors_[first];
-    around.insert(
-        around.end(), neighbors_[second].begin(), neighbors_[second].end());
-    around.push_back(first);
-    around.push_back(second);
-    std::sort(around.begin(), around.end());
-    around.erase(std::unique(around.begin(), around.end()), around.end());
-    return around;
+    std::set<size_t> around = {first, second};
+    around.insert(neighbors_[first].begin(), neighbors_[first].end());
+    around.insert(neighbors_[second].begin(), neighbors_[second].end());
+    return {around.begin(), around.end()};
   }
 
   // Adds circles that two views may show and that enough views around support.
@@ -256,7 +248,7 @@ class CylinderFinder {
       sum += Squared(support.pair->left - outline->left) +
              Squared(support.pair->right - outline->right);
     }
-    return std::sqrt(sum / (2.0 * static_cast<double>(supports.size())));
+    return std::sqrt(sum / (2.0 * supports.size()));
   }
 
   // Whether two fixed lines explain the outlines much worse than the circle.
@@ -277,8 +269,7 @@ class CylinderFinder {
         sum += Squared(seen->left - tangent.column);
       }
     }
-    const double residual_of_lines =
-        std::sqrt(sum / (2.0 * static_cast<double>(supports.size())));
+    const double residual_of_lines = std::sqrt(sum / (2.0 * supports.size()));
     return residual_of_lines >= kMinRatio * std::max(residual, kLeastResidual);
   }
 
@@ -287,8 +278,7 @@ class CylinderFinder {
     for (const Support& support : supports) {
       widths.push_back(support.pair->right - support.pair->left);
     }
-    std::sort(widths.begin(), widths.end());
-    return widths[widths.size() / 2];
+    return UpperMedian(&widths);
   }
 
   // The intervals that at least half of the views show.
@@ -302,7 +292,7 @@ class CylinderFinder {
       if (!outline) {
         return {};
       }
-      const double distance = MeanDistance(*outline);
+      const double distance = outline->MeanDistance();
       bin = std::max(bin, distance / camera.focal);
       heights.emplace_back();
       for (const int row : support.pair->rows) {

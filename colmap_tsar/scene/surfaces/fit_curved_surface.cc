@@ -74,10 +74,10 @@ bool PlaceSurface(const SurfaceCosts& costs,
   surface->middle_x = static_cast<float>(x / scale->weights);
   surface->middle_y = static_cast<float>(y / scale->weights);
   scale->inverse_depth /= scale->weights;
-  scale->extent = std::max({static_cast<double>(max_x) - surface->middle_x,
-                            surface->middle_x - static_cast<double>(min_x),
-                            static_cast<double>(max_y) - surface->middle_y,
-                            surface->middle_y - static_cast<double>(min_y)});
+  scale->extent = std::max({double{max_x} - surface->middle_x,
+                            surface->middle_x - double{min_x},
+                            double{max_y} - surface->middle_y,
+                            surface->middle_y - double{min_y}});
   surface->extent = static_cast<float>(scale->extent);
   return scale->extent > 0.0;
 }
@@ -151,7 +151,7 @@ FitEquations::FitEquations(const SurfaceCosts& costs,
           SeveralAt(samples.confidence, from).cast<double>() * share /
           (error * error);
       for (int j = 0; j < SampleRange::kAlignment; ++j) {
-        powers_[to + static_cast<size_t>(j)] = Powers(u(j), v(j));
+        powers_[to + j] = Powers(u(j), v(j));
       }
     }
     first += range.Count();

@@ -30,10 +30,115 @@ bool IsSurrounded(const Vec3f& middle, const std::vector<Vec3f>& measured) {
   return sectors.Count() >= DirectionSectors::kNumKnown;
 }
 
+// Adds the superpixels that are connected to some, as far as `joins` accepts
+// them, which is asked once about each; only the neighbors of those are tried
+// that `expands` accepts. Ascending.
+template <typename Joins, typename Expands>
+std::vector<int> AddConnected(const SurfaceCosts& costs,
+                              std::vector<int> superpixels,
+                              const Joins& joins,
+                              const Expands& expands) {
+  std::vector<char> is_seen(costs.Count(), 0);
+  for (const int s : superpixels) {
+    is_seen[s] = 1;
+  }
+  for (size_t i = 0; i < superpixels.size(); ++i) {
+    const int s = superpixels[i];  // A copy, since the list grows.
+    if (!expands(s)) {
+      continue;
+    }
+    for (const int t : costs.At(s).neighbors) {
+      if (is_seen[t] == 0) {
+        is_seen[t] = 1;
+        if (joins(t)) {
+          superpixels.push_back(t);
+        }
+      }
+    }
+  }
+  std::ranges::sort(superpixels);
+  return superpixels;
+}
+
+bool Always(int) { return true; }
+
+// The largest connected component.
+std::vector<int> Largest(const SurfaceCosts& costs,
+                         const std::vector<int>& superpixels) {
+  std::set<int> left(superpixels.begin(), superpixels.end());
+  std::vector<int> largest;
+  for (const int seed : superpixels) {
+    if (!left.contains(seed)) {
+      continue;
+    }
+    std::vector<int> part = AddConnected(
+        costs, {seed}, [&](int t) { return left.contains(t); }, Always);
+    for (const int s : part) {
+      left.erase(s);
+    }
+    if (part.size() > largest.size()) {
+      largest = std::move(part);
+    }
+  }
+  return largest;
+}
+
+// The cost of each member on a surface with these residuals.
+std::vector<float> CostsOn(const SurfaceCosts& costs,
+                           const std::vector<int>& members,
+                           const std::vector<float>& residuals) {
+  std::vector<float> result;
+  for (size_t i = 0; i < members.size(); ++i) {
+    result.push_back(costs.Cost(costs.At(members[i]), residuals[i]));
+  }
+  return result;
+}
+
+// For each plane, keeps its members that the surface explains better, or all
+// where the surface then replaces the plane altogether at a lower cost; of
+// these the largest component. surface_costs: of the members on the surface.
+std::vector<int> Keep(const SurfaceCosts& costs,
+                      const std::vector<int>& members,
+                      const std::vector<float>& surface_costs) {
+  struct Share {
+    std::vector<int> members;
+    double increase = 0.0;  // Of their costs.
+
+    void Add(int s, double cost) {
+      members.push_back(s);
+      increase += cost;
+    }
+  };
+  const double saving = CostOfPlane(costs, members);
+  std::vector<int> kept;
+  for (int k = -1; k < costs.NumPlanes(); ++k) {
+    Share all;
+    Share better;
+    for (size_t i = 0; i < members.size(); ++i) {
+      const int s = members[i];
+      if (costs.LabelOf(s) != k) {
+        continue;
+      }
+      const float present = costs.PresentCost(s);
+      const double increase = double{surface_costs[i]} - present;
+      all.Add(s, increase);
+      if (surface_costs[i] < present) {
+        better.Add(s, increase);
+      }
+    }
+    const bool pays = k >= 0 && IsWhole(costs, k, all.members.size()) &&
+                      all.increase - saving < better.increase;
+    const std::vector<int>& chosen = pays ? all.members : better.members;
+    kept.insert(kept.end(), chosen.begin(), chosen.end());
+  }
+  std::ranges::sort(kept);
+  return Largest(costs, kept);
+}
+
 }  // namespace
 
 SurfaceGrower::SurfaceGrower(const SurfaceCosts& costs)
-    : costs_(costs), taken_(static_cast<size_t>(costs.Count()), 0) {}
+    : costs_(costs), taken_(costs.Count(), 0) {}
 
 void SurfaceGrower::Take(const std::vector<int>& superpixels) {
   for (const int s : superpixels) {
@@ -57,7 +162,7 @@ GrownSurface SurfaceGrower::Grow(int seed) {
       members.push_back(s);
     }
   }
-  std::sort(members.begin(), members.end());
+  std::ranges::sort(members);
   for (int round = 0; round < kMaxRounds; ++round) {
     Trials::value_type& tried = Try(members);
     if (!IsBetter(round, &tried)) {
@@ -110,10 +215,9 @@ bool SurfaceGrower::IsBetter(int round, Trials::value_type* tried) const {
 std::vector<int> SurfaceGrower::Next(int seed,
                                      Trials::value_type* tried) const {
   std::vector<std::vector<int>>& parts = tried->second.parts;
-  const auto found =
-      std::find_if(parts.begin(), parts.end(), [&](const auto& part) {
-        return std::binary_search(part.begin(), part.end(), seed);
-      });
+  const auto found = std::ranges::find_if(parts, [&](const auto& part) {
+    return std::ranges::binary_search(part, seed);
+  });
   if (found != parts.end()) {
     return *found;
   }
@@ -131,10 +235,8 @@ std::vector<int> SurfaceGrower::Connected(
     int seed, const Trials::value_type& tried) const {
   const auto& [members, trial] = tried;
   const FittedSurface& fitted = *trial.fitted;
-  std::vector<char> is_member(static_cast<size_t>(costs_.Count()), 0);
-  std::vector<float> residuals(static_cast<size_t>(costs_.Count()));
+  std::vector<std::optional<float>> residuals(costs_.Count());  // Of members.
   for (size_t i = 0; i < members.size(); ++i) {
-    is_member[members[i]] = 1;
     residuals[members[i]] = trial.residuals[i];
   }
   const auto holds = [&](int s) {
@@ -143,7 +245,7 @@ std::vector<int> SurfaceGrower::Connected(
       return false;
     }
     const float residual =
-        is_member[s] ? residuals[s]
+        residuals[s] ? *residuals[s]
                      : costs_.Measure(superpixel, fitted.surface).residual;
     return residual <= costs_.Options().max_residual_of_superpixel &&
            IsKnown(fitted, costs_, superpixel) &&
@@ -151,169 +253,55 @@ std::vector<int> SurfaceGrower::Connected(
                costs_.PresentCost(s) +
                    costs_.Options().growth_slack * superpixel.weight;
   };
-  std::vector<char> is_seen(static_cast<size_t>(costs_.Count()), 0);
-  std::vector<int> result;
   if (!holds(seed)) {
-    return result;
+    return {};
   }
-  result.push_back(seed);
-  is_seen[seed] = 1;
-  for (size_t i = 0; i < result.size(); ++i) {
-    const int s = result[i];
-    // Superpixels of the ring are not expanded.
-    if (!is_member[s]) {
-      continue;
-    }
-    for (const int t : costs_.At(s).neighbors) {
-      char& seen = is_seen[t];
-      if (!seen) {
-        seen = 1;
-        if (holds(t)) {
-          result.push_back(t);
-        }
-      }
-    }
-  }
-  std::sort(result.begin(), result.end());
-  return result;
+  // Superpixels of the ring are not expanded.
+  return AddConnected(
+      costs_, {seed}, holds, [&](int s) { return residuals[s].has_value(); });
 }
 
 GrownSurface SurfaceGrower::Finish(const Trials::value_type& tried) {
+  const auto& [members, trial] = tried;
   GrownSurface grown;
-  grown.members = tried.first;
-  if (!tried.second.fitted) {
+  grown.members = members;
+  if (!trial.fitted) {
     return grown;
   }
-  std::vector<int> kept = Keep(tried.first, CostsOn(tried));
+  std::vector<int> kept =
+      Keep(costs_, members, CostsOn(costs_, members, trial.residuals));
   if (static_cast<int>(kept.size()) < costs_.Options().min_superpixels) {
     return grown;
   }
-  const Trials::value_type& refitted = Try(std::move(kept));
-  grown.members = refitted.first;
-  const Trial& trial = refitted.second;
-  if (trial.fitted &&
-      IsSound(costs_, *trial.fitted, grown.members, trial.residuals)) {
-    grown.fitted = *trial.fitted;
-    grown.gain = CriterionGain(costs_, grown.members, CostsOn(refitted));
+  const auto& [refitted_members, refitted] = Try(std::move(kept));
+  grown.members = refitted_members;
+  if (refitted.fitted &&
+      IsSound(costs_, *refitted.fitted, grown.members, refitted.residuals)) {
+    grown.fitted = *refitted.fitted;
+    grown.gain =
+        CriterionGain(costs_,
+                      grown.members,
+                      CostsOn(costs_, grown.members, refitted.residuals));
   }
   return grown;
 }
 
-std::vector<float> SurfaceGrower::CostsOn(
-    const Trials::value_type& tried) const {
-  const auto& [members, trial] = tried;
-  std::vector<float> costs;
-  for (size_t i = 0; i < members.size(); ++i) {
-    costs.push_back(costs_.Cost(costs_.At(members[i]), trial.residuals[i]));
-  }
-  return costs;
-}
-
-// For each plane, keeps its members that the surface explains better, or all
-// where the surface then replaces the plane altogether at a lower cost. costs:
-// of the members on the surface.
-std::vector<int> SurfaceGrower::Keep(const std::vector<int>& members,
-                                     const std::vector<float>& costs) const {
-  struct Share {
-    std::vector<int> members;
-    double increase = 0.0;  // Of their costs.
-
-    void Add(int s, double cost) {
-      members.push_back(s);
-      increase += cost;
-    }
-  };
-  const double saving = CostOfPlane(costs_, members);
-  std::vector<int> kept;
-  for (int k = -1; k < costs_.NumPlanes(); ++k) {
-    Share all;
-    Share better;
-    for (size_t i = 0; i < members.size(); ++i) {
-      const int s = members[i];
-      if (costs_.LabelOf(s) != k) {
-        continue;
-      }
-      const float present = costs_.PresentCost(s);
-      const double increase = static_cast<double>(costs[i]) - present;
-      all.Add(s, increase);
-      if (costs[i] < present) {
-        better.Add(s, increase);
-      }
-    }
-    const bool pays = k >= 0 && IsWhole(costs_, k, all.members.size()) &&
-                      all.increase - saving < better.increase;
-    const std::vector<int>& chosen = pays ? all.members : better.members;
-    kept.insert(kept.end(), chosen.begin(), chosen.end());
-  }
-  std::sort(kept.begin(), kept.end());
-  return Largest(kept);
-}
-
-// The largest connected component.
-std::vector<int> SurfaceGrower::Largest(
-    const std::vector<int>& superpixels) const {
-  std::vector<char> is_left(static_cast<size_t>(costs_.Count()), 0);
-  for (const int s : superpixels) {
-    is_left[s] = 1;
-  }
-  std::vector<int> largest;
-  for (const int seed : superpixels) {
-    if (!is_left[seed]) {
-      continue;
-    }
-    std::vector<int> part = {seed};
-    is_left[seed] = 0;
-    for (size_t i = 0; i < part.size(); ++i) {
-      for (const int t : costs_.At(part[i]).neighbors) {
-        if (is_left[t]) {
-          is_left[t] = 0;
-          part.push_back(t);
-        }
-      }
-    }
-    if (part.size() > largest.size()) {
-      largest = std::move(part);
-    }
-  }
-  std::sort(largest.begin(), largest.end());
-  return largest;
-}
-
 void SurfaceGrower::FillBetween(GrownSurface* surface) const {
   const FittedSurface& fitted = surface->fitted;
-  const std::vector<int> measured = surface->members;
-  std::vector<char> is_seen(static_cast<size_t>(costs_.Count()), 0);
-  for (const int s : measured) {
-    is_seen[s] = 1;
-  }
-  std::set<int> replaced;
-  for (const int s : measured) {
-    replaced.insert(costs_.LabelOf(s));
-  }
+  std::set<int> replaced;  // The planes of members.
   std::vector<Vec3f> middles;
-  for (const int s : measured) {
+  for (const int s : surface->members) {
+    replaced.insert(costs_.LabelOf(s));
     middles.push_back(costs_.MiddleOf(s));
   }
-  std::vector<int>& members = surface->members;
-  for (size_t i = 0; i < members.size(); ++i) {
-    // A copy, since the list grows.
-    const int s = members[i];
-    for (const int t : costs_.At(s).neighbors) {
-      char& seen = is_seen[t];
-      if (seen) {
-        continue;
-      }
-      seen = 1;
-      if (!costs_.At(t).IsMeasured() && !IsTaken(t) &&
-          (costs_.LabelOf(t) < 0 ? !costs_.OpposesRegion(t, fitted.surface)
-                                 : replaced.count(costs_.LabelOf(t)) > 0) &&
-          IsSurrounded(costs_.MiddleOf(t), middles) &&
-          IsKnown(fitted, costs_, costs_.At(t))) {
-        members.push_back(t);
-      }
-    }
-  }
-  std::sort(members.begin(), members.end());
+  const auto joins = [&](int t) {
+    return !costs_.At(t).IsMeasured() && !IsTaken(t) &&
+           (costs_.LabelOf(t) < 0 ? !costs_.OpposesRegion(t, fitted.surface)
+                                  : replaced.contains(costs_.LabelOf(t))) &&
+           IsSurrounded(costs_.MiddleOf(t), middles) &&
+           IsKnown(fitted, costs_, costs_.At(t));
+  };
+  surface->members = AddConnected(costs_, surface->members, joins, Always);
 }
 
 }  // namespace tsar

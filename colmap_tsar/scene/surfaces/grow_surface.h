@@ -57,10 +57,6 @@ class SurfaceGrower {
   std::vector<int> Next(int seed, Trials::value_type* tried) const;
   std::vector<int> Connected(int seed, const Trials::value_type& tried) const;
   GrownSurface Finish(const Trials::value_type& tried);
-  std::vector<int> Keep(const std::vector<int>& members,
-                        const std::vector<float>& costs) const;
-  std::vector<float> CostsOn(const Trials::value_type& tried) const;
-  std::vector<int> Largest(const std::vector<int>& superpixels) const;
 
   const SurfaceCosts& costs_;
   std::vector<char> taken_;

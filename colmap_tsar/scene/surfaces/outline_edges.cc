@@ -10,7 +10,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -45,24 +47,26 @@ struct RectifiedImage {
   Image<uint8_t> is_valid;
 };
 
-bool Source(const Camera& camera,
-            const AxisCamera& axis_camera,
-            double column,
-            double row,
-            double* x,
-            double* y) {
+// The position in the view's raster of a pixel of the rectified image; nothing
+// where it is outside or in the border.
+std::optional<Eigen::Vector2d> PositionInRaster(const Camera& camera,
+                                                const AxisCamera& axis_camera,
+                                                double column,
+                                                double row) {
   const Eigen::Vector3d ray =
       axis_camera.to_view *
       Eigen::Vector3d((column - axis_camera.cx) / axis_camera.focal,
                       (row - axis_camera.cy) / axis_camera.focal,
                       1.0);
   if (!(ray.z() > 0.0)) {
-    return false;
+    return std::nullopt;
   }
-  *x = camera.fx * ray.x() / ray.z() + camera.cx;
-  *y = camera.fy * ray.y() / ray.z() + camera.cy;
-  return *x >= kMargin && *y >= kMargin && *x < camera.width - 1 - kMargin &&
-         *y < camera.height - 1 - kMargin;
+  const double x = camera.fx * ray.x() / ray.z() + camera.cx;
+  const double y = camera.fy * ray.y() / ray.z() + camera.cy;
+  const bool is_inside = x >= kMargin && y >= kMargin &&
+                         x < camera.width - 1 - kMargin &&
+                         y < camera.height - 1 - kMargin;
+  return is_inside ? std::optional(Eigen::Vector2d(x, y)) : std::nullopt;
 }
 
 RectifiedImage Rectify(const Image<Rgb>& color,
@@ -75,23 +79,21 @@ RectifiedImage Rectify(const Image<Rgb>& color,
   rectified.is_valid = Image<uint8_t>(axis_camera.width, axis_camera.height);
   for (int row = 0; row < axis_camera.height; ++row) {
     for (int column = 0; column < axis_camera.width; ++column) {
-      double x = 0.0;
-      double y = 0.0;
-      if (!Source(camera, axis_camera, column, row, &x, &y)) {
+      const std::optional<Eigen::Vector2d> position =
+          PositionInRaster(camera, axis_camera, column, row);
+      if (!position) {
         continue;
       }
-      const int left = static_cast<int>(x);
-      const int above = static_cast<int>(y);
-      const auto right_share = static_cast<float>(x - left);
-      const auto below_share = static_cast<float>(y - above);
+      const int left = static_cast<int>(position->x());
+      const int above = static_cast<int>(position->y());
+      const auto right = static_cast<float>(position->x() - left);
+      const auto below = static_cast<float>(position->y() - above);
       const auto mean = [&](uint8_t Rgb::*channel) {
-        const auto at = [&](int i, int j) {
-          return static_cast<float>(color(left + i, above + j).*channel);
+        const auto at = [&](int i, int j) -> float {
+          return color(left + i, above + j).*channel;
         };
-        return (at(0, 0) * (1.f - right_share) + at(1, 0) * right_share) *
-                   (1.f - below_share) +
-               (at(0, 1) * (1.f - right_share) + at(1, 1) * right_share) *
-                   below_share;
+        return (at(0, 0) * (1.f - right) + at(1, 0) * right) * (1.f - below) +
+               (at(0, 1) * (1.f - right) + at(1, 1) * right) * below;
       };
       rectified.channels[0](column, row) = mean(&Rgb::r);
       rectified.channels[1](column, row) = mean(&Rgb::g);
@@ -106,16 +108,15 @@ RectifiedImage Rectify(const Image<Rgb>& color,
 // where its support is not fully in the image.
 std::vector<float> SquaredSlopes(const RectifiedImage& rectified, int row) {
   const int width = rectified.is_valid.Width();
-  std::vector<float> slopes(static_cast<size_t>(width), 0.f);
-  std::vector<uint8_t> is_valid(static_cast<size_t>(width), 1);
+  std::vector<float> slopes(width, 0.f);
+  std::vector<uint8_t> is_valid(width, 1);
   for (int y = row - kReach; y <= row + kReach; ++y) {
     for (int x = 0; x < width; ++x) {
       is_valid[x] &= rectified.is_valid(x, y);
     }
   }
-  std::vector<float> smooth(static_cast<size_t>(width));
   for (const Channel& channel : rectified.channels) {
-    std::fill(smooth.begin(), smooth.end(), 0.f);
+    std::vector<float> smooth(width, 0.f);
     for (int y = -kReach; y <= kReach; ++y) {
       const float weight = kSmoothing[y + kReach] / kSumOfSmoothing;
       for (int x = 0; x < width; ++x) {
@@ -131,7 +132,7 @@ std::vector<float> SquaredSlopes(const RectifiedImage& rectified, int row) {
   }
   for (size_t x = 0; x < slopes.size(); ++x) {
     for (int i = -kReach; i <= kReach; ++i) {
-      const size_t other = x + static_cast<size_t>(i);
+      const size_t other = x + i;
       if (other >= slopes.size() || is_valid[other] == 0) {
         slopes[x] = 0.f;
       }
@@ -197,23 +198,15 @@ OutlinePair Join(std::vector<EdgePair> pairs) {
     return std::abs(pair.left - left) > kTolerance ||
            std::abs(pair.right - right) > kTolerance;
   });
-  const auto key = [&](const EdgePair& pair) {
+  std::ranges::sort(pairs, {}, [&](const EdgePair& pair) {
     return std::tuple(
         pair.row,
         std::max(std::abs(pair.left - left), std::abs(pair.right - right)),
         pair.left,
         pair.right);
-  };
-  std::sort(
-      pairs.begin(), pairs.end(), [&](const EdgePair& a, const EdgePair& b) {
-        return key(a) < key(b);
-      });
-  pairs.erase(std::unique(pairs.begin(),
-                          pairs.end(),
-                          [](const EdgePair& a, const EdgePair& b) {
-                            return a.row == b.row;
-                          }),
-              pairs.end());
+  });
+  const auto of_same_row = std::ranges::unique(pairs, {}, &EdgePair::row);
+  pairs.erase(of_same_row.begin(), of_same_row.end());
   OutlinePair result;
   double sum_left = 0.0;
   double sum_right = 0.0;
@@ -223,9 +216,8 @@ OutlinePair Join(std::vector<EdgePair> pairs) {
     sum_right += pair.right;
   }
   if (!pairs.empty()) {
-    const auto count = static_cast<double>(pairs.size());
-    result.left = static_cast<float>(sum_left / count);
-    result.right = static_cast<float>(sum_right / count);
+    result.left = static_cast<float>(sum_left / pairs.size());
+    result.right = static_cast<float>(sum_right / pairs.size());
   }
   return result;
 }
@@ -237,8 +229,7 @@ std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
     const Camera& camera,
     const AxisCamera& axis_camera) {
   const RectifiedImage rectified = Rectify(color, camera, axis_camera);
-  std::vector<std::vector<AcrossEdge>> edges(
-      static_cast<size_t>(axis_camera.height));
+  std::vector<std::vector<AcrossEdge>> edges(axis_camera.height);
   for (int row = kReach; row < axis_camera.height - kReach; ++row) {
     std::vector<float> slopes = SquaredSlopes(rectified, row);
     for (float& slope : slopes) {
@@ -250,8 +241,7 @@ std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
       const float after = slopes[x + 1];
       if (peak > kMinSlope && peak >= before && peak > after) {
         const float bend = before + after - 2.f * peak;
-        edges[row].push_back(
-            {static_cast<float>(x) + 0.5f * (before - after) / bend, peak});
+        edges[row].push_back({x + 0.5f * (before - after) / bend, peak});
       }
     }
   }
@@ -262,11 +252,9 @@ bool IsInRaster(const Camera& camera,
                 const AxisCamera& axis_camera,
                 double column,
                 double row) {
-  double x = 0.0;
-  double y = 0.0;
   // The derivative uses the pixels around.
-  return Source(camera, axis_camera, column - kReach, row - kReach, &x, &y) &&
-         Source(camera, axis_camera, column + kReach, row + kReach, &x, &y);
+  return PositionInRaster(camera, axis_camera, column - kReach, row - kReach) &&
+         PositionInRaster(camera, axis_camera, column + kReach, row + kReach);
 }
 
 std::vector<OutlinePair> FindOutlinePairs(
@@ -276,10 +264,8 @@ std::vector<OutlinePair> FindOutlinePairs(
   for (const auto& [bin, pairs] : bins) {
     by_size.emplace_back(pairs.size(), bin);
   }
-  std::stable_sort(
-      by_size.begin(), by_size.end(), [](const auto& a, const auto& b) {
-        return a.first > b.first;
-      });
+  std::ranges::stable_sort(
+      by_size, std::greater{}, &std::pair<size_t, Bin>::first);
   std::vector<OutlinePair> result;
   for (const auto& [size, bin] : by_size) {
     // A pair between bins is spread over up to four of them.

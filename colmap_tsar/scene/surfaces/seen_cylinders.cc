@@ -7,11 +7,13 @@
 #include "colmap_tsar/base/curved_surface.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/scene/surfaces/axis_camera.h"
+#include "colmap_tsar/scene/surfaces/common_heights.h"
 #include "colmap_tsar/scene/surfaces/outline_edges.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <optional>
 
 namespace tsar {
@@ -22,8 +24,8 @@ namespace {
 constexpr double kMaxDifference = 1.5;
 // The least number of contiguous rows with outlines, and the largest gap in
 // them.
-constexpr int kMinRows = 8;
-constexpr int kMaxGap = 8;
+constexpr size_t kMinRows = 8;
+constexpr size_t kMaxGap = 8;
 
 bool HasEdge(const std::vector<AcrossEdge>& edges, double column) {
   return std::ranges::any_of(edges, [&](const AcrossEdge& edge) {
@@ -42,7 +44,7 @@ std::vector<uint8_t> RowsWithOutlines(
     bool is_any = false;
     bool is_all = true;
     for (const double column : {outline.left, outline.right}) {
-      if (IsInRaster(camera, axis_camera, column, static_cast<double>(row))) {
+      if (IsInRaster(camera, axis_camera, column, row)) {
         is_any = true;
         is_all = is_all && HasEdge(edges[row], column);
       }
@@ -53,24 +55,19 @@ std::vector<uint8_t> RowsWithOutlines(
 }
 
 void CloseGapsAndDropShort(std::vector<uint8_t>* rows) {
-  const int count = static_cast<int>(rows->size());
-  const auto set = [&](int begin, int end, uint8_t value) {
+  const size_t count = rows->size();
+  const auto set = [&](size_t begin, size_t end, uint8_t value) {
     std::fill(rows->begin() + begin, rows->begin() + end, value);
   };
-  for (const bool closes : {true, false}) {
-    // Runs without outlines come first, then those with them.
-    const uint8_t value = closes ? 0 : 1;
-    int begin = 0;
-    for (int row = 0; row <= count; ++row) {
-      if (row < count && (*rows)[row] == value) {
-        continue;
-      }
-      const bool is_inside = begin > 0 && row < count;
-      if (closes ? is_inside && row - begin <= kMaxGap
-                 : row - begin < kMinRows) {
-        set(begin, row, closes ? 1 : 0);
-      }
-      begin = row + 1;
+  const auto is_set = [&](size_t row) { return (*rows)[row] != 0; };
+  for (const auto& [begin, end] : RunsOf(count, std::not_fn(is_set))) {
+    if (begin > 0 && end < count && end - begin <= kMaxGap) {
+      set(begin, end, 1);
+    }
+  }
+  for (const auto& [begin, end] : RunsOf(count, is_set)) {
+    if (end - begin < kMinRows) {
+      set(begin, end, 0);
     }
   }
 }
@@ -81,8 +78,7 @@ bool MarkSeen(const std::vector<uint8_t>& rows,
               const CircleOutline& outline,
               const ModelCylinder& model,
               SeenCylinder* seen) {
-  const double distance =
-      0.5 * (outline.left_distance + outline.right_distance);
+  const double distance = outline.MeanDistance();
   const double bins_per_height =
       SeenCylinder::kNumBins / (model.max_height - model.min_height);
   bool is_any = false;
@@ -96,9 +92,8 @@ bool MarkSeen(const std::vector<uint8_t>& rows,
                         0.0,
                         double{SeenCylinder::kNumBins});
     };
-    const auto middle = static_cast<double>(row);
-    const int begin = static_cast<int>(bin_at(middle - 0.5));
-    const int end = static_cast<int>(std::ceil(bin_at(middle + 0.5)));
+    const int begin = static_cast<int>(bin_at(row - 0.5));
+    const int end = static_cast<int>(std::ceil(bin_at(row + 0.5)));
     for (int bin = begin; bin < end; ++bin) {
       seen->is_seen[bin] = 1;
       is_any = true;
@@ -143,9 +138,10 @@ std::vector<SeenCylinder> FindSeenCylinders(
     // Cylinders are grouped by axis.
     if (last == nullptr || cylinder.frame != last->frame) {
       axis_camera = MakeAxisCamera(view.camera, cylinder.frame);
-      edges = axis_camera ? FindEdgesAcross(
-                                view.evidence->color, view.camera, *axis_camera)
-                          : std::vector<std::vector<AcrossEdge>>();
+      if (axis_camera) {
+        edges =
+            FindEdgesAcross(view.evidence->color, view.camera, *axis_camera);
+      }
     }
     last = &cylinder;
     if (!axis_camera) {
@@ -183,8 +179,7 @@ std::vector<CylinderEvidence> TestCylinders(
     const SeenCylinder seen = ToCameraCylinder(cylinders[k], view.camera);
     for (int y = 0; y < evidence.height; ++y) {
       for (int x = 0; x < evidence.width; ++x) {
-        const Vec3f ray =
-            intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+        const Vec3f ray = intrinsics.Ray(x, y);
         Cylinder::Intersection intersection;
         if (!seen.cylinder.Intersect(ray, &intersection) ||
             intersection.height < 0.f || intersection.height > seen.length ||

@@ -25,18 +25,6 @@ void ForParts(const SampleRange& range, const Body& body) {
   }
 }
 
-// Calls body(label, begin, end) for each run of pixels with the same label.
-template <typename Body>
-void ForRuns(const uint16_t* labels, size_t num_pixels, const Body& body) {
-  size_t begin = 0;
-  for (size_t i = 1; i <= num_pixels; ++i) {
-    if (i == num_pixels || labels[i] != labels[begin]) {
-      body(labels[begin], begin, i);
-      begin = i;
-    }
-  }
-}
-
 }  // namespace
 
 SurfaceCosts::SurfaceCosts(const std::vector<ObservedView>& views,
@@ -56,17 +44,16 @@ SurfaceCosts::SurfaceCosts(const std::vector<ObservedView>& views,
 
 void SurfaceCosts::MakeSuperpixels() {
   ListPixels();
-  superpixels_.resize(static_cast<size_t>(evidence_.NumSuperpixels()));
+  superpixels_.resize(evidence_.NumSuperpixels());
   for (const SuperpixelBorder& border : evidence_.borders) {
     superpixels_[border.first].neighbors.push_back(border.second);
     superpixels_[border.second].neighbors.push_back(border.first);
   }
   num_measured_.assign(labeled_.planes.size(), 0);
-  for (int s = 0; s < evidence_.NumSuperpixels(); ++s) {
+  for (int s = 0; s < Count(); ++s) {
     Superpixel& superpixel = superpixels_[s];
-    std::sort(superpixel.neighbors.begin(), superpixel.neighbors.end());
-    superpixel.num_pixels =
-        first_pixel_[static_cast<size_t>(s) + 1] - first_pixel_[s];
+    std::ranges::sort(superpixel.neighbors);
+    superpixel.num_pixels = first_pixel_[s + 1] - first_pixel_[s];
     AddSamples(s, &superpixel);
     AddTests(s, &superpixel);
     const int label = LabelOf(s);
@@ -77,49 +64,41 @@ void SurfaceCosts::MakeSuperpixels() {
       ++num_measured_[label];
     }
   }
-  present_costs_.assign(superpixels_.size(), NAN);
   shares_.resize(superpixels_.size());
 }
 
 void SurfaceCosts::ListPixels() {
-  const uint16_t* labels = evidence_.superpixels.Data();
-  const size_t num_pixels = evidence_.superpixels.NumPixels();
-  first_pixel_.assign(static_cast<size_t>(evidence_.NumSuperpixels()) + 1, 0);
-  ForRuns(labels, num_pixels, [&](uint16_t s, size_t begin, size_t end) {
-    first_pixel_[s + size_t{1}] += static_cast<int>(end - begin);
-  });
-  for (size_t s = 1; s < first_pixel_.size(); ++s) {
-    first_pixel_[s] += first_pixel_[s - 1];
+  first_pixel_.assign(evidence_.NumSuperpixels() + 1, 0);
+  for (const uint16_t s : evidence_.superpixels) {
+    ++first_pixel_[s + 1];
   }
+  std::partial_sum(
+      first_pixel_.begin(), first_pixel_.end(), first_pixel_.begin());
   std::vector<int> next = first_pixel_;
-  pixels_.resize(num_pixels);
-  ForRuns(labels, num_pixels, [&](uint16_t s, size_t begin, size_t end) {
-    std::iota(pixels_.begin() + next[s],
-              pixels_.begin() + next[s] + static_cast<int>(end - begin),
-              static_cast<int>(begin));
-    next[s] += static_cast<int>(end - begin);
-  });
+  pixels_.resize(evidence_.superpixels.NumPixels());
+  int pixel = 0;
+  for (const uint16_t s : evidence_.superpixels) {
+    pixels_[next[s]++] = pixel++;
+  }
 }
 
 void SurfaceCosts::AddSamples(int s, Superpixel* superpixel) {
-  const auto i = static_cast<size_t>(s);
   std::vector<Observation> observations;
   float all = 0.f;
-  for (int k = evidence_.first_observation[i];
-       k < evidence_.first_observation[i + 1];
+  for (int k = evidence_.first_observation[s];
+       k < evidence_.first_observation[s + 1];
        ++k) {
     const Observation& observation = evidence_.observations[k];
     all += observation.confidence;
     if (observation.confidence >= options_.min_confidence &&
-        !evidence_.IsOfPrior(static_cast<size_t>(k))) {
+        !evidence_.IsOfPrior(k)) {
       observations.push_back(observation);
       superpixel->confidence += observation.confidence;
     }
   }
   superpixel->weight =
-      all > 0.f ? evidence_.weights[i] * superpixel->confidence / all : 0.f;
-  const auto num_pixels = static_cast<float>(superpixel->num_pixels);
-  if (superpixel->weight < options_.min_measured * num_pixels) {
+      all > 0.f ? evidence_.weights[s] * superpixel->confidence / all : 0.f;
+  if (superpixel->weight < options_.min_measured * superpixel->num_pixels) {
     observations.clear();
     superpixel->confidence = 0.f;
     superpixel->weight = 0.f;
@@ -142,8 +121,7 @@ void SurfaceCosts::AddTests(int s, Superpixel* superpixel) {
 
 Vec3f SurfaceCosts::MiddleOf(int s) const {
   Vec3f sum;
-  for (int k = first_pixel_[s]; k < first_pixel_[static_cast<size_t>(s) + 1];
-       ++k) {
+  for (int k = first_pixel_[s]; k < first_pixel_[s + 1]; ++k) {
     sum = sum + RayOf(pixels_[k]);
   }
   return sum.z > 0.f ? sum * (1.f / sum.z) : sum;
@@ -217,22 +195,14 @@ const std::vector<float>& SurfaceCosts::FindShares(int s, int plane) const {
 }
 
 float SurfaceCosts::PresentCost(int s) const {
-  float& cost = present_costs_[s];
-  if (!std::isnan(cost)) {
-    return cost;
-  }
   const Superpixel& superpixel = At(s);
-  const LabelOptions& labels = options_.labels;
-  if (LabelOf(s) < 0) {
-    cost = superpixel.weight * superpixel.residual +
-           labels.unlabeled_cost *
-               std::max(static_cast<float>(superpixel.num_pixels) -
-                            superpixel.weight,
-                        0.f);
-  } else {
-    cost = Cost(superpixel, superpixel.residual);
+  if (LabelOf(s) >= 0) {
+    return Cost(superpixel, superpixel.residual);
   }
-  return cost;
+  const float num_unmeasured =
+      std::max(superpixel.num_pixels - superpixel.weight, 0.f);
+  return superpixel.weight * superpixel.residual +
+         options_.labels.unlabeled_cost * num_unmeasured;
 }
 
 SuperpixelVotes SurfaceCosts::AskSources(const Superpixel& superpixel,
@@ -261,12 +231,11 @@ SuperpixelVotes SurfaceCosts::AskSources(const Superpixel& superpixel,
 }
 
 bool SurfaceCosts::OpposesRegion(int s, const CurvedSurface& surface) const {
-  const auto i = static_cast<size_t>(s);
   std::vector<Observation> observations;
-  for (int k = evidence_.first_observation[i];
-       k < evidence_.first_observation[i + 1];
+  for (int k = evidence_.first_observation[s];
+       k < evidence_.first_observation[s + 1];
        ++k) {
-    if (!evidence_.IsOfPrior(static_cast<size_t>(k))) {
+    if (!evidence_.IsOfPrior(k)) {
       observations.push_back(evidence_.observations[k]);
     }
   }

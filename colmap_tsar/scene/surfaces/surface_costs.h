@@ -43,8 +43,8 @@ struct MeasuredFit {
 };
 
 // The costs of superpixels of the reference on surfaces, and with their present
-// planes. Keeps references to the arguments. It caches costs of planes and is
-// not thread-safe.
+// planes. Keeps references to the arguments. It caches residuals on planes and
+// is not thread-safe.
 class SurfaceCosts {
  public:
   // The arguments are those of FindCurvedSurfaces.
@@ -103,8 +103,7 @@ class SurfaceCosts {
   // A plane converted to a surface.
   CurvedSurface PlaneSurface(int label) const;
   Vec3f RayOf(int pixel) const {
-    return intrinsics_.Ray(static_cast<float>(pixel % evidence_.width),
-                           static_cast<float>(pixel / evidence_.width));
+    return intrinsics_.Ray(pixel % evidence_.width, pixel / evidence_.width);
   }
   const std::vector<float>& FindShares(int s, int plane) const;
   SuperpixelVotes AskSources(const Superpixel& superpixel,
@@ -124,8 +123,6 @@ class SurfaceCosts {
   DepthSamples samples_;
   RaySamples tests_;
   std::vector<int> num_measured_;  // Of each plane.
-  // Cached costs per superpixel; NaN where not computed yet.
-  mutable std::vector<float> present_costs_;
   // Cached shares per superpixel.
   mutable std::vector<std::vector<SharesOnPlane>> shares_;
 };

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <set>
 
 namespace tsar {
 namespace {
@@ -19,39 +20,49 @@ double ToCost(const SurfaceCosts& costs, double criterion) {
          options.pixels_per_observation;
 }
 
-double CostOfParameter(const SurfaceCosts& costs,
-                       const std::vector<int>& members) {
+double SumOfWeights(const SurfaceCosts& costs,
+                    const std::vector<int>& members) {
   double weight = 0.0;
   for (const int s : members) {
     weight += costs.At(s).weight;
   }
-  return ToCost(
-      costs,
-      std::log(std::max(weight / costs.Options().pixels_per_observation, 2.0)));
+  return weight;
+}
+
+double CostOfParameter(const SurfaceCosts& costs,
+                       const std::vector<int>& members) {
+  const double num_observations =
+      SumOfWeights(costs, members) / costs.Options().pixels_per_observation;
+  return ToCost(costs, std::log(std::max(num_observations, 2.0)));
 }
 
 // The planes of superpixels and of their neighbors, ascending.
 std::vector<int> PlanesAround(const SurfaceCosts& costs,
                               const std::vector<int>& superpixels) {
-  std::vector<char> is_around(static_cast<size_t>(costs.NumPlanes()), 0);
-  const auto add = [&](int s) {
-    if (costs.LabelOf(s) >= 0) {
-      is_around[costs.LabelOf(s)] = 1;
-    }
-  };
+  std::set<int> planes;
   for (const int s : superpixels) {
-    add(s);
+    planes.insert(costs.LabelOf(s));
     for (const int t : costs.At(s).neighbors) {
-      add(t);
+      planes.insert(costs.LabelOf(t));
     }
   }
-  std::vector<int> planes;
-  for (int k = 0; k < costs.NumPlanes(); ++k) {
-    if (is_around[k]) {
-      planes.push_back(k);
-    }
+  planes.erase(-1);
+  return {planes.begin(), planes.end()};
+}
+
+// The weighted sum over members of how much less their residuals on the surface
+// are than residual_before(member).
+template <typename Function>
+double Decrease(const SurfaceCosts& costs,
+                const std::vector<int>& members,
+                const std::vector<float>& residuals,
+                const Function& residual_before) {
+  double decrease = 0.0;
+  for (size_t i = 0; i < members.size(); ++i) {
+    decrease += costs.At(members[i]).weight *
+                (residual_before(members[i]) - residuals[i]);
   }
-  return planes;
+  return decrease;
 }
 
 }  // namespace
@@ -62,35 +73,26 @@ double CostOfPlane(const SurfaceCosts& costs, const std::vector<int>& members) {
 
 bool IsWhole(const SurfaceCosts& costs, int plane, size_t num_superpixels) {
   return num_superpixels > 0 &&
-         num_superpixels == static_cast<size_t>(costs.NumMeasured(plane));
+         num_superpixels == size_t(costs.NumMeasured(plane));
 }
 
 bool Improves(const SurfaceCosts& costs,
               const std::vector<int>& members,
               const std::vector<float>& residuals) {
-  double fall = 0.0;
-  double weight = 0.0;
-  for (size_t i = 0; i < members.size(); ++i) {
-    const Superpixel& superpixel = costs.At(members[i]);
-    fall += superpixel.weight * (superpixel.residual - residuals[i]);
-    weight += superpixel.weight;
-  }
-  return fall > costs.Options().min_improvement * weight;
+  const auto present = [&](int s) { return costs.At(s).residual; };
+  return Decrease(costs, members, residuals, present) >
+         costs.Options().min_improvement * SumOfWeights(costs, members);
 }
 
 bool BeatsPlanesAround(const SurfaceCosts& costs,
                        const std::vector<int>& members,
                        const std::vector<float>& residuals) {
   const std::vector<int> planes = PlanesAround(costs, members);
-  double fall = 0.0;
-  double weight = 0.0;
-  for (size_t i = 0; i < members.size(); ++i) {
-    const int s = members[i];
-    fall += costs.At(s).weight *
-            (costs.ResidualOfNearest(s, planes) - residuals[i]);
-    weight += costs.At(s).weight;
-  }
-  return fall >= costs.Options().min_improvement * weight;
+  const auto of_nearest = [&](int s) {
+    return costs.ResidualOfNearest(s, planes);
+  };
+  return Decrease(costs, members, residuals, of_nearest) >=
+         costs.Options().min_improvement * SumOfWeights(costs, members);
 }
 
 bool IsSound(const SurfaceCosts& costs,
@@ -98,18 +100,17 @@ bool IsSound(const SurfaceCosts& costs,
              const std::vector<int>& members,
              const std::vector<float>& residuals) {
   double residual = 0.0;
-  double weight = 0.0;
   for (size_t i = 0; i < members.size(); ++i) {
     residual += costs.At(members[i]).weight * residuals[i];
-    weight += costs.At(members[i]).weight;
   }
   const float* c = fitted.surface.coefficients;
   const float sagitta =
       (std::abs(c[3]) + std::abs(c[4]) + std::abs(c[5])) / c[0];
-  return residual <= costs.Options().max_residual * weight &&
+  return residual <=
+             costs.Options().max_residual * SumOfWeights(costs, members) &&
          BeatsPlanesAround(costs, members, residuals) && c[0] > 0.f &&
          sagitta <= costs.Options().max_sagitta &&
-         std::all_of(members.begin(), members.end(), [&](int s) {
+         std::ranges::all_of(members, [&](int s) {
            return IsKnown(fitted, costs, costs.At(s));
          });
 }
@@ -119,10 +120,10 @@ double CriterionGain(const SurfaceCosts& costs,
                      const std::vector<float>& surface_costs) {
   const double cost_of_parameter = CostOfParameter(costs, members);
   double loss = 0.0;
-  std::vector<size_t> num_of_plane(static_cast<size_t>(costs.NumPlanes()), 0);
+  std::vector<size_t> num_of_plane(costs.NumPlanes(), 0);
   for (size_t i = 0; i < members.size(); ++i) {
     const int s = members[i];
-    loss += static_cast<double>(surface_costs[i]) - costs.PresentCost(s);
+    loss += double{surface_costs[i]} - costs.PresentCost(s);
     if (costs.LabelOf(s) >= 0) {
       ++num_of_plane[costs.LabelOf(s)];
     }
