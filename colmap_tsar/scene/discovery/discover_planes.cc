@@ -53,8 +53,8 @@ class Discovery {
     return std::move(planes_);
   }
 
-  // Adds planes for superpixels that known planes explain poorly. best: the
-  // best score of each superpixel so far.
+  // The planes for superpixels that known planes explain poorly. best: the best
+  // score of each superpixel so far.
   std::vector<ScoredPlane> Extend(const std::vector<WorldPlane>& candidates,
                                   std::vector<float> best) {
     ChooseCandidates(candidates, std::move(best));
@@ -65,7 +65,6 @@ class Discovery {
   const std::optional<ManhattanFrame>& Frame() const { return frame_; }
 
  private:
-  // best: the best score of each superpixel so far.
   void ChooseCandidates(const std::vector<WorldPlane>& candidates,
                         std::vector<float> best) {
     LazyGreedySelection selection(candidates, estimator_);
@@ -130,7 +129,7 @@ class Discovery {
         if (PlaneGain(fitted[p], best_of_others) >
             PlaneGain(planes_[p], best_of_others)) {
           std::swap(planes_[p], fitted[p]);
-          UpdateRankings(planes_, p, fitted[p], threads_, &rankings);
+          rankings = Rank(planes_, num_superpixels_, threads_);
           improved = true;
         }
       }

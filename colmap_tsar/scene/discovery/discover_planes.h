@@ -34,8 +34,7 @@ struct DiscoverPlanesOptions {
   // Whether planes are made exactly parallel or orthogonal to each other where
   // the observations allow it.
   bool manhattan_frame = true;
-  // The largest number of scores (of a candidate for a superpixel) in memory,
-  // four bytes each.
+  // The largest number of scores in memory, one per candidate and superpixel.
   size_t max_scores = size_t{1} << 25;
 };
 
@@ -43,8 +42,7 @@ struct ScenePlane {
   WorldPlane plane;
   // Sum of the scores of the superpixels that are assigned to it.
   double support = 0.0;
-  // The column of the Manhattan frame along which its normal lies exactly, or
-  // -1.
+  // The column of the Manhattan frame along which its normal lies, or -1.
   int axis = -1;
 };
 
@@ -67,22 +65,18 @@ struct DiscoveredPlanes {
 // superpixel's weight or max_weight, whichever is less. The residual is
 // NormalizedResidual with one pixel of disparity as the expected error.
 //
-// Greedy choice of candidates, while one adds min_gain as it is, is followed by
-// rounds in which each plane is fitted to the superpixels assigned to it, in
-// all views at once, planes with a gain below min_gain are dropped, and planes
-// that views confuse are merged (DropAndMergePlanes). Finally, planes that lose
-// little by it are aligned (AlignToManhattanFrame), and each superpixel is
-// assigned to the plane with the highest score.
+// Candidates are chosen greedily while one adds min_gain. Then, in rounds, each
+// plane is fitted to the superpixels assigned to it in all views, planes with a
+// gain below min_gain are dropped, and planes that views confuse are merged
+// (DropAndMergePlanes). Finally, planes that lose little by it are aligned
+// (AlignToManhattanFrame), and each superpixel is assigned to the plane with
+// the highest score, or to the one found first of several.
 //
-// Where candidates times superpixels are more than max_scores, the last of the
-// candidates are left out: list the likely ones first.
-//
-// The first view is the reference: arithmetic is done in its camera's frame, so
-// that the world's origin may be far away. Otherwise the order of the views
-// matters only by rounding and by which one of a superpixel is matched. Equal
-// candidates: the first wins. Equal scores: the superpixel goes to the plane
-// that was found first. Bits do not depend on the device or on the number of
-// threads.
+// Where candidates times superpixels exceed max_scores, the last candidates are
+// left out. Arithmetic is done in the frame of the first camera, so that the
+// world's origin may be far away; otherwise the order of the views matters only
+// by rounding and by which observation of a superpixel is matched. Bits depend
+// neither on the device nor on the number of threads.
 DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
                                 const std::vector<WorldPlane>& candidates,
                                 const DiscoverPlanesOptions& options,

@@ -7,13 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <utility>
 
-#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 namespace tsar {
@@ -47,17 +44,12 @@ double SupportAlong(const Frame& frame,
   return support;
 }
 
-std::vector<int> BySupport(const std::vector<MeasuredPlane>& planes) {
+// Finds the initial frame; nothing where no two planes are orthogonal.
+std::optional<Frame> FindFrame(const std::vector<MeasuredPlane>& planes) {
   std::vector<int> order(planes.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(
       order, std::greater{}, [&](int p) { return planes[p].support; });
-  return order;
-}
-
-// Finds the initial frame; nothing where no two planes are orthogonal.
-std::optional<Frame> FindFrame(const std::vector<MeasuredPlane>& planes) {
-  std::vector<int> order = BySupport(planes);
   order.resize(std::min(order.size(), kMaxPairedPlanes));
   std::optional<Frame> best;
   double best_support = 0.0;
@@ -84,8 +76,8 @@ std::optional<Frame> FindFrame(const std::vector<MeasuredPlane>& planes) {
 }
 
 // The plane rotated to this normal, or to the opposite one, at its samples.
-JointPlane Turned(const MeasuredPlane& measured,
-                  const Eigen::Vector3d& direction) {
+JointPlane Rotated(const MeasuredPlane& measured,
+                   const Eigen::Vector3d& direction) {
   const WorldPlane& plane = measured.plane;
   const Eigen::Vector3d normal = direction.dot(plane.normal) < 0.0
                                      ? Eigen::Vector3d(-direction)
@@ -118,7 +110,7 @@ std::optional<ManhattanFrame> FitFrame(
   while (changed) {
     std::vector<JointPlane> joint;
     for (const int p : along) {
-      joint.push_back(Turned(planes[p], initial->col(frame.axes[p])));
+      joint.push_back(Rotated(planes[p], initial->col(frame.axes[p])));
     }
     frame.rotation = FitTogether(std::nullopt, loss_scale, &joint) * *initial;
     std::vector<int> accepted;
@@ -212,8 +204,8 @@ std::vector<WorldPlane> AlignToManhattanFrame(
         continue;
       }
       std::vector<JointPlane> one = {
-          Turned(planes[p],
-                 (normal - normal.dot(direction) * direction).normalized())};
+          Rotated(planes[p],
+                  (normal - normal.dot(direction) * direction).normalized())};
       FitTogether(direction, loss_scale, &one);
       if (is_acceptable(p, one[0].plane)) {
         is_regular = true;

@@ -29,15 +29,12 @@ struct ManhattanFrame {
   std::vector<int> axes;
 };
 
-// Man-made surfaces are mostly orthogonal. A wall that only a band of posters
-// measures may lean by a degree and still fit its observations; a floor that is
-// known well and the poster's edges show that it does not lean.
-//
 // Finds the three orthogonal directions along which planes have most support,
-// fits them and the planes near them (within 5 degrees) to the samples of all
-// these planes at once, and gives each of these planes exactly its direction.
-// Other planes that are orthogonal to a direction within 5 degrees, such as a
-// pillar's faces, become exactly so.
+// fits them and the planes within 5 degrees of them to the samples of all these
+// planes at once, and gives each of these planes exactly its direction: a wall
+// that only a band of posters measures may lean by a degree and still fit its
+// observations. Other planes that are orthogonal to a direction within 5
+// degrees, such as a pillar's faces, become exactly so.
 //
 // loss_scale: see FitPlane. is_acceptable(p, plane): whether this plane may
 // replace planes[p]; otherwise that one stays, and the directions are fitted

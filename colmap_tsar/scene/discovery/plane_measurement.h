@@ -32,10 +32,9 @@ struct PlaneMeasurement {
 struct MeasurePlaneOptions {
   // Scale of the Cauchy loss, in expected errors.
   double loss_scale = 1.0;
-  // Errors of one view at one plane are correlated: they share a term of this
-  // standard deviation, in expected errors of a single observation. The
-  // variance of the mean of n of them is thus 1 / n, as weighted by the loss,
-  // plus the square of this. 0: they are independent.
+  // The standard deviation of the error that all observations of one view at
+  // one plane share, in expected errors of a single one. The variance of the
+  // mean of n of them is thus 1 / n, as weighted by the loss, plus its square.
   double common_deviation = 0.5;
 };
 
@@ -59,8 +58,7 @@ struct MeasureViewOptions {
   double full_weight = 40.0;
   // The largest weight of a superpixel, in the same unit.
   double max_weight = 40.0;
-  // The scale of the loss is that of the fits in DiscoverPlanes, half of the
-  // tolerance.
+  // The scale of the loss is half of the tolerance, as in DiscoverPlanes.
   MeasurePlaneOptions planes = {2.0, 0.5};
 };
 

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/scene/discovery/plane_ranking.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -18,21 +17,6 @@ void Ranking::Offer(int plane, float score) {
       std::swap(score, scores[i]);
     }
   }
-}
-
-bool Ranking::ChangeScore(int plane, float score) {
-  const bool is_safe = score > scores[2];
-  const auto ranked = std::ranges::find(planes, plane);
-  const bool was_ranked = ranked != std::end(planes);
-  if (was_ranked) {
-    const auto rank = ranked - planes;
-    std::shift_left(planes + rank, planes + 3, 1);
-    std::shift_left(scores + rank, scores + 3, 1);
-    planes[2] = -1;
-    scores[2] = 0.f;
-  }
-  Offer(plane, score);
-  return is_safe || !was_ranked;
 }
 
 std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
@@ -58,31 +42,6 @@ std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
              std::min(static_cast<int>(end) * kPartSize, num_superpixels));
       });
   return rankings;
-}
-
-void UpdateRankings(const std::vector<ScoredPlane>& planes,
-                    int changed,
-                    const ScoredPlane& before,
-                    ThreadPool& threads,
-                    std::vector<Ranking>* rankings) {
-  const ScoredPlane& plane = planes[changed];
-  const auto update = [&](int k) {
-    Ranking& ranking = (*rankings)[k];
-    if (!ranking.ChangeScore(changed, plane.scores[k])) {
-      ranking = {};
-      for (size_t p = 0; p < planes.size(); ++p) {
-        ranking.Offer(static_cast<int>(p), planes[p].scores[k]);
-      }
-    }
-  };
-  threads.ForEach(before.superpixels.size(),
-                  [&](size_t i) { update(before.superpixels[i]); });
-  threads.ForEach(plane.superpixels.size(), [&](size_t i) {
-    const int k = plane.superpixels[i];
-    if (!(before.scores[k] > 0.f)) {
-      update(k);
-    }
-  });
 }
 
 std::vector<std::vector<int>> AssignedSuperpixels(

@@ -18,10 +18,6 @@ struct Ranking {
 
   void Offer(int plane, float score);
 
-  // Returns false if the ranking cannot be updated, since another plane may now
-  // be among the best.
-  bool ChangeScore(int plane, float score);
-
   // The best score among all other planes.
   float BestWithout(int plane, int other_plane) const {
     int i = 0;
@@ -35,13 +31,6 @@ struct Ranking {
 std::vector<Ranking> Rank(const std::vector<ScoredPlane>& planes,
                           int num_superpixels,
                           ThreadPool& threads);
-
-// Updates the rankings after the change of one plane.
-void UpdateRankings(const std::vector<ScoredPlane>& planes,
-                    int changed,
-                    const ScoredPlane& before,
-                    ThreadPool& threads,
-                    std::vector<Ranking>* rankings);
 
 // The superpixels of each plane: each is assigned to its best plane.
 std::vector<std::vector<int>> AssignedSuperpixels(

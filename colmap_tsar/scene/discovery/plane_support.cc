@@ -9,10 +9,8 @@
 #include "colmap_tsar/view/planes/plane_uncertainty.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>

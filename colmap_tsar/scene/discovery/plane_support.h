@@ -25,7 +25,7 @@ struct PlaneFrame {
   Vec3f center;
   Vec3f axis_s;
   Vec3f axis_t;
-  // Variance of the height of the plane at the center, and per squared distance
+  // Variance of the plane's height at the center, and per squared distance
   // along each axis; very large where undetermined.
   float height_variance = 0.f;
   float slope_variance_s = 0.f;
@@ -46,13 +46,11 @@ struct PlaneFrame {
 struct PlaneSupportOptions {
   // The tolerance of inliers, as in DiscoverPlanesOptions.
   double tolerance = 1.0;
-  // Observations of less confidence do not affect the plane's variances, only
-  // its extent.
+  // Observations of less confidence affect only the extent, not the variances.
   float min_measured_confidence = 0.5f;
   // The expected error of one observation, as a share of the tolerance.
   double error_share = 0.25;
-  // Pixels of full confidence from which a superpixel counts as one
-  // measurement.
+  // Pixels of full confidence that make a superpixel one whole measurement.
   double full_weight = 40.0;
   // Cells along the longer side of the area in which a plane was observed.
   int num_cells = 64;
@@ -70,9 +68,8 @@ struct PlaneSupport {
   std::vector<float> cell_sizes;
 };
 
-// The measurements of each plane in all views: one observation for each
-// superpixel that is assigned to it, in the world frame, with independent
-// errors.
+// The measurements of each plane in all views, in the world frame: one
+// observation, with an independent error, for each superpixel assigned to it.
 std::vector<std::vector<DepthObservation>> MeasuredSuperpixels(
     const std::vector<ObservedView>& views,
     const DiscoveredPlanes& discovered,

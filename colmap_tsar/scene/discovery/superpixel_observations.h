@@ -45,9 +45,7 @@ class SuperpixelObservations {
 
   // Calls add(observation) for a sample of about this many of the observations
   // of some superpixels, or for all if there are less, and returns the size of
-  // the sample. Where an observation comes or goes, the others in the sample
-  // hardly change, so that what is computed from it does not hinge on a single
-  // one.
+  // the sample, which hardly changes where a single observation comes or goes.
   template <typename Function>
   size_t Sample(const std::vector<int>& members,
                 size_t max_samples,
@@ -72,9 +70,8 @@ class SuperpixelObservations {
   }
 
  private:
-  // A sequence of low discrepancy in the two indices, those of the superpixel
-  // and the observation, in units of 2^-32. Its steps are the fractions of
-  // powers of the plastic number.
+  // A low-discrepancy sequence in both indices, in units of 2^-32. Its steps
+  // are the fractions of powers of the plastic number.
   uint32_t SamplingKey(int superpixel, int observation) const {
     const int own = superpixel - frames_[views_[superpixel]].first_superpixel;
     return static_cast<uint32_t>(own) * 3242174889u +
