@@ -143,7 +143,7 @@ bool IsAlongAxis(const ModelPlane& plane,
 
 // Sets the covariance of an adjusted plane on the plane that it was adjusted
 // from, which differs slightly.
-void SetKnowledge(const AdjustedPlane& from, ModelPlane* plane) {
+void SetUncertainty(const ModelPlane& from, ModelPlane* plane) {
   plane->covariance = from.covariance;
   // Otherwise the center is not that of the measurements.
   if (!std::isfinite(from.covariance(2, 2))) {
@@ -179,7 +179,7 @@ AdjustedPlanes AdjustPlanes(const PlaneAdjustment& adjustment,
   AdjustedPlanes result;
   result.planes = DescribePlanes(problem);
   for (size_t p = 0; p < num_planes; ++p) {
-    AdjustedPlane& plane = result.planes[p];
+    ModelPlane& plane = result.planes[p];
     if (plane.covariance.diagonal().array().isInf().all() &&
         (adjustment.axes.empty() || adjustment.axes[p].frame < 0)) {
       plane.plane = adjustment.planes[p];
@@ -239,7 +239,7 @@ void AdjustModel(const MeasurePlanes& measure,
         model->frames[plane.frame] = adjusted.frames[plane.frame];
       }
     }
-    SetKnowledge(adjusted.planes[p], &plane);
+    SetUncertainty(adjusted.planes[p], &plane);
   }
 }
 

@@ -44,23 +44,12 @@ struct PlaneAdjustment {
 using MeasurePlanes = std::function<std::vector<PlaneMeasurement>(
     const std::vector<WorldPlane>& planes)>;
 
-struct AdjustedPlane {
-  WorldPlane plane;
-  // A point on the plane amid its measurements, and two orthogonal unit vectors
-  // in the plane, the principal axes of the error of its normal; with the
-  // normal they are a right-handed basis.
-  Eigen::Vector3d center = Eigen::Vector3d::Zero();
-  Eigen::Vector3d axis_s = Eigen::Vector3d::UnitX();
-  Eigen::Vector3d axis_t = Eigen::Vector3d::UnitY();
-  // Covariance of the rotations about axis_s and axis_t (through the center, in
-  // radians) and of the shift along the normal, marginalized over the other
-  // planes. A parameter that nothing determines has an infinite variance and no
-  // correlation with others.
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-};
-
 struct AdjustedPlanes {
-  std::vector<AdjustedPlane> planes;
+  // Each with its center, axes and covariance, marginalized over the other
+  // planes. The axes are the principal ones of the error of the normal, with
+  // which they are a right-handed basis. A parameter that nothing determines
+  // has an infinite variance and no correlation with others.
+  std::vector<ModelPlane> planes;
   std::vector<Eigen::Matrix3d> frames;
 };
 

@@ -32,11 +32,10 @@ struct InverseDepthError {
 };
 
 // The plane's covariance propagated to first order, after each variance v
-// became 1 / (1 / v + 1 / b^2), where b bounds the expected error of planes of
-// rooms: a rotation by 0.02 radians, a shift by 1 % of the camera's distance
-// from the plane. This is nearly v where the plane is known well and b^2 where
-// nothing determines it. The result is 0 where the plane contains the camera
-// center and thus has no depths.
+// became 1 / (1 / v + 1 / b^2), with priors b for the planes of rooms: a
+// rotation by 0.02 radians, a shift by 1 % of the camera's distance from the
+// plane. The result is 0 where the plane contains the camera center and thus
+// has no depths.
 InverseDepthError ErrorInView(const ModelPlane& plane, const Camera& camera);
 
 }  // namespace tsar

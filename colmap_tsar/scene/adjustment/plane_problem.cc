@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/scene/adjustment/plane_problem.h"
 
-#include "colmap_tsar/scene/adjustment/plane_residuals.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -21,23 +19,129 @@
 namespace tsar {
 namespace {
 
-// Scale of the Cauchy loss of angles, in their standard deviations.
-constexpr double kLossScaleOfAngles = 1.0;
 // Convergence threshold of parameters: radians, and sizes of the scene.
-constexpr double kStandstill = 1e-9;
+constexpr double kConvergence = 1e-9;
 // Inverse standard deviation of the prior, in these units: too weak to affect
 // known parameters.
-constexpr double kStay = 1.0 / 32.0;
+constexpr double kPriorWeight = 1.0 / 32.0;
 // Variances above this, in these units, are infinite: without evidence they are
 // far larger.
 constexpr double kUnknownVariance = 0.25;
+// Eigenvalues of a form below this share of its largest one are rounding
+// errors.
+constexpr double kMinRelativeValue = 1e-12;
+// A plane nearer to a camera than this, in sizes of the scene, is seen edge-on.
+constexpr double kMinRelativeHeight = 1e-12;
+
+// A minimal parameterization of a plane by two blocks, 0 at the current plane:
+// a rotation about `axes` through a point, and a shift along the normal in
+// sizes of the scene. A free plane rotates about the two axes in it; a plane in
+// a frame rotates with the frame, about the axes of the world.
+struct MovingPlane {
+  Eigen::Vector3d point;
+  Eigen::Vector3d normal;
+  // Axes of rotation: 2 or 3 columns.
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 3> axes;
+  double size;
+
+  template <typename T>
+  Eigen::Matrix<T, 3, 1> Normal(const T* turn) const {
+    Eigen::Matrix<T, 3, 1> vector;
+    for (int i = 0; i < 3; ++i) {
+      vector[i] = T(0.0);
+      for (int k = 0; k < axes.cols(); ++k) {
+        vector[i] += axes(i, k) * turn[k];
+      }
+    }
+    const Eigen::Matrix<T, 3, 1> before = normal.cast<T>();
+    Eigen::Matrix<T, 3, 1> after;
+    ceres::AngleAxisRotatePoint(vector.data(), before.data(), after.data());
+    return after;
+  }
+};
+
+// Residuals of the inverse depths that one view measured; outliers have been
+// given little weight already.
+class MeasurementError {
+ public:
+  MeasurementError(const MovingPlane& plane,
+                   const PlaneMeasurement& measurement)
+      : plane_(plane), center_(measurement.center) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(
+        measurement.form.topLeftCorner<3, 3>());
+    const Eigen::Vector3d mixed = measurement.form.topRightCorner<3, 1>();
+    for (int i = 0; i < 3; ++i) {
+      const double value = solver.eigenvalues()[i];
+      if (value > kMinRelativeValue * solver.eigenvalues()[2]) {
+        const double root = std::sqrt(value);
+        const Eigen::Vector3d direction = solver.eigenvectors().col(i);
+        root_.row(i) = root * direction.transpose();
+        constant_[i] = direction.dot(mixed) / root;
+      }
+    }
+  }
+
+  // Returns false if the plane passes through the camera.
+  template <typename T>
+  bool operator()(T const* const* blocks, T* residuals) const {
+    const Eigen::Matrix<T, 3, 1> normal = plane_.Normal(blocks[0]);
+    const Eigen::Matrix<T, 3, 1> arm = (center_ - plane_.point).cast<T>();
+    const T height = normal.dot(arm) - plane_.size * blocks[1][0];
+    if (!(ceres::abs(height) > T(kMinRelativeHeight * plane_.size))) {
+      return false;
+    }
+    for (int i = 0; i < 3; ++i) {
+      residuals[i] = (root_(i, 0) * normal.x() + root_(i, 1) * normal.y() +
+                      root_(i, 2) * normal.z()) /
+                         height +
+                     constant_[i];
+    }
+    return true;
+  }
+
+ private:
+  MovingPlane plane_;
+  Eigen::Vector3d center_;
+  // The form is |root q + constant|^2 up to a constant.
+  Eigen::Matrix3d root_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d constant_ = Eigen::Vector3d::Zero();
+};
+
+// Residuals of the angle prior of two planes, in standard deviations.
+class AngleError {
+ public:
+  AngleError(const MovingPlane& first,
+             const MovingPlane& second,
+             const PlaneAnglePrior& prior)
+      : planes_{first, second}, prior_(prior) {
+    if (first.normal.dot(second.normal) < 0.0) {
+      planes_[1].normal = -planes_[1].normal;
+    }
+  }
+
+  template <typename T>
+  bool operator()(T const* const* blocks, T* residuals) const {
+    const Eigen::Matrix<T, 3, 1> first = planes_[0].Normal(blocks[0]);
+    const Eigen::Matrix<T, 3, 1> second = planes_[1].Normal(blocks[1]);
+    if (prior_.kind == PlaneAnglePrior::Kind::kOrthogonal) {
+      residuals[0] = first.dot(second) / T(prior_.sigma);
+    } else {
+      Eigen::Map<Eigen::Matrix<T, 3, 1>> difference(residuals);
+      difference = (first - second) / T(prior_.sigma);
+    }
+    return true;
+  }
+
+ private:
+  MovingPlane planes_[2];
+  PlaneAnglePrior prior_;
+};
 
 // The problem in Ceres. The parameter vector, initially 0, has the rotation of
 // each frame, the rotation of each free plane and the shift of each plane.
 class CeresProblem {
  public:
-  explicit CeresProblem(const PlaneProblem& problem)
-      : size_(problem.size), loss_(kLossScaleOfAngles), ceres_(Options()) {
+  explicit CeresProblem(const PlaneProblem& problem) : size_(problem.size) {
     AddPlanes(problem);
     for (const PlaneMeasurement& measurement : problem.measurements) {
       const int p = measurement.plane;
@@ -57,7 +161,7 @@ class CeresProblem {
       if (turns_[first] != turns_[second]) {
         AddResidual(new AngleError(planes_[first], planes_[second], angle),
                     angle.kind == PlaneAnglePrior::Kind::kParallel ? 3 : 1,
-                    &loss_,
+                    new ceres::CauchyLoss(1.0),
                     {turns_[first], turns_[second]});
       }
     }
@@ -83,7 +187,7 @@ class CeresProblem {
       std::fill(parameters_.begin(), parameters_.end(), 0.0);
     }
     return std::ranges::any_of(parameters_, [](double parameter) {
-      return std::abs(parameter) >= kStandstill;
+      return std::abs(parameter) >= kConvergence;
     });
   }
 
@@ -142,7 +246,7 @@ class CeresProblem {
       of_plane.push_back(shifts_[p] - parameters_.data());
       const size_t size = of_plane.size();
       result.emplace_back(Eigen::MatrixXd::Identity(size, size) /
-                          (kStay * kStay));
+                          (kPriorWeight * kPriorWeight));
       for (size_t i = 0; is_known && i < size; ++i) {
         const Eigen::VectorXd column = information.solve(
             Eigen::VectorXd::Unit(parameters_.size(), of_plane[i]));
@@ -155,12 +259,6 @@ class CeresProblem {
   const MovingPlane& PlaneAt(size_t p) const { return planes_[p]; }
 
  private:
-  static ceres::Problem::Options Options() {
-    ceres::Problem::Options options;
-    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-    return options;
-  }
-
   static bool IsInFrame(const PlaneAdjustment& at, size_t p) {
     return p < at.axes.size() && at.axes[p].frame >= 0;
   }
@@ -179,8 +277,9 @@ class CeresProblem {
       double* block = &parameters_[end];
       end += size;
       ceres_.AddResidualBlock(
-          new ceres::NormalPrior(kStay * ceres::Matrix::Identity(size, size),
-                                 ceres::Vector::Zero(size)),
+          new ceres::NormalPrior(
+              kPriorWeight * ceres::Matrix::Identity(size, size),
+              ceres::Vector::Zero(size)),
           nullptr,
           block);
       return block;
@@ -227,7 +326,6 @@ class CeresProblem {
   }
 
   double size_;
-  ceres::CauchyLoss loss_;
   ceres::Problem ceres_;
   std::vector<MovingPlane> planes_;
   std::vector<double> parameters_;
@@ -238,7 +336,7 @@ class CeresProblem {
 // of_numbers: the covariance of the plane's rotation and shift.
 void SetCovariance(const MovingPlane& moving,
                    const Eigen::MatrixXd& of_parameters,
-                   AdjustedPlane* plane) {
+                   ModelPlane* plane) {
   const Eigen::Index num_axes = moving.axes.cols();
   Eigen::Matrix<double, 3, 2> along;
   along.col(0) = moving.normal.unitOrthogonal();
@@ -281,15 +379,15 @@ bool SolvePlanes(PlaneProblem* problem) {
   return moves;
 }
 
-std::vector<AdjustedPlane> DescribePlanes(const PlaneProblem& problem) {
+std::vector<ModelPlane> DescribePlanes(const PlaneProblem& problem) {
   if (problem.at.planes.empty()) {
     return {};
   }
   CeresProblem solved(problem);
   const std::vector<Eigen::MatrixXd> covariances = solved.Covariances();
-  std::vector<AdjustedPlane> planes;
+  std::vector<ModelPlane> planes;
   for (size_t p = 0; p < covariances.size(); ++p) {
-    AdjustedPlane plane;
+    ModelPlane plane;
     plane.plane = problem.at.planes[p];
     plane.center = solved.PlaneAt(p).point;
     SetCovariance(solved.PlaneAt(p), covariances[p], &plane);

@@ -28,6 +28,6 @@ struct PlaneProblem {
 bool SolvePlanes(PlaneProblem* problem);
 
 // The current planes with their covariances.
-std::vector<AdjustedPlane> DescribePlanes(const PlaneProblem& problem);
+std::vector<ModelPlane> DescribePlanes(const PlaneProblem& problem);
 
 }  // namespace tsar

@@ -88,7 +88,7 @@ inline std::vector<PlaneMeasurement> MeasureNothing(
 
 // Turns about the two axes and shift that lead from the adjusted plane to the
 // true one.
-inline Eigen::Vector3d ErrorOf(const AdjustedPlane& plane,
+inline Eigen::Vector3d ErrorOf(const ModelPlane& plane,
                                const WorldPlane& truth) {
   const double sign = plane.plane.normal.dot(truth.normal) < 0.0 ? -1.0 : 1.0;
   const Eigen::Vector3d normal = sign * truth.normal;
@@ -98,8 +98,7 @@ inline Eigen::Vector3d ErrorOf(const AdjustedPlane& plane,
 }
 
 // Squared, in standard deviations: 3 is expected.
-inline double SquaredError(const AdjustedPlane& plane,
-                           const WorldPlane& truth) {
+inline double SquaredError(const ModelPlane& plane, const WorldPlane& truth) {
   const Eigen::Vector3d error = ErrorOf(plane, truth);
   return error.dot(plane.covariance.inverse() * error);
 }

@@ -80,7 +80,7 @@ TEST(AdjustPlanesUnknown, PlaneMeasuredOnALineTurnsNotAboutIt) {
   PlaneAdjustment adjustment;
   adjustment.planes = {
       PlaneThrough(normal, kWall.middle + Vector3d(0.0, 0.0, 0.1))};
-  const AdjustedPlane plane =
+  const ModelPlane plane =
       AdjustPlanes(adjustment, Measure(observations)).planes[0];
   EXPECT_LT(plane.plane.normal.cross(normal).norm(), 1e-3);
   EXPECT_NEAR(plane.plane.Height(kWall.middle), 0.0, 1e-3);
@@ -155,7 +155,7 @@ double CostOf(const AdjustedPlanes& at,
               const Eigen::Matrix<double, 8, 1>& numbers) {
   WorldPlane moved[3];
   for (int p = 0; p < 3; ++p) {
-    const AdjustedPlane& plane = at.planes[p];
+    const ModelPlane& plane = at.planes[p];
     Vector3d turn = numbers.head<3>();
     if (p == 0) {
       turn = numbers[3] * plane.axis_s + numbers[4] * plane.axis_t;
@@ -188,7 +188,7 @@ TEST(AdjustPlanes, CovarianceIsTheInverseCurvatureOfTheCost) {
   const MeasurePlanes measure = Measure(corner.observations);
   const AdjustedPlanes adjusted = AdjustPlanes(corner.adjustment, measure);
   std::vector<WorldPlane> planes;
-  for (const AdjustedPlane& plane : adjusted.planes) {
+  for (const ModelPlane& plane : adjusted.planes) {
     planes.push_back(plane.plane);
   }
   const std::vector<PlaneMeasurement> measurements = measure(planes);
@@ -261,7 +261,7 @@ TEST(AdjustPlanes, NeitherUnitNorOriginMatters) {
     const AdjustedPlanes b = Corner(change.scale, change.origin).Adjust();
     const Vector3d units(1.0, 1.0, 1.0 / change.scale);
     for (int p = 0; p < 3; ++p) {
-      const AdjustedPlane& plane = b.planes[p];
+      const ModelPlane& plane = b.planes[p];
       EXPECT_LT((a.planes[p].plane.normal - plane.plane.normal).norm(),
                 0.01 * change.tolerance);
       const Vector3d center = change.scale * a.planes[p].center + change.origin;

@@ -178,7 +178,7 @@ TEST(AdjustPlanes, CovarianceTellsTheErrors) {
       }
       PlaneAdjustment adjustment;
       adjustment.planes = {Displaced(kWall.Plane(), kWall.middle, 0.3, 0.02)};
-      const AdjustedPlane plane =
+      const ModelPlane plane =
           AdjustPlanes(adjustment, Measure(observations, options)).planes[0];
       squares += SquaredError(plane, kWall.Plane());
       const Vector3d error = ErrorOf(plane, kWall.Plane());
