@@ -171,15 +171,10 @@ class CreaseFinder {
     const auto gap = [&](int plane) {
       return std::abs(model_->planes[plane].plane.Height(on_line));
     };
-    int best = -1;
-    const auto is_better = [&](int plane) {
-      if (best < 0) {
-        return true;
-      }
-      const double most = model_->planes[best].support;
-      const double support = model_->planes[plane].support;
-      return support > most || (support == most && gap(plane) < gap(best));
+    const auto preference = [&](int plane) {
+      return std::pair(model_->planes[plane].support, -gap(plane));
     };
+    int best = -1;
     for (int i = 0; i < static_cast<int>(model_->planes.size()); ++i) {
       const ModelPlane& plane = model_->planes[i];
       if (plane.component == ending.component &&
@@ -187,7 +182,7 @@ class CreaseFinder {
           (i >= first_new_ ||
            (copies_[i] == i &&
             plane.support >= kMinSupport * ending.support)) &&
-          gap(i) < max_gap && is_better(i)) {
+          gap(i) < max_gap && (best < 0 || preference(i) > preference(best))) {
         best = i;
       }
     }

@@ -13,9 +13,9 @@
 
 namespace tsar {
 
-// Measurements around a line on a plane, summed over views. Counts of pixels
-// are whole numbers, so that the sum does not depend on the order of the views;
-// measured pixels count by their confidence.
+// Measurements around a line on a plane, summed over views. Measured pixels
+// count by their confidence. All sums are whole numbers, so that the order of
+// the views does not matter.
 struct LineEvidence {
   // The two sides of the line: smaller and larger positions on its axis.
   struct Side {

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/median.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
