@@ -264,7 +264,7 @@ class SceneModeler {
       labels.push_back(&sweeps->PlanesOf(view));
     }
     const std::vector<int> copies =
-        FindPlaneCopies(model_, cameras, labels, kCopyTolerance);
+        FindPlaneCopies(model_, cameras, labels);
     std::vector<std::vector<PlaneLine>> of_views(inputs_.views.size());
     ForEachFullView("lines", [&](size_t view, const ObservedView& observed) {
       of_views[view] =

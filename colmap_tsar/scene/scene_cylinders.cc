@@ -30,8 +30,7 @@ void CylinderSearch::FindOutlines(size_t view, const ObservedView& observed) {
             MakeAxisCamera(observed.camera, axis.frame)) {
       axis.outlines[view] = {
           *camera,
-          FindOutlinePairs(FindEdgesAcross(
-              observed.evidence->color, observed.camera, *camera))};
+          FindOutlinePairs(FindEdgesAcross(observed.evidence->color, *camera))};
     }
   }
 }

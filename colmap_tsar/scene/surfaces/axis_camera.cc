@@ -87,6 +87,7 @@ std::optional<AxisCamera> MakeAxisCamera(const Camera& camera,
   forward.normalize();
   const Eigen::Vector3d right = frame.along.cross(forward);
   AxisCamera result;
+  result.view = camera;
   // Where pixels are not square, rectified pixels have the length of the longer
   // side.
   result.focal = std::min(camera.fx, camera.fy);
@@ -139,8 +140,7 @@ std::optional<CircleOutline> OutlineOf(const AxisCircle& circle,
   const double length =
       std::sqrt(distance * distance - circle.radius * circle.radius);
   const Eigen::Vector2d aside(-to_center.y(), to_center.x());
-  CircleOutline outline;
-  bool is_first = true;
+  std::vector<std::pair<double, double>> sides;  // Columns and distances.
   for (const double side : {-1.0, 1.0}) {
     const Eigen::Vector2d tangent =
         (to_center * length + side * circle.radius * aside) /
@@ -149,18 +149,12 @@ std::optional<CircleOutline> OutlineOf(const AxisCircle& circle,
     if (!(forward > kMinTangentCosine * tangent.norm())) {
       return std::nullopt;
     }
-    const double column =
-        camera.cx + camera.focal * tangent.dot(camera.right) / forward;
-    (is_first ? outline.left : outline.right) = column;
-    (is_first ? outline.left_distance : outline.right_distance) =
-        forward * length;
-    is_first = false;
+    sides.emplace_back(
+        camera.cx + camera.focal * tangent.dot(camera.right) / forward,
+        forward * length);
   }
-  if (outline.left > outline.right) {
-    std::swap(outline.left, outline.right);
-    std::swap(outline.left_distance, outline.right_distance);
-  }
-  return outline;
+  const auto [left, right] = std::ranges::minmax(sides);
+  return CircleOutline{left.first, right.first, left.second, right.second};
 }
 
 bool MayShowOneCircle(const ColumnPair& a, const ColumnPair& b) {

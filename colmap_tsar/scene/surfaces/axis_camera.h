@@ -18,6 +18,7 @@ namespace tsar {
 // the plane across the axis. Pixels are about the size of those of the view's
 // raster.
 struct AxisCamera {
+  Camera view;  // Of the view's raster.
   int width = 0;
   int height = 0;
   double focal = 1.0;

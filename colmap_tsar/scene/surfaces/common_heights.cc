@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/scene/surfaces/common_heights.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace tsar {

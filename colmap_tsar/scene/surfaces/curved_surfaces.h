@@ -14,18 +14,16 @@ namespace tsar {
 struct CurvedSurfaceOptions {
   // Costs, tolerance and votes of other views, as for planes.
   LabelOptions labels;
-  // The least confidence of observations that are used: measurements indicate
-  // curvature, but pixels on the plane of a region do not.
+  // The least confidence of observations that are used: those on the plane of a
+  // region do not show curvature.
   float min_confidence = 0.4f;
-  // Errors of neighboring pixels are correlated: this many pixels of full
-  // confidence count as one observation, with a standard deviation of this
-  // share of the tolerance.
+  // Errors of neighbors are correlated: this many pixels of full confidence are
+  // one observation, with a standard deviation of this share of the tolerance.
   float pixels_per_observation = 250.f;
   float noise_share = 0.33f;
   // The least decrease of the criterion: 6 is called strong evidence.
   float min_gain = 6.f;
-  // The least measured share of a superpixel for which a surface is tested
-  // there.
+  // The least measured share of a superpixel that counts as measured.
   float min_measured = 0.1f;
   // The largest mean of min(residual / tolerance, 1)^2 over a surface, and over
   // one of its superpixels.
@@ -36,8 +34,8 @@ struct CurvedSurfaceOptions {
   float min_improvement = 0.015f;
   // Fewer measured superpixels do not distinguish a curve from a wrong depth.
   int min_superpixels = 3;
-  // While it grows, a surface may have a higher mean in a superpixel than its
-  // plane by this, since it is yet to be fitted there.
+  // While it grows, a surface's mean in a superpixel may be higher than that of
+  // its plane by this, since it is yet to be fitted there.
   float growth_slack = 0.1f;
   // The largest deviation of the surface from a plane over its extent, relative
   // to its depth.

@@ -7,7 +7,6 @@
 #include "colmap_tsar/scene/surfaces/surface_criterion.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <set>
 #include <utility>
 
@@ -126,7 +125,7 @@ std::vector<int> Keep(const SurfaceCosts& costs,
         better.Add(s, increase);
       }
     }
-    const bool pays = k >= 0 && IsWhole(costs, k, all.members.size()) &&
+    const bool pays = k >= 0 && IsWholePlane(costs, k, all.members.size()) &&
                       all.increase - saving < better.increase;
     const std::vector<int>& chosen = pays ? all.members : better.members;
     kept.insert(kept.end(), chosen.begin(), chosen.end());
@@ -211,29 +210,19 @@ bool SurfaceGrower::IsBetter(int round, Trials::value_type* tried) const {
   return *is_better;
 }
 
-// Connected(), cached: a connected part is the same for each seed in it.
-std::vector<int> SurfaceGrower::Next(int seed,
-                                     Trials::value_type* tried) const {
-  std::vector<std::vector<int>>& parts = tried->second.parts;
-  const auto found = std::ranges::find_if(parts, [&](const auto& part) {
-    return std::ranges::binary_search(part, seed);
-  });
-  if (found != parts.end()) {
-    return *found;
-  }
-  std::vector<int> part = Connected(seed, *tried);
-  if (!part.empty()) {
-    parts.push_back(part);
-  }
-  return part;
-}
-
 // The measured superpixels that the surface explains about as well as their
 // present labels, as far as they are connected to the seed, which is a member;
-// at most one ring around the present members.
-std::vector<int> SurfaceGrower::Connected(
-    int seed, const Trials::value_type& tried) const {
-  const auto& [members, trial] = tried;
+// at most one ring around the present members. Cached: such a part is the same
+// for each seed in it.
+std::vector<int> SurfaceGrower::Next(int seed,
+                                     Trials::value_type* tried) const {
+  auto& [members, trial] = *tried;
+  const auto found = std::ranges::find_if(trial.parts, [&](const auto& part) {
+    return std::ranges::binary_search(part, seed);
+  });
+  if (found != trial.parts.end()) {
+    return *found;
+  }
   const FittedSurface& fitted = *trial.fitted;
   std::vector<std::optional<float>> residuals(costs_.Count());  // Of members.
   for (size_t i = 0; i < members.size(); ++i) {
@@ -257,8 +246,8 @@ std::vector<int> SurfaceGrower::Connected(
     return {};
   }
   // Superpixels of the ring are not expanded.
-  return AddConnected(
-      costs_, {seed}, holds, [&](int s) { return residuals[s].has_value(); });
+  return trial.parts.emplace_back(AddConnected(
+      costs_, {seed}, holds, [&](int s) { return residuals[s].has_value(); }));
 }
 
 GrownSurface SurfaceGrower::Finish(const Trials::value_type& tried) {

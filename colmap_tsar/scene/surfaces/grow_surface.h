@@ -46,7 +46,7 @@ class SurfaceGrower {
     std::vector<float> residuals;  // Of members, if fitted.
     std::optional<bool> beats_planes_around;
     std::optional<bool> improves;
-    // Results of Connected(): each seed is in one of them at most.
+    // Results of Next(): each seed is in one of them at most.
     std::vector<std::vector<int>> parts;
     std::optional<GrownSurface> finished;
   };
@@ -55,7 +55,6 @@ class SurfaceGrower {
   Trials::value_type& Try(std::vector<int> members);
   bool IsBetter(int round, Trials::value_type* tried) const;
   std::vector<int> Next(int seed, Trials::value_type* tried) const;
-  std::vector<int> Connected(int seed, const Trials::value_type& tried) const;
   GrownSurface Finish(const Trials::value_type& tried);
 
   const SurfaceCosts& costs_;

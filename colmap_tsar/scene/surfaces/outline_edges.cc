@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -49,38 +48,35 @@ struct RectifiedImage {
 
 // The position in the view's raster of a pixel of the rectified image; nothing
 // where it is outside or in the border.
-std::optional<Eigen::Vector2d> PositionInRaster(const Camera& camera,
-                                                const AxisCamera& axis_camera,
+std::optional<Eigen::Vector2d> PositionInRaster(const AxisCamera& camera,
                                                 double column,
                                                 double row) {
+  const Camera& view = camera.view;
   const Eigen::Vector3d ray =
-      axis_camera.to_view *
-      Eigen::Vector3d((column - axis_camera.cx) / axis_camera.focal,
-                      (row - axis_camera.cy) / axis_camera.focal,
-                      1.0);
+      camera.to_view * Eigen::Vector3d((column - camera.cx) / camera.focal,
+                                       (row - camera.cy) / camera.focal,
+                                       1.0);
   if (!(ray.z() > 0.0)) {
     return std::nullopt;
   }
-  const double x = camera.fx * ray.x() / ray.z() + camera.cx;
-  const double y = camera.fy * ray.y() / ray.z() + camera.cy;
+  const double x = view.fx * ray.x() / ray.z() + view.cx;
+  const double y = view.fy * ray.y() / ray.z() + view.cy;
   const bool is_inside = x >= kMargin && y >= kMargin &&
-                         x < camera.width - 1 - kMargin &&
-                         y < camera.height - 1 - kMargin;
+                         x < view.width - 1 - kMargin &&
+                         y < view.height - 1 - kMargin;
   return is_inside ? std::optional(Eigen::Vector2d(x, y)) : std::nullopt;
 }
 
-RectifiedImage Rectify(const Image<Rgb>& color,
-                       const Camera& camera,
-                       const AxisCamera& axis_camera) {
+RectifiedImage Rectify(const Image<Rgb>& color, const AxisCamera& camera) {
   RectifiedImage rectified;
   for (Channel& channel : rectified.channels) {
-    channel = Channel(axis_camera.width, axis_camera.height);
+    channel = Channel(camera.width, camera.height);
   }
-  rectified.is_valid = Image<uint8_t>(axis_camera.width, axis_camera.height);
-  for (int row = 0; row < axis_camera.height; ++row) {
-    for (int column = 0; column < axis_camera.width; ++column) {
+  rectified.is_valid = Image<uint8_t>(camera.width, camera.height);
+  for (int row = 0; row < camera.height; ++row) {
+    for (int column = 0; column < camera.width; ++column) {
       const std::optional<Eigen::Vector2d> position =
-          PositionInRaster(camera, axis_camera, column, row);
+          PositionInRaster(camera, column, row);
       if (!position) {
         continue;
       }
@@ -224,13 +220,11 @@ OutlinePair Join(std::vector<EdgePair> pairs) {
 
 }  // namespace
 
-std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
-    const Image<Rgb>& color,
-    const Camera& camera,
-    const AxisCamera& axis_camera) {
-  const RectifiedImage rectified = Rectify(color, camera, axis_camera);
-  std::vector<std::vector<AcrossEdge>> edges(axis_camera.height);
-  for (int row = kReach; row < axis_camera.height - kReach; ++row) {
+std::vector<std::vector<AcrossEdge>> FindEdgesAcross(const Image<Rgb>& color,
+                                                     const AxisCamera& camera) {
+  const RectifiedImage rectified = Rectify(color, camera);
+  std::vector<std::vector<AcrossEdge>> edges(camera.height);
+  for (int row = kReach; row < camera.height - kReach; ++row) {
     std::vector<float> slopes = SquaredSlopes(rectified, row);
     for (float& slope : slopes) {
       slope = std::sqrt(slope);
@@ -248,13 +242,10 @@ std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
   return edges;
 }
 
-bool IsInRaster(const Camera& camera,
-                const AxisCamera& axis_camera,
-                double column,
-                double row) {
+bool IsInRaster(const AxisCamera& camera, double column, double row) {
   // The derivative uses the pixels around.
-  return PositionInRaster(camera, axis_camera, column - kReach, row - kReach) &&
-         PositionInRaster(camera, axis_camera, column + kReach, row + kReach);
+  return PositionInRaster(camera, column - kReach, row - kReach) &&
+         PositionInRaster(camera, column + kReach, row + kReach);
 }
 
 std::vector<OutlinePair> FindOutlinePairs(

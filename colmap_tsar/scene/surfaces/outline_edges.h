@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/scene/surfaces/axis_camera.h"
 
@@ -19,19 +18,13 @@ struct AcrossEdge {
 };
 
 // For each row of the rectified image the edges at local maxima of the color
-// slope, in ascending order of columns. color: the view's raster, of the camera
-// from which `axis_camera` was made.
-std::vector<std::vector<AcrossEdge>> FindEdgesAcross(
-    const Image<Rgb>& color,
-    const Camera& camera,
-    const AxisCamera& axis_camera);
+// slope, in ascending order of columns. color: the view's raster.
+std::vector<std::vector<AcrossEdge>> FindEdgesAcross(const Image<Rgb>& color,
+                                                     const AxisCamera& camera);
 
 // Whether the pixel of the rectified image lies in the view's raster, without a
 // margin in which no edge is found.
-bool IsInRaster(const Camera& camera,
-                const AxisCamera& axis_camera,
-                double column,
-                double row);
+bool IsInRaster(const AxisCamera& camera, double column, double row);
 
 // Two straight edges parallel to an axis with nothing as strong between them,
 // in the image of an AxisCamera: perhaps the outlines of a column or a pipe.

@@ -14,9 +14,8 @@
 
 namespace tsar {
 
-// Replaces each pixel's plane by the tangent plane of its surface, where its
-// superpixel has one.
-// superpixels: of `planes`' size; intrinsics: of this raster.
+// Replaces each pixel's plane by the tangent plane of its superpixel's surface,
+// if any. superpixels: of `planes`' size; intrinsics: of this raster.
 void RasterizeCurvedSurfaces(const CurvedView& curved,
                              const Image<uint16_t>& superpixels,
                              const Intrinsics& intrinsics,

@@ -11,7 +11,6 @@
 #include "colmap_tsar/scene/surfaces/outline_edges.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -36,15 +35,14 @@ bool HasEdge(const std::vector<AcrossEdge>& edges, double column) {
 // The rows in which the view shows all outlines that lie in its image.
 std::vector<uint8_t> RowsWithOutlines(
     const std::vector<std::vector<AcrossEdge>>& edges,
-    const Camera& camera,
-    const AxisCamera& axis_camera,
+    const AxisCamera& camera,
     const CircleOutline& outline) {
   std::vector<uint8_t> rows(edges.size(), 0);
   for (size_t row = 0; row < edges.size(); ++row) {
     bool is_any = false;
     bool is_all = true;
     for (const double column : {outline.left, outline.right}) {
-      if (IsInRaster(camera, axis_camera, column, row)) {
+      if (IsInRaster(camera, column, row)) {
         is_any = true;
         is_all = is_all && HasEdge(edges[row], column);
       }
@@ -139,8 +137,7 @@ std::vector<SeenCylinder> FindSeenCylinders(
     if (last == nullptr || cylinder.frame != last->frame) {
       axis_camera = MakeAxisCamera(view.camera, cylinder.frame);
       if (axis_camera) {
-        edges =
-            FindEdgesAcross(view.evidence->color, view.camera, *axis_camera);
+        edges = FindEdgesAcross(view.evidence->color, *axis_camera);
       }
     }
     last = &cylinder;
@@ -152,8 +149,7 @@ std::vector<SeenCylinder> FindSeenCylinders(
     if (!outline) {
       continue;
     }
-    std::vector<uint8_t> rows =
-        RowsWithOutlines(edges, view.camera, *axis_camera, *outline);
+    std::vector<uint8_t> rows = RowsWithOutlines(edges, *axis_camera, *outline);
     CloseGapsAndDropShort(&rows);
     SeenCylinder seen = ToCameraCylinder(cylinder, view.camera);
     if (MarkSeen(rows, *axis_camera, *outline, cylinder, &seen)) {

@@ -27,12 +27,11 @@ struct SeenCylinder {
   // The cylinder in the view's camera frame. Heights begin at the known part.
   Cylinder cylinder;
   float length = 0.f;  // Of the known part.
-  // Whether the view shows the outlines, for each of kNumBins bins of the
-  // length.
+  // By bin of the length, whether the view shows the outlines.
   uint8_t is_seen[kNumBins] = {};
   // The directions of the shifts in the covariance of its ModelCylinder, in the
-  // camera frame, and that covariance: variances, then covariances of the first
-  // and second, the first and third, the second and third parameter.
+  // camera frame, and that covariance: its diagonal, then its elements (0, 1),
+  // (0, 2), (1, 2).
   Vec3f across;
   Vec3f third;
   float variances[3] = {};
@@ -57,10 +56,10 @@ struct SeenCylinder {
     const float cosine = fmaxf(-Dot(normal, ray), least);
     const float a = Dot(normal, across);
     const float b = Dot(normal, third);
-    const float variance =
-        a * a * variances[0] + b * b * variances[1] + variances[2] +
-        2.f *
-            (a * b * covariances[0] + a * covariances[1] + b * covariances[2]);
+    const float mixed =
+        a * b * covariances[0] + a * covariances[1] + b * covariances[2];
+    const float variance = a * a * variances[0] + b * b * variances[1] +
+                           variances[2] + 2.f * mixed;
     return fmaxf(variance, 0.f) / (cosine * cosine);
   }
 

@@ -16,10 +16,10 @@ namespace {
 // stack: ranges are mostly so short that an allocation would cost time.
 template <typename Body>
 void ForParts(const SampleRange& range, const Body& body) {
-  constexpr int kLength = 64;
+  constexpr size_t kLength = 64;
   static_assert(kLength % SampleRange::kAlignment == 0);
   std::array<float, kLength> values;
-  for (int i = 0; i < range.count; i += kLength) {
+  for (size_t i = 0; i < range.count; i += kLength) {
     body(SampleRange{range.begin + i, std::min(kLength, range.count - i)},
          values.data());
   }
@@ -143,14 +143,14 @@ MeasuredFit SurfaceCosts::Measure(const Superpixel& superpixel,
   float sum = 0.f;
   ForParts(superpixel.samples, [&](const SampleRange& part, float* values) {
     ComputeDifferences(surface, samples_, part, values);
-    for (size_t i = 0; i < part.Count(); ++i) {
-      const float depth = samples_.depth[part.Begin() + i];
+    for (size_t i = 0; i < part.count; ++i) {
+      const float depth = samples_.depth[part.begin + i];
       if (values[i] < tolerance) {
         fit.min_depth = std::min(fit.min_depth, depth);
         fit.max_depth = std::max(fit.max_depth, depth);
       }
       const float share = std::min(values[i] / tolerance, 1.f);
-      sum += samples_.confidence[part.Begin() + i] * share * share;
+      sum += samples_.confidence[part.begin + i] * share * share;
     }
   });
   if (superpixel.IsMeasured()) {
@@ -162,7 +162,7 @@ MeasuredFit SurfaceCosts::Measure(const Superpixel& superpixel,
 float SurfaceCosts::ResidualOfNearest(int s,
                                       const std::vector<int>& planes) const {
   const Superpixel& superpixel = At(s);
-  std::vector<float> nearest(superpixel.samples.Count(), 1.f);
+  std::vector<float> nearest(superpixel.samples.count, 1.f);
   for (const int plane : planes) {
     const std::vector<float>& shares = FindShares(s, plane);
     for (size_t i = 0; i < nearest.size(); ++i) {
@@ -171,27 +171,24 @@ float SurfaceCosts::ResidualOfNearest(int s,
   }
   float sum = 0.f;
   for (size_t i = 0; i < nearest.size(); ++i) {
-    sum += samples_.confidence[superpixel.samples.Begin() + i] * nearest[i] *
+    sum += samples_.confidence[superpixel.samples.begin + i] * nearest[i] *
            nearest[i];
   }
   return sum / superpixel.confidence;
 }
 
 const std::vector<float>& SurfaceCosts::FindShares(int s, int plane) const {
-  std::vector<SharesOnPlane>& known = shares_[s];
-  for (const SharesOnPlane& entry : known) {
-    if (entry.plane == plane) {
-      return entry.shares;
+  const auto [entry, is_new] = shares_[s].try_emplace(plane);
+  std::vector<float>& shares = entry->second;
+  if (is_new) {
+    const SampleRange& samples = At(s).samples;
+    shares.resize(samples.PaddedCount());
+    ComputeDifferences(PlaneSurface(plane), samples_, samples, shares.data());
+    for (float& share : shares) {
+      share /= options_.labels.tolerance;
     }
   }
-  const SampleRange& samples = At(s).samples;
-  std::vector<float> shares(samples.PaddedCount());
-  ComputeDifferences(PlaneSurface(plane), samples_, samples, shares.data());
-  for (float& share : shares) {
-    share /= options_.labels.tolerance;
-  }
-  known.push_back({plane, std::move(shares)});
-  return known.back().shares;
+  return shares;
 }
 
 float SurfaceCosts::PresentCost(int s) const {
@@ -213,13 +210,13 @@ SuperpixelVotes SurfaceCosts::AskSources(const Superpixel& superpixel,
   sum.num_tests = kCurvedSampling.NumTests(superpixel.num_pixels);
   ForParts(superpixel.tests, [&](const SampleRange& part, float* depths) {
     ComputeDepths(surface, tests_, part, depths);
-    for (size_t i = 0; i < part.Count(); ++i) {
+    for (size_t i = 0; i < part.count; ++i) {
       if (!(depths[i] > 0.f)) {
         ++sum.num_impossible;
         continue;
       }
       const Vec3f ray = {
-          tests_.x[part.Begin() + i], tests_.y[part.Begin() + i], 1.f};
+          tests_.x[part.begin + i], tests_.y[part.begin + i], 1.f};
       AddVotes(sources_.data(),
                static_cast<int>(sources_.size()),
                ray * depths[i],
@@ -243,10 +240,10 @@ bool SurfaceCosts::OpposesRegion(int s, const CurvedSurface& surface) const {
   const SampleRange range = samples.Add(observations, resolution_);
   std::vector<float> differences(range.PaddedCount());
   ComputeDifferences(surface, samples, range, differences.data());
-  return std::any_of(
-      differences.begin(),
-      differences.begin() + range.count,
-      [&](float difference) { return difference > options_.labels.tolerance; });
+  differences.resize(range.count);
+  return std::ranges::any_of(differences, [&](float difference) {
+    return difference > options_.labels.tolerance;
+  });
 }
 
 LabelEvidence SurfaceCosts::EvidenceOf(const Superpixel& superpixel,

@@ -15,6 +15,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <vector>
 
 namespace tsar {
@@ -70,8 +71,7 @@ class SurfaceCosts {
                       const CurvedSurface& surface) const;
 
   // The residual of a measured superpixel, each sample at the nearest of some
-  // planes: where planes intersect inside a superpixel, none of them explains
-  // it alone.
+  // planes: none alone explains a superpixel in which planes intersect.
   float ResidualOfNearest(int s, const std::vector<int>& planes) const;
 
   // The cost of a superpixel with this residual (MeasuredFit); see
@@ -90,12 +90,6 @@ class SurfaceCosts {
                            const CurvedSurface& surface) const;
 
  private:
-  // The difference / tolerance of each sample of a superpixel on a plane.
-  struct SharesOnPlane {
-    int plane = 0;
-    std::vector<float> shares;
-  };
-
   void MakeSuperpixels();
   void ListPixels();
   void AddSamples(int s, Superpixel* superpixel);
@@ -105,6 +99,7 @@ class SurfaceCosts {
   Vec3f RayOf(int pixel) const {
     return intrinsics_.Ray(pixel % evidence_.width, pixel / evidence_.width);
   }
+  // The difference / tolerance of each sample of a superpixel on a plane.
   const std::vector<float>& FindShares(int s, int plane) const;
   SuperpixelVotes AskSources(const Superpixel& superpixel,
                              const CurvedSurface& surface) const;
@@ -123,8 +118,8 @@ class SurfaceCosts {
   DepthSamples samples_;
   RaySamples tests_;
   std::vector<int> num_measured_;  // Of each plane.
-  // Cached shares per superpixel.
-  mutable std::vector<std::vector<SharesOnPlane>> shares_;
+  // Cached shares per superpixel, by plane.
+  mutable std::vector<std::map<int, std::vector<float>>> shares_;
 };
 
 }  // namespace tsar

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <set>
 
 namespace tsar {
@@ -71,7 +70,9 @@ double CostOfPlane(const SurfaceCosts& costs, const std::vector<int>& members) {
   return kNumParametersOfPlane * CostOfParameter(costs, members);
 }
 
-bool IsWhole(const SurfaceCosts& costs, int plane, size_t num_superpixels) {
+bool IsWholePlane(const SurfaceCosts& costs,
+                  int plane,
+                  size_t num_superpixels) {
   return num_superpixels > 0 &&
          num_superpixels == size_t(costs.NumMeasured(plane));
 }
@@ -131,7 +132,7 @@ double CriterionGain(const SurfaceCosts& costs,
   double gain = -loss - FittedSurface::kNumParameters * cost_of_parameter -
                 ToCost(costs, costs.Options().min_gain);
   for (int k = 0; k < costs.NumPlanes(); ++k) {
-    if (IsWhole(costs, k, num_of_plane[k])) {
+    if (IsWholePlane(costs, k, num_of_plane[k])) {
       gain += kNumParametersOfPlane * cost_of_parameter;
     }
   }

@@ -20,7 +20,7 @@ namespace tsar {
 double CostOfPlane(const SurfaceCosts& costs, const std::vector<int>& members);
 
 // Whether num_superpixels is the number of all measured superpixels of a plane.
-bool IsWhole(const SurfaceCosts& costs, int plane, size_t num_superpixels);
+bool IsWholePlane(const SurfaceCosts& costs, int plane, size_t num_superpixels);
 
 // Whether the surface explains its members better than their present labels.
 bool Improves(const SurfaceCosts& costs,
@@ -33,8 +33,7 @@ bool BeatsPlanesAround(const SurfaceCosts& costs,
                        const std::vector<int>& members,
                        const std::vector<float>& residuals);
 
-// Whether the surface fits its members, is known there and is not bent too
-// much.
+// Whether the surface fits its members, is known there and not bent too much.
 bool IsSound(const SurfaceCosts& costs,
              const FittedSurface& fitted,
              const std::vector<int>& members,

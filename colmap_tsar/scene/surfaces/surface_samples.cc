@@ -23,8 +23,7 @@ float DepthAt(const CurvedSurface& surface, float x, float y) {
 }  // namespace
 
 SampleRange RaySamples::Add(const std::vector<Vec3f>& rays) {
-  const SampleRange range = {static_cast<int>(x.size()),
-                             static_cast<int>(rays.size())};
+  const SampleRange range = {x.size(), rays.size()};
   for (const Vec3f& ray : rays) {
     x.push_back(ray.x);
     y.push_back(ray.y);
@@ -58,8 +57,8 @@ void ComputeDepths(const CurvedSurface& surface,
                    const SampleRange& range,
                    float* depths) {
   const CurvedSurface copy = surface;
-  const float* x = rays.x.data() + range.Begin();
-  const float* y = rays.y.data() + range.Begin();
+  const float* x = rays.x.data() + range.begin;
+  const float* y = rays.y.data() + range.begin;
   const size_t count = range.PaddedCount();
   for (size_t i = 0; i < count; ++i) {
     depths[i] = DepthAt(copy, x[i], y[i]);
@@ -71,8 +70,8 @@ void ComputeDifferences(const CurvedSurface& surface,
                         const SampleRange& range,
                         float* differences) {
   ComputeDepths(surface, samples.rays, range, differences);
-  const float* depths = samples.depth.data() + range.Begin();
-  const float* errors = samples.error.data() + range.Begin();
+  const float* depths = samples.depth.data() + range.begin;
+  const float* errors = samples.error.data() + range.begin;
   const size_t count = range.PaddedCount();
   for (size_t i = 0; i < count; ++i) {
     const float depth = differences[i];

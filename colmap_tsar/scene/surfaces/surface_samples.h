@@ -18,16 +18,14 @@ namespace tsar {
 struct SampleRange {
   // A range begins at a multiple of this, and loops run on to the next one
   // after its end: over values that exist but are ignored.
-  static constexpr int kAlignment = 4;
+  static constexpr size_t kAlignment = 4;
 
-  int begin = 0;
-  int count = 0;
+  size_t begin = 0;
+  size_t count = 0;
 
-  size_t Begin() const { return static_cast<size_t>(begin); }
-  size_t Count() const { return static_cast<size_t>(count); }
   // The number of values that loops run over.
   size_t PaddedCount() const {
-    return (Count() + kAlignment - 1) / kAlignment * kAlignment;
+    return (count + kAlignment - 1) / kAlignment * kAlignment;
   }
 };
 

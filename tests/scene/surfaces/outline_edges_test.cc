@@ -63,7 +63,7 @@ TEST(OutlineEdgesTest, FindsAStepToAFractionOfAPixel) {
     const Camera camera = MakeCamera();
     const AxisCamera rectified = Rectified(camera);
     const std::vector<std::vector<AcrossEdge>> edges =
-        FindEdgesAcross(DrawStep(60.0, 0.0, shift), camera, rectified);
+        FindEdgesAcross(DrawStep(60.0, 0.0, shift), rectified);
     ASSERT_EQ(edges.size(), static_cast<size_t>(rectified.height));
     for (int row = 0; row < rectified.height; ++row) {
       const std::vector<AcrossEdge>& of_row = edges[static_cast<size_t>(row)];
@@ -85,7 +85,7 @@ TEST(OutlineEdgesTest, ALineAlongTheAxisStaysInItsColumn) {
   const Camera camera = MakeCamera(roll);
   const AxisCamera rectified = Rectified(camera);
   const std::vector<std::vector<AcrossEdge>> edges =
-      FindEdgesAcross(DrawStep(60.0, roll), camera, rectified);
+      FindEdgesAcross(DrawStep(60.0, roll), rectified);
   int num_rows = 0;
   for (const std::vector<AcrossEdge>& of_row : edges) {
     for (const AcrossEdge& edge : of_row) {
@@ -101,8 +101,7 @@ TEST(OutlineEdgesTest, NeedsAStepOfFourGrayLevels) {
   const AxisCamera rectified = Rectified(camera);
   const auto find = [&](double step) {
     // Between two columns.
-    return FindEdgesAcross(
-        DrawStep(step, 0.0, 0.5), camera, rectified)[kHeight / 2];
+    return FindEdgesAcross(DrawStep(step, 0.0, 0.5), rectified)[kHeight / 2];
   };
   EXPECT_EQ(find(6.0).size(), 1u);
   EXPECT_TRUE(find(3.0).empty());
@@ -115,7 +114,7 @@ TEST(OutlineEdgesTest, FindsNothingInBareAndLevelImages) {
   for (const Image<Rgb>& color :
        {Draw([](int, int) { return 255.0; }),
         Draw([](int, int y) { return y < 40 ? 20.0 : 220.0; })}) {
-    for (const auto& of_row : FindEdgesAcross(color, camera, rectified)) {
+    for (const auto& of_row : FindEdgesAcross(color, rectified)) {
       EXPECT_TRUE(of_row.empty());
     }
   }
@@ -133,7 +132,7 @@ TEST(OutlineEdgesTest, FindsNothingInTheSmallestImages) {
     for (int y = 0; y < size; ++y) {
       color(size / 2, y) = {255, 255, 255};
     }
-    for (const auto& of_row : FindEdgesAcross(color, camera, *rectified)) {
+    for (const auto& of_row : FindEdgesAcross(color, *rectified)) {
       EXPECT_TRUE(of_row.empty()) << size;
     }
   }
@@ -142,10 +141,10 @@ TEST(OutlineEdgesTest, FindsNothingInTheSmallestImages) {
 TEST(OutlineEdgesTest, KnowsWhatTheRasterHolds) {
   const Camera camera = MakeCamera();
   const AxisCamera rectified = Rectified(camera);
-  EXPECT_TRUE(IsInRaster(camera, rectified, rectified.cx, rectified.cy));
+  EXPECT_TRUE(IsInRaster(rectified, rectified.cx, rectified.cy));
   for (const auto& [column, row] :
        {std::pair(2.0, 45.0), {60.0, 2.0}, {118.0, 45.0}, {60.0, 88.0}}) {
-    EXPECT_FALSE(IsInRaster(camera, rectified, column, row));
+    EXPECT_FALSE(IsInRaster(rectified, column, row));
   }
 }
 

@@ -36,7 +36,7 @@ std::vector<float> Depths(const CurvedSurface& surface,
                           const SampleRange& range) {
   std::vector<float> depths(range.PaddedCount());
   ComputeDepths(surface, rays, range, depths.data());
-  depths.resize(range.Count());
+  depths.resize(range.count);
   return depths;
 }
 
@@ -45,7 +45,7 @@ std::vector<float> Differences(const CurvedSurface& surface,
                                const SampleRange& range) {
   std::vector<float> differences(range.PaddedCount());
   ComputeDifferences(surface, samples, range, differences.data());
-  differences.resize(range.Count());
+  differences.resize(range.count);
   return differences;
 }
 
@@ -72,8 +72,8 @@ TEST(SurfaceSamplesTest, RangesOfAllLengthsStandBesideEachOther) {
     ranges.push_back(together.Add(DrawRays(count)));
   }
   for (int count = 0; count < 10; ++count) {
-    EXPECT_EQ(ranges[count].begin % SampleRange::kAlignment, 0);
-    EXPECT_EQ(ranges[count].count, count);
+    EXPECT_EQ(ranges[count].begin % SampleRange::kAlignment, 0u);
+    EXPECT_EQ(ranges[count].count, static_cast<size_t>(count));
     RaySamples alone;
     EXPECT_EQ(Depths(surface, together, ranges[count]),
               Depths(surface, alone, alone.Add(DrawRays(count))));
