@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Finds the weights of view/measurement_support.h by logistic regression,
+// Finds the weights of view/depth_confidence.h by logistic regression,
 // with equal weight for each scene: when a depth that was measured off the
 // plane of its superpixel is nearer to the truth than the plane. Of each scene
 // it prints what the weights that the others give would do there: the shares of
@@ -13,7 +13,7 @@
 // MODELED: see ModeledScene.
 
 #include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/view/measurement_support.h"
+#include "colmap_tsar/view/depth_confidence.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/run/store/evidence_file.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
@@ -15,7 +16,6 @@
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/labeling/refine_borders.h"
 #include "colmap_tsar/scene/scene_options.h"
-#include "colmap_tsar/view/gray.h"
 #include "colmap_tsar/view/superpixels/cielab.h"
 #include "colmap_tsar/view/view_votes.h"
 

@@ -6,11 +6,10 @@
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/run/store/workspace.h"
-#include "colmap_tsar/view/filter/confidence.h"
 #include "colmap_tsar/view/filter/discontinuity.h"
 #include "colmap_tsar/view/filter/reliability.h"
 #include "colmap_tsar/view/regions/assign_region_planes.h"
-#include "colmap_tsar/view/regions/roberts.h"
+#include "colmap_tsar/view/regions/edges.h"
 
 #include <algorithm>
 #include <utility>
@@ -40,7 +39,7 @@ ViewSet LoadFirstView(const std::filesystem::path& path, int max_sources) {
 StageInputs::StageInputs(const ViewSet& set, Device& target)
     : device(target),
       view_set(set),
-      views(set.reference, set.SourcePointers(), device),
+      views(set.reference, UploadViews(set.SourcePointers(), device), device),
       hough(MakeHoughOptions(options, views.RasterScale())),
       min_region_size(MinRegionSize(options, views.RasterScale())),
       plane_options(MakeRegionPlaneOptions(options, views.RasterScale(), 0)),

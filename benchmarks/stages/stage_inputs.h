@@ -7,7 +7,7 @@
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/refine_options.h"
-#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/edges.h"
 #include "colmap_tsar/view/regions/region_planes.h"
 #include "colmap_tsar/view/stage_options.h"
 #include "colmap_tsar/view/superpixels/correlation.h"

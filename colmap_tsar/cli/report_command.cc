@@ -13,7 +13,7 @@
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/fusion/fuse_workspace.h"
-#include "colmap_tsar/priors/prior_type.h"
+#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 #include "colmap_tsar/tools/report/comparison_picture.h"

@@ -6,7 +6,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/priors/prior_type.h"
+#include "colmap_tsar/priors/depth_prior.h"
 
 #include <functional>
 #include <iostream>

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -25,14 +24,11 @@ struct ApplyKernel {
   ImageView<const uint8_t> flags;
   Intrinsics intrinsics;
   DepthResolution resolution;
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
-  ImageView<uint8_t> provenance;
+  ComposedViews map;
   ImageView<uint8_t> labels;
 
   TSAR_HD void operator()(int x, int y) const {
-    const Vec3f ray =
-        intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+    const Vec3f ray = intrinsics.Ray(x, y);
     Cylinder::Intersection nearest;
     int label = 0;
     for (int k = 0; k < num_cylinders; ++k) {
@@ -49,9 +45,7 @@ struct ApplyKernel {
     }
     labels(x, y) = static_cast<uint8_t>(label);
     if (label > 0) {
-      depth(x, y) = nearest.depth;
-      normal(x, y) = nearest.normal;
-      provenance(x, y) = static_cast<uint8_t>(Provenance::kInterpolated);
+      map.Set(x, y, nearest.depth, nearest.normal, Provenance::kInterpolated);
     }
   }
 
@@ -60,11 +54,11 @@ struct ApplyKernel {
                       int y,
                       const Vec3f& ray,
                       const Cylinder::Intersection& on_cylinder) const {
-    if (provenance(x, y) != static_cast<uint8_t>(Provenance::kMeasured)) {
+    if (map.Source(x, y) != Provenance::kMeasured) {
       return false;
     }
     const float gap =
-        (depth(x, y) - on_cylinder.depth) /
+        (map.depth(x, y) - on_cylinder.depth) /
         (on_cylinder.depth * resolution.RelativeDepthError(on_cylinder.depth));
     // Close to the outlines, matching finds these, which differ between views.
     return gap < -kOnSurface ||
@@ -101,8 +95,7 @@ struct SigmaOfCylindersKernel {
     if (label == 0 || !(z > 0.f)) {
       return;
     }
-    const Vec3f ray =
-        intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+    const Vec3f ray = intrinsics.Ray(x, y);
     const float matching = on_cylinder * z * resolution.RelativeDepthError(z);
     sigma(x, y) = ToPositiveHalf(
         sqrtf(matching * matching +
@@ -139,9 +132,7 @@ AppliedCylinders ApplyCylinders(const std::vector<SeenCylinder>& cylinders,
                           flags,
                           intrinsics,
                           resolution,
-                          composed->map.depth.View(),
-                          composed->map.normal.View(),
-                          composed->provenance.View(),
+                          composed->Views(),
                           applied.labels.View()});
   return applied;
 }

@@ -10,7 +10,6 @@
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/view/refine_observer.h"
 #include "colmap_tsar/view/refine_options.h"
-#include "colmap_tsar/view/uploaded_view.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <memory>
@@ -19,7 +18,7 @@
 namespace tsar {
 
 // The last of the steps by which an image is refined together with all others,
-// after those of measure_image.h and find_scene.h.
+// after MeasureImage(), MakeEvidence() and those of find_scene.h.
 
 // Composes the reference's map from the planes and surfaces that were found in
 // it. The evidence of the reference must have all its parts. sources: for

@@ -4,8 +4,9 @@
 #include "colmap_tsar/compose/compose_scene.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
-#include "colmap_tsar/view/measurement_support.h"
+#include "colmap_tsar/view/depth_confidence.h"
 
 #include <cmath>
 #include <utility>
@@ -71,11 +72,10 @@ TSAR_HD inline MeasurementSupport SupportAt(const ComposeSceneInputs& inputs,
                                             const ViewVotes& votes,
                                             int x,
                                             int y) {
-  const ImageView<const float>& raster = inputs.texture;
-  return {votes,
-          raster(ReducedRaster::FromMap(x, inputs.flags.width, raster.width),
-                 ReducedRaster::FromMap(y, inputs.flags.height, raster.height)),
-          MeasurementFlags::IsTrusted(inputs.flags(x, y))};
+  return {
+      votes,
+      ValueOnMap(inputs.texture, x, y, inputs.flags.width, inputs.flags.height),
+      MeasurementFlags::IsTrusted(inputs.flags(x, y))};
 }
 
 // Decides contested measurements by the views, the image and the label.
@@ -131,33 +131,26 @@ struct ContestKernel {
 struct ComposeSceneKernel {
   ComposeSceneInputs inputs;
   ImageView<const uint8_t> own_depth;
-  // The view's own hypotheses, which the result overwrites.
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
-  ImageView<uint8_t> provenance;
+  ComposedViews map;  // At first the view's own hypotheses.
 
   TSAR_HD void operator()(int x, int y) const {
     const uint8_t own = own_depth(x, y);
-    if (own == kStands) {
-      provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
-      return;
-    }
     const Plane plane = inputs.scene_planes.At(x, y);
-    const bool has_plane = plane.Valid();
-    depth(x, y) =
-        has_plane ? plane.Depth(inputs.scene_planes.intrinsics.Ray(x, y)) : 0.f;
-    normal(x, y) = has_plane ? plane.normal : Vec3f{};
-    provenance(x, y) = static_cast<uint8_t>(
-        !has_plane ? Provenance::kNone
-        : own == kMoves
-            ? Provenance::kMeasured
-            : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence));
+    if (own == kStands) {
+      map.provenance(x, y) = static_cast<uint8_t>(Provenance::kMeasured);
+    } else if (!plane.Valid()) {
+      map.Set(x, y, 0.f, {}, Provenance::kNone);
+    } else {
+      map.Set(x,
+              y,
+              plane.Depth(inputs.scene_planes.intrinsics.Ray(x, y)),
+              plane.normal,
+              own == kMoves
+                  ? Provenance::kMeasured
+                  : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence));
+    }
   }
 };
-
-TSAR_HD inline float Bounded(float probability) {
-  return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
-}
 
 struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
@@ -167,12 +160,10 @@ struct SceneConfidenceKernel {
   DepthResolution resolution;
   float noise;
   float min_fill_confidence;
-  ImageView<float> confidence;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD float operator()(int x, int y) const {
     if (!(depth(x, y) > 0.f)) {
-      confidence(x, y) = 0.f;
-      return;
+      return 0.f;
     }
     const DepthEvidence evidence = EvidenceAt(x, y);
     const bool is_measured =
@@ -181,12 +172,12 @@ struct SceneConfidenceKernel {
     // The prior identifies the surface, but not the precise depth.
     const float with_prior = PosteriorProbability(
         in_surface, LogLikelihoodRatio(inputs.prior.At(x, y), depth(x, y)));
-    confidence(x, y) =
-        is_measured || with_prior >= min_fill_confidence
-            ? inputs.prior.depth.Empty()
-                  ? ConfidenceOf(evidence)
-                  : Bounded(ConfidenceOf(evidence) * with_prior / in_surface)
-            : 0.f;
+    return is_measured || with_prior >= min_fill_confidence
+               ? inputs.prior.depth.Empty()
+                     ? ConfidenceOf(evidence)
+                     : BoundedConfidence(ConfidenceOf(evidence) * with_prior /
+                                         in_surface)
+               : 0.f;
   }
 
   TSAR_HD DepthEvidence EvidenceAt(int x, int y) const {
@@ -234,47 +225,39 @@ struct SceneConfidenceKernel {
 struct PriorFillKernel {
   ComposeSceneInputs inputs;
   float min_fill_confidence;
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
-  ImageView<uint8_t> provenance;
+  ComposedViews map;
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
     const PriorDepth at_pixel = inputs.prior.At(x, y);
-    if (depth(x, y) > 0.f || !(at_pixel.depth > 0.f) ||
+    if (map.depth(x, y) > 0.f || !(at_pixel.depth > 0.f) ||
         ProbabilityOfSurface(at_pixel) < min_fill_confidence) {
       return;
     }
-    depth(x, y) = at_pixel.depth;
     const Vec3f& mean = SuperpixelAt(inputs, x, y).prior_normal;
-    const bool is_of_surface =
-        Norm(mean) > kMinAgreement &&
-        Dot(mean, inputs.prior.intrinsics.Ray(x, y)) < 0.f;
-    normal(x, y) =
-        is_of_surface ? Normalized(mean) : inputs.prior.NormalAt(x, y);
-    provenance(x, y) = static_cast<uint8_t>(Provenance::kPrior);
-    confidence(x, y) = Bounded(ProbabilityWithin(at_pixel, kRight));
+    const bool is_usable = AreOfOneSurface(mean) &&
+                           Dot(mean, inputs.prior.intrinsics.Ray(x, y)) < 0.f;
+    map.Set(x,
+            y,
+            at_pixel.depth,
+            is_usable ? Normalized(mean) : inputs.prior.NormalAt(x, y),
+            Provenance::kPrior);
+    confidence(x, y) = BoundedConfidence(ProbabilityWithin(at_pixel, kRight));
   }
 
   // The relative error of a correct depth.
   static constexpr float kRight = 0.01f;
-  // The length of a mean normal from which a superpixel is one surface.
-  static constexpr float kMinAgreement = 0.95f;
 };
 
 struct PlaneMapKernel {
   ImageView<const float> depth;
   PlaneRaster scene_planes;
   ImageView<const uint16_t> plane_ids;
-  ImageView<uint16_t> map;
 
-  TSAR_HD void operator()(int x, int y) const {
-    map(x, y) =
-        IsOnPlane(scene_planes, x, y, depth(x, y))
-            ? plane_ids(
-                  ReducedRaster::FromMap(x, depth.width, plane_ids.width),
-                  ReducedRaster::FromMap(y, depth.height, plane_ids.height))
-            : 0;
+  TSAR_HD uint16_t operator()(int x, int y) const {
+    return IsOnPlane(scene_planes, x, y, depth(x, y))
+               ? ValueOnMap(plane_ids, x, y, depth.width, depth.height)
+               : 0;
   }
 };
 
@@ -325,11 +308,8 @@ ComposedMap ComposeScene(DepthNormalImages own,
   ParallelFor(device,
               width,
               height,
-              ComposeSceneKernel{inputs,
-                                 std::as_const(own_depth).View(),
-                                 composed.map.depth.View(),
-                                 composed.map.normal.View(),
-                                 composed.provenance.View()});
+              ComposeSceneKernel{
+                  inputs, std::as_const(own_depth).View(), composed.Views()});
   return composed;
 }
 
@@ -345,20 +325,16 @@ DeviceImage<float> ComputeSceneConfidence(const ComposedMap& composed,
                      inputs.scene_planes.intrinsics,
                      {composed.map.depth.View()},
                      device);
-  DeviceImage<float> confidence(
-      device, inputs.flags.width, inputs.flags.height);
-  ParallelFor(device,
-              confidence.Width(),
-              confidence.Height(),
-              SceneConfidenceKernel{inputs,
-                                    composed.map.depth.View(),
-                                    composed.provenance.View(),
-                                    votes[0].View(),
-                                    resolution,
-                                    noise,
-                                    min_fill_confidence,
-                                    confidence.View()});
-  return confidence;
+  return MapPixels<float>(device,
+                          inputs.flags.width,
+                          inputs.flags.height,
+                          SceneConfidenceKernel{inputs,
+                                                composed.map.depth.View(),
+                                                composed.provenance.View(),
+                                                votes[0].View(),
+                                                resolution,
+                                                noise,
+                                                min_fill_confidence});
 }
 
 void FillByPrior(const ComposeSceneInputs& inputs,
@@ -369,27 +345,22 @@ void FillByPrior(const ComposeSceneInputs& inputs,
   if (inputs.prior.depth.Empty()) {
     return;
   }
-  ParallelFor(device,
-              confidence->Width(),
-              confidence->Height(),
-              PriorFillKernel{inputs,
-                              min_fill_confidence,
-                              composed->map.depth.View(),
-                              composed->map.normal.View(),
-                              composed->provenance.View(),
-                              confidence->View()});
+  ParallelFor(
+      device,
+      confidence->Width(),
+      confidence->Height(),
+      PriorFillKernel{
+          inputs, min_fill_confidence, composed->Views(), confidence->View()});
 }
 
 DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,
                                 const PlaneRaster& scene_planes,
                                 ImageView<const uint16_t> plane_ids,
                                 Device& device) {
-  DeviceImage<uint16_t> map(device, depth.width, depth.height);
-  ParallelFor(device,
-              depth.width,
-              depth.height,
-              PlaneMapKernel{depth, scene_planes, plane_ids, map.View()});
-  return map;
+  return MapPixels<uint16_t>(device,
+                             depth.width,
+                             depth.height,
+                             PlaneMapKernel{depth, scene_planes, plane_ids});
 }
 
 }  // namespace tsar

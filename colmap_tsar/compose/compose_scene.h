@@ -59,10 +59,8 @@ struct ComposeSceneInputs {
 // The label of the superpixel at a pixel of the map.
 TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
     const ComposeSceneInputs& inputs, int x, int y) {
-  const ImageView<const uint16_t>& raster = inputs.superpixels;
-  return inputs.of_superpixel[raster(
-      ReducedRaster::FromMap(x, inputs.flags.width, raster.width),
-      ReducedRaster::FromMap(y, inputs.flags.height, raster.height))];
+  return inputs.of_superpixel[ValueOnMap(
+      inputs.superpixels, x, y, inputs.flags.width, inputs.flags.height)];
 }
 
 // Composes one map from the planes of the scene and the view's own
@@ -111,8 +109,8 @@ TSAR_HD inline bool IsOnPlane(const PlaneRaster& raster,
 }
 
 // The plane of the scene that each pixel of a composed map lies on.
-// scene_planes: those of the composition. numbers: of their size, the index of
-// the plane in the model plus one; 0 where it is not a plane of the model.
+// scene_planes: those of the composition. plane_ids: of their size, the index
+// of the plane in the model plus one; 0 where it is not a plane of the model.
 // Result, of the map's size: that number where the depth is exactly that of the
 // plane, 0 elsewhere.
 DeviceImage<uint16_t> MapPlanes(ImageView<const float> depth,

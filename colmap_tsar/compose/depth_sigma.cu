@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/compose/compose_scene.h"
-#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
 
 #include <cmath>
 
@@ -20,15 +20,13 @@ struct SigmaKernel {
   ViewSigmaOptions options;
   ImageView<const float> depth;
   ImageView<const uint8_t> provenance;
-  ImageView<uint16_t> sigma;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD uint16_t operator()(int x, int y) const {
     const float z = depth(x, y);
     const auto source = static_cast<Provenance>(provenance(x, y));
-    sigma(x, y) = z > 0.f
-                      ? ToPositiveHalf(z * resolution.RelativeDepthError(z) *
-                                       Matching(source))
-                      : uint16_t{0};
+    return z > 0.f ? ToPositiveHalf(z * resolution.RelativeDepthError(z) *
+                                    Matching(source))
+                   : uint16_t{0};
   }
 
   // The error of matching, in relative depths of one pixel of disparity.
@@ -53,18 +51,15 @@ struct SceneSigmaKernel {
   SceneSigmaOptions options;
   ImageView<const float> depth;
   ImageView<const uint8_t> provenance;
-  ImageView<uint16_t> sigma;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD uint16_t operator()(int x, int y) const {
     const float z = depth(x, y);
     if (!(z > 0.f)) {
-      sigma(x, y) = 0;
-      return;
+      return 0;
     }
     const auto source = static_cast<Provenance>(provenance(x, y));
     if (source == Provenance::kPrior) {
-      sigma(x, y) = ToPositiveHalf(z * inputs.prior.At(x, y).sigma);
-      return;
+      return ToPositiveHalf(z * inputs.prior.At(x, y).sigma);
     }
     const ComposedSuperpixel& superpixel = SuperpixelAt(inputs, x, y);
     const bool is_on_plane = IsOnPlane(inputs.scene_planes, x, y, z);
@@ -78,7 +73,7 @@ struct SceneSigmaKernel {
                   superpixel.error.Variance(
                       inputs.scene_planes.intrinsics.Ray(x, y))
             : 0.f;
-    sigma(x, y) = ToPositiveHalf(z * sqrtf(matching * matching + of_plane));
+    return ToPositiveHalf(z * sqrtf(matching * matching + of_plane));
   }
 
   // The error of matching, in addition to that of the plane, in relative depths
@@ -116,35 +111,28 @@ DeviceImage<uint16_t> ComputeSceneSigma(const ComposedMap& composed,
                                         float noise,
                                         const SceneSigmaOptions& options,
                                         Device& device) {
-  DeviceImage<uint16_t> sigma(device, inputs.flags.width, inputs.flags.height);
-  ParallelFor(device,
-              sigma.Width(),
-              sigma.Height(),
-              SceneSigmaKernel{inputs,
-                               resolution,
-                               fmaxf(noise, kMinNoise),
-                               options,
-                               composed.map.depth.View(),
-                               composed.provenance.View(),
-                               sigma.View()});
-  return sigma;
+  return MapPixels<uint16_t>(device,
+                             inputs.flags.width,
+                             inputs.flags.height,
+                             SceneSigmaKernel{inputs,
+                                              resolution,
+                                              fmaxf(noise, kMinNoise),
+                                              options,
+                                              composed.map.depth.View(),
+                                              composed.provenance.View()});
 }
 
 DeviceImage<uint16_t> ComputeSigma(const ComposedMap& composed,
                                    const DepthResolution& resolution,
                                    const ViewSigmaOptions& options,
                                    Device& device) {
-  DeviceImage<uint16_t> sigma(
-      device, composed.map.depth.Width(), composed.map.depth.Height());
-  ParallelFor(device,
-              sigma.Width(),
-              sigma.Height(),
-              SigmaKernel{resolution,
-                          options,
-                          composed.map.depth.View(),
-                          composed.provenance.View(),
-                          sigma.View()});
-  return sigma;
+  return MapPixels<uint16_t>(device,
+                             composed.map.depth.Width(),
+                             composed.map.depth.Height(),
+                             SigmaKernel{resolution,
+                                         options,
+                                         composed.map.depth.View(),
+                                         composed.provenance.View()});
 }
 
 }  // namespace tsar

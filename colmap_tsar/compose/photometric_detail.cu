@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
-#include "colmap_tsar/view/gray.h"
 
 #include <algorithm>
 #include <cmath>
@@ -76,8 +76,7 @@ struct MoveKernel {
       for (int i = -reach; i <= reach; ++i) {
         const int u = x + i;
         const int v = y + j;
-        if (u < 0 || v < 0 || u >= offset.width || v >= offset.height ||
-            !(weight(u, v) > 0.f)) {
+        if (!weight.Contains(u, v) || !(weight(u, v) > 0.f)) {
           continue;
         }
         const float of_pixel =

@@ -7,9 +7,8 @@
 #include "colmap_tsar/compose/photometric_offset.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/uploaded_view.h"
+#include "colmap_tsar/view/view_data.h"
 
-#include <cstdint>
 #include <memory>
 #include <vector>
 

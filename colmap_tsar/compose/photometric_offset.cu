@@ -219,11 +219,8 @@ struct OffsetKernel {
     for (int i = 0; i < kNumOffsets; ++i) {
       const float at = DepthAtOffset(
           own, kStep * static_cast<float>(i - kNumSteps), resolution);
-      const PlaneHomography homography(intrinsics,
-                                       source.intrinsics,
-                                       source.from_reference,
-                                       {plane.normal, plane.offset * at / own});
-      const float cost = PatchCost(patch, homography, source.gray);
+      const float cost = PatchCost(
+          patch, intrinsics, source, {plane.normal, plane.offset * at / own});
       const float ncc = cost == kUndefinedCost ? 0.f : fmaxf(1.f - cost, 0.f);
       residuals[i] = fminf(1.f - ncc * ncc + unexplained, 1.f);
     }

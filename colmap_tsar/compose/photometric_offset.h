@@ -9,7 +9,7 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/view/compose.h"
-#include "colmap_tsar/view/denoise/noise_curve.h"
+#include "colmap_tsar/view/denoise/estimate_noise.h"
 
 namespace tsar {
 

@@ -4,30 +4,100 @@
 #include "colmap_tsar/compose/refine_image.h"
 
 #include "colmap_tsar/compose/depth_sigma.h"
+#include "colmap_tsar/compose/transfer_flags.h"
+#include "colmap_tsar/matching/bilateral_ncc.cuh"
+#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/priors/align_normals.h"
+#include "colmap_tsar/scene/evidence/foreground_fattening.h"
+#include "colmap_tsar/scene/evidence/gather_evidence.h"
+#include "colmap_tsar/scene/evidence/texture_measures.h"
+#include "colmap_tsar/scene/find_scene.h"
+#include "colmap_tsar/scene/scene_options.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/fill_holes.h"
 #include "colmap_tsar/view/find_surfaces.h"
+#include "colmap_tsar/view/stage_options.h"
 #include "colmap_tsar/view/stage_timer.h"
 
+#include <cmath>
+#include <cstddef>
 #include <utility>
 
 namespace tsar {
+namespace {
+
+// The least gain of a plane in one view to be a candidate in its neighbors,
+// relative to that in all of them.
+constexpr double kShareOfOneView = 0.25;
+
+// The radius on the raster of the windows in which views are judged.
+int PatchRadius(const Image<float>& raster, const Camera& camera) {
+  return static_cast<int>(
+      std::lround(double{kPatchRadius} * raster.Width() / camera.width));
+}
+
+EvidenceInputs DownloadInputs(const DeviceViews& views,
+                              const Surfaces& surfaces,
+                              ImageView<const float> gray,
+                              Device& device) {
+  EvidenceInputs inputs;
+  inputs.superpixels = surfaces.superpixels.labels.ToHost();
+  inputs.num_superpixels = surfaces.superpixels.count;
+  inputs.superpixel_planes = surfaces.superpixel_planes.ToHost();
+  // Planes are missing without RefineOptions::superpixel_planes.
+  inputs.superpixel_planes.resize(static_cast<size_t>(inputs.num_superpixels));
+  const auto sample = [&](ImageView<const uint8_t> wanted) {
+    return SampleMeasurements(views.Hypotheses().depth,
+                              surfaces.score.View(),
+                              wanted,
+                              views.MapIntrinsics(),
+                              views.Raster(),
+                              device)
+        .ToHost();
+  };
+  inputs.samples = sample(surfaces.trusted.View());
+  if (!surfaces.confirmations.Empty()) {
+    inputs.confirmed_samples = sample(surfaces.confirmations.View());
+  }
+  if (!surfaces.region_planes.Empty()) {
+    inputs.region_planes = surfaces.region_planes.ToHost();
+  }
+  inputs.texture = ComputeTexture(gray, device).ToHost();
+  inputs.contrast = ComputeContrast(gray, device).ToHost();
+  inputs.intrinsics = views.RasterIntrinsics();
+  inputs.resolution = views.Scale();
+  return inputs;
+}
+
+// Keeps only those candidate planes of superpixels that explain the whole view:
+// most of the hundreds are duplicates, and every neighbor would have to score
+// each of them.
+void ReduceCandidates(const Camera& camera,
+                      const RefineOptions& options,
+                      Device& device,
+                      GatheredEvidence* gathered) {
+  ViewEvidence* evidence = &gathered->evidence;
+  const std::vector<ObservedView> views = {MakeObservedView(*evidence, camera)};
+  DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
+  discovery.min_gain *= kShareOfOneView;
+  const DiscoveredPlanes discovered =
+      DiscoverPlanes(views, CollectCandidates(views), discovery, device);
+  evidence->candidates.resize(static_cast<size_t>(gathered->num_region_planes));
+  for (const ScenePlane& plane : discovered.planes) {
+    const Plane candidate = ToCameraPlane(plane.plane, views[0].camera);
+    if (candidate.Valid()) {
+      evidence->candidates.push_back(candidate);
+    }
+  }
+}
+
+}  // namespace
 
 std::string ReasonToKeep(const RefinedMaps& maps,
                          const RefineOptions& options) {
   return options.min_confidence <= 0.0 && !HasDepth(maps.depth)
              ? kNothingReliable
              : "";
-}
-
-RefineResult RefineImage(const ViewData& reference,
-                         const std::vector<const ViewData*>& sources,
-                         uint32_t image_id,
-                         const RefineOptions& options,
-                         Device& device) {
-  return RefineImage(
-      reference, UploadViews(sources, device), image_id, options, device);
 }
 
 RefineResult RefineImage(
@@ -77,6 +147,78 @@ RefineResult RefineImage(
   ShowMaps(observer, result.maps);
   result.reason_to_keep = ReasonToKeep(result.maps, options);
   return result;
+}
+
+RefineResult MeasureImage(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device,
+    StageObserver* observer) {
+  RefineResult result;
+  StageTimer timer(device, &result.seconds);
+  DeviceViews views(reference, std::move(sources), device, options.denoise);
+  timer.Finish("upload");
+  const Surfaces surfaces = FindSurfaces(reference,
+                                         image_id,
+                                         MeasuringOptions(options),
+                                         &views,
+                                         device,
+                                         &timer,
+                                         observer);
+  const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
+  result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
+      DownloadInputs(views, surfaces, gray.View(), device),
+      views.DownloadRasterColor(),
+      gray.ToHost(),
+      PackFlags(surfaces.trusted.View(), surfaces.confirmations.View(), device)
+          .ToHost(),
+      views.ReferenceCamera(),
+      reference.prior});
+  timer.Finish("download");
+  return result;
+}
+
+void MakeEvidence(const RefineOptions& options,
+                  Device& device,
+                  RefineResult* result) {
+  StageTimer timer(device, &result->seconds);
+  MeasuredImage& measured = *result->measured;
+  if (options.foreground_fattening) {
+    EvidenceInputs& inputs = measured.inputs;
+    inputs.fattening_weight =
+        ComputeFatteningWeight(measured.gray,
+                               inputs.contrast,
+                               inputs.superpixels,
+                               inputs.num_superpixels,
+                               PatchRadius(measured.gray, measured.camera));
+  }
+  EvidenceOptions evidence_options;
+  if (measured.prior != nullptr) {
+    const Image<RayDepth> samples =
+        SamplesToAlignBy(measured.inputs.samples,
+                         measured.inputs.texture,
+                         measured.inputs.fattening_weight);
+    measured.inputs.prior = AlignPrior(*measured.prior, samples);
+    AlignNormals(measured.prior->normals,
+                 measured.inputs.superpixels,
+                 measured.inputs.superpixel_planes,
+                 samples,
+                 &measured.inputs.prior);
+    evidence_options.tolerance = static_cast<float>(
+        ScenePlaneTolerance(options, MeasureNoise(measured.inputs)));
+    timer.Finish("prior");
+  }
+  GatheredEvidence gathered = GatherEvidence(measured.inputs, evidence_options);
+  gathered.evidence.color = std::move(measured.color);
+  gathered.evidence.flags = std::move(measured.flags);
+  timer.Finish("evidence");
+  ReduceCandidates(measured.camera, options, device, &gathered);
+  result->evidence =
+      std::make_unique<ViewEvidence>(std::move(gathered.evidence));
+  result->measured.reset();
+  timer.Finish("scene planes");
 }
 
 }  // namespace tsar

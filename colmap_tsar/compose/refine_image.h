@@ -11,7 +11,6 @@
 #include "colmap_tsar/view/refine_observer.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/refined_maps.h"
-#include "colmap_tsar/view/uploaded_view.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <cstdint>
@@ -66,11 +65,22 @@ RefineResult RefineImage(
     Device& device,
     StageObserver* observer = nullptr);
 
-// Uploads the sources as well.
-RefineResult RefineImage(const ViewData& reference,
-                         const std::vector<const ViewData*>& sources,
-                         uint32_t image_id,
-                         const RefineOptions& options,
-                         Device& device);
+// The first two of the steps by which an image is refined together with all
+// others; neither makes maps. MeasureImage takes the image through the stages
+// of a single view, with the arguments of RefineImage, and keeps the
+// measurements. MakeEvidence replaces these by the evidence, from which the
+// steps of find_scene.h make the planes of the scene, with which the last step
+// (compose_image.h) composes the map. It has little work for a GPU: with many
+// images, it runs on a CPU while the GPU measures the next one.
+RefineResult MeasureImage(
+    const ViewData& reference,
+    std::vector<std::shared_ptr<const UploadedView>> sources,
+    uint32_t image_id,
+    const RefineOptions& options,
+    Device& device,
+    StageObserver* observer = nullptr);
+void MakeEvidence(const RefineOptions& options,
+                  Device& device,
+                  RefineResult* result);
 
 }  // namespace tsar

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 #include "colmap_tsar/view/reduce_view.h"
@@ -26,7 +27,6 @@ struct TransferFlagsKernel {
   ImageView<const float> depth;
   Intrinsics intrinsics;
   DepthResolution resolution;
-  ImageView<uint8_t> transferred;
 
   // Whether a depth of the map lies on the plane of a reduced pixel's
   // hypothesis.
@@ -44,7 +44,7 @@ struct TransferFlagsKernel {
     return fabsf(on_ray - own) <= tolerance * own;
   }
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD uint8_t operator()(int x, int y) const {
     const float own = depth(x, y);
     uint8_t flags = 0;
     if (own > 0.f) {
@@ -72,17 +72,16 @@ struct TransferFlagsKernel {
         }
       }
     }
-    transferred(x, y) = flags;
+    return flags;
   }
 };
 
 struct PackFlagsKernel {
   ImageView<const uint8_t> trusted;
   ImageView<const uint8_t> confirmations;
-  ImageView<uint8_t> flags;
 
-  TSAR_HD void operator()(int x, int y) const {
-    flags(x, y) = MeasurementFlags::Pack(
+  TSAR_HD uint8_t operator()(int x, int y) const {
+    return MeasurementFlags::Pack(
         trusted(x, y) != 0,
         confirmations.Empty() ? Confirmation::kNone
                               : static_cast<Confirmation>(confirmations(x, y)));
@@ -100,8 +99,7 @@ struct ReduceKernel {
     normal(x, y) = {};
     const ptrdiff_t found = squares.Find(x, y);
     if (found >= 0) {
-      depth(x, y) = squares.DepthOnRay(
-          found, reduced.Ray(static_cast<float>(x), static_cast<float>(y)));
+      depth(x, y) = squares.DepthOnRay(found, reduced.Ray(x, y));
       normal(x, y) = squares.normal.data[found];
     }
   }
@@ -114,20 +112,16 @@ DeviceImage<uint8_t> TransferFlags(const JudgedHypotheses& judged,
                                    const Intrinsics& intrinsics,
                                    const DepthResolution& resolution,
                                    Device& device) {
-  DeviceImage<uint8_t> transferred(device, depth.width, depth.height);
   if (judged.factor == 1) {
-    Copy(device,
-         judged.flags.data,
-         judged.flags.NumPixels(),
-         transferred.View().data);
-    return transferred;
+    DeviceImage<uint8_t> copy(device, depth.width, depth.height);
+    Copy(device, judged.flags.data, judged.flags.NumPixels(), copy.View().data);
+    return copy;
   }
-  ParallelFor(device,
-              depth.width,
-              depth.height,
-              TransferFlagsKernel{
-                  judged, depth, intrinsics, resolution, transferred.View()});
-  return transferred;
+  return MapPixels<uint8_t>(
+      device,
+      depth.width,
+      depth.height,
+      TransferFlagsKernel{judged, depth, intrinsics, resolution});
 }
 
 DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
@@ -167,12 +161,10 @@ DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
 DeviceImage<uint8_t> PackFlags(ImageView<const uint8_t> trusted,
                                ImageView<const uint8_t> confirmations,
                                Device& device) {
-  DeviceImage<uint8_t> flags(device, trusted.width, trusted.height);
-  ParallelFor(device,
-              trusted.width,
-              trusted.height,
-              PackFlagsKernel{trusted, confirmations, flags.View()});
-  return flags;
+  return MapPixels<uint8_t>(device,
+                            trusted.width,
+                            trusted.height,
+                            PackFlagsKernel{trusted, confirmations});
 }
 
 DepthNormalImages ReduceHypotheses(const DeviceReference& view,

@@ -9,7 +9,6 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/superpixels/weighted_median.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <cstdint>

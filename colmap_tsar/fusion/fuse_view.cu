@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/fusion/fuse_view.h"
 
-#include "colmap_tsar/compose/confidence_level.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/scan_and_sort.h"
 #include "colmap_tsar/matching/reprojection.cuh"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include <cmath>
 

@@ -22,7 +22,7 @@ struct alignas(16) FusionPixel {
   int16_t normal_x = kNoNormal;
   int16_t normal_y = 0;
   Rgb color;
-  uint8_t confidence = 0;  // See confidence_level.h.
+  uint8_t confidence = 0;  // See ToConfidenceLevel().
   // The standard deviation relative to the depth, in kSigmaStep; at least 1.
   uint16_t sigma = 1;
 };

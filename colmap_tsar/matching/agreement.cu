@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/matching/agreement.h"
 
-#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
 #include "colmap_tsar/matching/reprojection.cuh"
 
 #include <cmath>
@@ -16,9 +16,8 @@ struct AgreementKernel {
   const SourceView* sources;
   int num_sources;
   AgreementOptions options;
-  ImageView<uint8_t> counts;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD uint8_t operator()(int x, int y) const {
     const float depth = reference.depth(x, y);
     int count = 0;
     if (depth > 0.f) {
@@ -27,7 +26,7 @@ struct AgreementKernel {
         count += Agrees(sources[s], point, x, y) ? 1 : 0;
       }
     }
-    counts(x, y) = static_cast<uint8_t>(count);
+    return static_cast<uint8_t>(count);
   }
 
   TSAR_HD bool Agrees(const SourceView& source,
@@ -52,17 +51,13 @@ DeviceImage<uint8_t> CountAgreeingSources(const ReferenceView& reference,
                                           const Buffer<SourceView>& sources,
                                           const AgreementOptions& options,
                                           Device& device) {
-  DeviceImage<uint8_t> counts(
-      device, reference.depth.width, reference.depth.height);
-  ParallelFor(device,
-              counts.Width(),
-              counts.Height(),
-              AgreementKernel{reference,
-                              sources.Data(),
-                              static_cast<int>(sources.Size()),
-                              options,
-                              counts.View()});
-  return counts;
+  return MapPixels<uint8_t>(device,
+                            reference.depth.width,
+                            reference.depth.height,
+                            AgreementKernel{reference,
+                                            sources.Data(),
+                                            static_cast<int>(sources.Size()),
+                                            options});
 }
 
 }  // namespace tsar

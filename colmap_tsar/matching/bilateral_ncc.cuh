@@ -385,4 +385,16 @@ TSAR_HD inline float PatchCost(const ReferencePatch& patch,
   return fminf(fmaxf(1.f - ncc, 0.f), 2.f);
 }
 
+// The same of a plane of the reference in the image of a source.
+TSAR_HD inline float PatchCost(const ReferencePatch& patch,
+                               const Intrinsics& reference,
+                               const SourceView& source,
+                               const Plane& plane) {
+  return PatchCost(
+      patch,
+      PlaneHomography(
+          reference, source.intrinsics, source.from_reference, plane),
+      source.gray);
+}
+
 }  // namespace tsar

@@ -8,13 +8,37 @@
 namespace tsar {
 namespace {
 
-struct PairKernel {
-  ImageView<const float> gray;
-  ImageView<GrayPair> pairs;
+TSAR_HD float GrayLevel(float gray) { return gray; }
 
+struct GrayKernel {
+  ImageView<const Rgb> color;
+  ImageView<float> gray;
+  TSAR_HD void operator()(int64_t i) const {
+    gray.data[i] = GrayLevel(color.data[i]);
+  }
+};
+
+template <typename Pixel>
+struct PairKernel {
+  ImageView<const Pixel> image;
+  ImageView<GrayPair> pairs;
   TSAR_HD void operator()(int x, int y) const {
-    const int right = x + 1 < gray.width ? x + 1 : x;
-    pairs(x, y) = MakeGrayPair(gray(x, y), gray(right, y));
+    const int right = x + 1 < image.width ? x + 1 : x;
+    pairs(x, y) =
+        MakeGrayPair(GrayLevel(image(x, y)), GrayLevel(image(right, y)));
+  }
+};
+
+struct HalveKernel {
+  ImageView<const float> gray;
+  ImageView<float> half;
+  TSAR_HD void operator()(int x, int y) const {
+    const int x0 = 2 * x;
+    const int y0 = 2 * y;
+    const int x1 = x0 + 1 < gray.width ? x0 + 1 : x0;
+    const int y1 = y0 + 1 < gray.height ? y0 + 1 : y0;
+    half(x, y) =
+        0.25f * (gray(x0, y0) + gray(x1, y0) + gray(x0, y1) + gray(x1, y1));
   }
 };
 
@@ -22,8 +46,32 @@ struct PairKernel {
 
 DeviceImage<GrayPair> PairGray(ImageView<const float> gray, Device& device) {
   DeviceImage<GrayPair> pairs(device, gray.width, gray.height);
-  ParallelFor(device, gray.width, gray.height, PairKernel{gray, pairs.View()});
+  ParallelFor(
+      device, gray.width, gray.height, PairKernel<float>{gray, pairs.View()});
   return pairs;
+}
+
+DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device) {
+  DeviceImage<float> gray(device, color.width, color.height);
+  ParallelFor(device,
+              static_cast<int64_t>(color.NumPixels()),
+              GrayKernel{color, gray.View()});
+  return gray;
+}
+
+void ComputeGrayPairs(ImageView<const Rgb> color,
+                      ImageView<GrayPair> pairs,
+                      Device& device) {
+  ParallelFor(device, color.width, color.height, PairKernel<Rgb>{color, pairs});
+}
+
+DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device) {
+  DeviceImage<float> half(device,
+                          gray.width > 1 ? gray.width / 2 : 1,
+                          gray.height > 1 ? gray.height / 2 : 1);
+  ParallelFor(
+      device, half.Width(), half.Height(), HalveKernel{gray, half.View()});
+  return half;
 }
 
 }  // namespace tsar

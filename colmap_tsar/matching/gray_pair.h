@@ -12,6 +12,11 @@
 
 namespace tsar {
 
+// The brightness of a color, 0-255, as matching uses it.
+TSAR_HD inline float GrayLevel(const Rgb& c) {
+  return 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
+}
+
 // An element of a gray image in the form for interpolation: the gray levels of
 // a pixel and of its right neighbor, so that a bilinear sample takes two loads
 // instead of four. The last pixel of a row is its own neighbor.
@@ -36,7 +41,17 @@ TSAR_HD inline GrayPair MakeGrayPair(float own, float right) {
   return {QuantizeGray(own) | QuantizeGray(right) << 16};
 }
 
-// Converts an image to pairs.
 DeviceImage<GrayPair> PairGray(ImageView<const float> gray, Device& device);
+
+DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device);
+
+// pairs: of the size of the image.
+void ComputeGrayPairs(ImageView<const Rgb> color,
+                      ImageView<GrayPair> pairs,
+                      Device& device);
+
+// The image at half the width and height, rounded down, but at least one pixel:
+// each pixel is the mean of four.
+DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device);
 
 }  // namespace tsar

@@ -30,12 +30,8 @@ struct MatchingCostKernel {
       int best_source = -1;
       if (patch.HasTexture()) {
         for (int s = 0; s < num_sources; ++s) {
-          const SourceView& source = sources[s];
-          const PlaneHomography homography(reference.intrinsics,
-                                           source.intrinsics,
-                                           source.from_reference,
-                                           plane);
-          const float cost = PatchCost(patch, homography, source.gray);
+          const float cost =
+              PatchCost(patch, reference.intrinsics, sources[s], plane);
           if (cost == kUndefinedCost) {
             continue;
           }

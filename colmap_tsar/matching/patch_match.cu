@@ -6,10 +6,7 @@
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
-#include "colmap_tsar/matching/pixel_costs.cuh"
-#include "colmap_tsar/matching/plane_sampling.cuh"
-#include "colmap_tsar/matching/propagation_areas.cuh"
-#include "colmap_tsar/matching/view_weight.cuh"
+#include "colmap_tsar/matching/patch_match_steps.cuh"
 
 #include <cmath>
 
@@ -163,7 +160,7 @@ struct SweepKernel {
     Plane candidates[kNumCandidates] = {*best};
     int num_candidates = 1;
     for (int area = 0; area < kNumPropagationAreas; ++area) {
-      PixelOffset from;
+      PixelOffset from{};
       if (BestOfArea(costs, x, y, area, &from)) {
         const Plane& plane = planes(from.x, from.y);
         if (IsUsable(plane, pixel.ray, options)) {

@@ -17,8 +17,8 @@
 namespace tsar {
 
 struct PatchMatchOptions {
-  int num_iterations =
-      4;  // Iterations update all pixels, one color after the other.
+  // Each iteration updates all pixels, one color after the other.
+  int num_iterations = 4;
   // The number of earlier iterations: perturbations decrease from one iteration
   // to the next.
   int num_past_iterations = 0;

@@ -3,7 +3,11 @@
 
 #include "colmap_tsar/matching/plane_maps.h"
 
+#include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
+
+#include <cmath>
 
 namespace tsar {
 namespace {
@@ -24,13 +28,12 @@ struct FromMapsKernel {
   Intrinsics intrinsics;
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
-  ImageView<Plane> planes;
 
-  TSAR_HD void operator()(int x, int y) const {
-    planes(x, y) =
-        depth(x, y) > 0.f
-            ? Plane::FromPoint(intrinsics.Ray(x, y), depth(x, y), normal(x, y))
-            : Plane{};
+  TSAR_HD Plane operator()(int x, int y) const {
+    return depth(x, y) > 0.f
+               ? Plane::FromPoint(
+                     intrinsics.Ray(x, y), depth(x, y), normal(x, y))
+               : Plane{};
   }
 };
 
@@ -45,6 +48,36 @@ struct ToMapsKernel {
     const float z = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
     depth(x, y) = z;
     normal(x, y) = z > 0.f ? plane.normal : Vec3f{};
+  }
+};
+
+struct SmoothKernel {
+  Intrinsics intrinsics;
+  ImageView<const float> depth;
+  ImageView<const Vec3f> normal;
+  SmoothNormalsOptions options;
+
+  TSAR_HD Vec3f operator()(int x, int y) const {
+    const Vec3f own = normal(x, y);
+    if (!(depth(x, y) > 0.f)) {
+      return own;
+    }
+    const Vec3f ray = intrinsics.Ray(x, y);
+    const Plane plane = Plane::FromPoint(ray, depth(x, y), own);
+    Vec3f sum = {};
+    for (int v = y - options.radius; v <= y + options.radius; ++v) {
+      for (int u = x - options.radius; u <= x + options.radius; ++u) {
+        if (!depth.Contains(u, v) || !(depth(u, v) > 0.f) ||
+            Dot(own, normal(u, v)) < options.min_cos_angle ||
+            fabsf(plane.Depth(intrinsics.Ray(u, v)) - depth(u, v)) >
+                options.max_depth_error * depth(u, v)) {
+          continue;
+        }
+        sum = sum + normal(u, v);
+      }
+    }
+    const Vec3f mean = Normalized(sum);
+    return Dot(mean, ray) < 0.f ? mean : own;
   }
 };
 
@@ -76,12 +109,21 @@ DeviceImage<Plane> PlanesFromMaps(const Intrinsics& intrinsics,
                                   ImageView<const float> depth,
                                   ImageView<const Vec3f> normal,
                                   Device& device) {
-  DeviceImage<Plane> planes(device, depth.width, depth.height);
-  ParallelFor(device,
-              depth.width,
-              depth.height,
-              FromMapsKernel{intrinsics, depth, normal, planes.View()});
-  return planes;
+  return MapPixels<Plane>(device,
+                          depth.width,
+                          depth.height,
+                          FromMapsKernel{intrinsics, depth, normal});
+}
+
+DeviceImage<Vec3f> SmoothNormals(const Intrinsics& intrinsics,
+                                 ImageView<const float> depth,
+                                 ImageView<const Vec3f> normal,
+                                 const SmoothNormalsOptions& options,
+                                 Device& device) {
+  return MapPixels<Vec3f>(device,
+                          depth.width,
+                          depth.height,
+                          SmoothKernel{intrinsics, depth, normal, options});
 }
 
 }  // namespace tsar

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/gray_pair.h"
 
 namespace tsar {
@@ -26,6 +27,22 @@ struct SourceView {
   RelativePose from_reference;
   ImageView<const GrayPair> gray;
   ImageView<const float> depth;  // z in the source's frame; may be empty
+};
+
+// A depth map with its normals: z = 0 and a zero normal where there is none.
+struct DepthNormalViews {
+  ImageView<const float> depth;
+  ImageView<const Vec3f> normal;
+};
+
+struct DepthNormalImages {
+  DeviceImage<float> depth;
+  DeviceImage<Vec3f> normal;
+
+  DepthNormalImages() = default;
+  DepthNormalImages(Device& device, int width, int height)
+      : depth(device, width, height), normal(device, width, height) {}
+  DepthNormalViews Views() const { return {depth.View(), normal.View()}; }
 };
 
 }  // namespace tsar

@@ -4,7 +4,8 @@
 #include "colmap_tsar/priors/align_normals.h"
 
 #include "colmap_tsar/base/median.h"
-#include "colmap_tsar/priors/outlier_share.h"
+#include "colmap_tsar/priors/fit_prior.h"
+#include "colmap_tsar/priors/prior_likelihood.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,9 +16,6 @@ namespace tsar {
 namespace {
 
 constexpr size_t kMinPlanes = 20;
-// The length of a mean normal from which a superpixel counts as one surface:
-// deviations of 18 degrees.
-constexpr float kMinAgreement = 0.95f;
 // The median of a Rayleigh distribution, which the angles between directions
 // have, in standard deviations.
 constexpr float kMedianInSigmas = 1.1774f;
@@ -90,8 +88,7 @@ void AlignNormals(const Image<Vec3f>& normals,
   std::vector<size_t> measured;
   Vec3f sum;
   for (size_t k = 0; k < planes.size(); ++k) {
-    if (are_measured[k] && planes[k].Valid() &&
-        Norm(means[k]) > kMinAgreement) {
+    if (are_measured[k] && planes[k].Valid() && AreOfOneSurface(means[k])) {
       measured.push_back(k);
       sum = sum + planes[k].normal;
     }

@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/priors/align_prior.h"
 
+#include "colmap_tsar/priors/axis_sample.h"
 #include "colmap_tsar/priors/correct_prior.h"
-#include "colmap_tsar/priors/outlier_share.h"
-#include "colmap_tsar/priors/place_between.h"
-#include "colmap_tsar/priors/prior_type.h"
+#include "colmap_tsar/priors/depth_prior.h"
+#include "colmap_tsar/priors/fit_prior.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,23 +58,21 @@ bool IsValue(float value) { return value > 0.f && std::isfinite(value); }
 // neighbors have one, so that slanted surfaces do not become stairs.
 Image<float> Resample(const Image<float>& values, int width, int height) {
   Image<float> result(width, height);
-  const std::vector<PlaceBetween> columns =
-      PlacesBetween(values.Width(), width);
-  const std::vector<PlaceBetween> rows = PlacesBetween(values.Height(), height);
+  const std::vector<AxisSample> columns = AxisSamples(values.Width(), width);
   for (int y = 0; y < height; ++y) {
-    const PlaceBetween row = rows[static_cast<size_t>(y)];
-    const float* const top = &values(0, static_cast<int>(row.first));
-    const float* const bottom = &values(0, static_cast<int>(row.second));
+    const AxisSample row = AxisSample::At(y, values.Height(), height);
+    const float* const top = &values(0, row.first);
+    const float* const bottom = &values(0, row.second);
     for (int x = 0; x < width; ++x) {
-      const auto [x0, x1, share] = columns[static_cast<size_t>(x)];
+      const AxisSample& column = columns[static_cast<size_t>(x)];
+      const auto [x0, x1, share] = column;
       if (IsValue(top[x0]) && IsValue(top[x1]) && IsValue(bottom[x0]) &&
           IsValue(bottom[x1])) {
         result(x, y) =
             (1.f - row.share) * ((1.f - share) * top[x0] + share * top[x1]) +
             row.share * ((1.f - share) * bottom[x0] + share * bottom[x1]);
       } else {
-        const float nearest =
-            (row.share < 0.5f ? top : bottom)[share < 0.5f ? x0 : x1];
+        const float nearest = values(column.Nearest(), row.Nearest());
         result(x, y) = IsValue(nearest) ? nearest : 0.f;
       }
     }

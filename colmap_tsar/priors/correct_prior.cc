@@ -4,8 +4,8 @@
 #include "colmap_tsar/priors/correct_prior.h"
 
 #include "colmap_tsar/base/median.h"
+#include "colmap_tsar/priors/axis_sample.h"
 #include "colmap_tsar/priors/fit_prior.h"
-#include "colmap_tsar/priors/place_between.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,6 @@
 #include <cstddef>
 #include <iterator>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -84,22 +83,21 @@ class CorrectionField {
     const int height = log_depth_.Height();
     PriorCorrection result{Image<float>::Uninitialized(width, height),
                            Image<float>::Uninitialized(width, height)};
-    const std::vector<PlaceBetween> columns = PlacesBetween(width_, width);
-    const std::vector<PlaceBetween> rows = PlacesBetween(height_, height);
+    const std::vector<AxisSample> columns = AxisSamples(width_, width);
     Eigen::ArrayXf right(width);  // The share of the cells on the right.
     for (int x = 0; x < width; ++x) {
       right[x] = columns[static_cast<size_t>(x)].share;
     }
     std::array<CellsOfPixels, 4> cells;
-    size_t row_of_cells = NumCells();
+    int row_of_cells = -1;
     for (int y = 0; y < height; ++y) {
-      const auto [first, second, below] = rows[static_cast<size_t>(y)];
+      const auto [first, second, below] = AxisSample::At(y, height_, height);
       if (first != row_of_cells) {
         row_of_cells = first;
-        cells = {ExpandRow(first, columns, &PlaceBetween::first),
-                 ExpandRow(first, columns, &PlaceBetween::second),
-                 ExpandRow(second, columns, &PlaceBetween::first),
-                 ExpandRow(second, columns, &PlaceBetween::second)};
+        cells = {ExpandRow(first, columns, &AxisSample::first),
+                 ExpandRow(first, columns, &AxisSample::second),
+                 ExpandRow(second, columns, &AxisSample::first),
+                 ExpandRow(second, columns, &AxisSample::second)};
       }
       const Eigen::Map<const Eigen::ArrayXf> depth(&log_depth_(0, y), width);
       Eigen::ArrayXf sum = Eigen::ArrayXf::Zero(width);
@@ -356,12 +354,12 @@ class CorrectionField {
   }
 
   // For each pixel of a row the cell on its left or right.
-  CellsOfPixels ExpandRow(size_t row,
-                          const std::vector<PlaceBetween>& columns,
-                          size_t PlaceBetween::*side) const {
+  CellsOfPixels ExpandRow(int row,
+                          const std::vector<AxisSample>& columns,
+                          int AxisSample::*side) const {
     CellsOfPixels cells(columns.size(), 3);
     for (size_t x = 0; x < columns.size(); ++x) {
-      const size_t cell = row * static_cast<size_t>(width_) + columns[x].*side;
+      const auto cell = static_cast<size_t>(row * width_ + columns[x].*side);
       cells.row(x) << (std::isnan(depths_[cell]) ? kFar : depths_[cell]),
           static_cast<float>(offsets_[cell]),
           static_cast<float>(variances_[cell] + noise_);

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace tsar {
 
@@ -34,5 +35,11 @@ struct DepthPrior {
            normals.NumPixels() * sizeof(Vec3f);
   }
 };
+
+// "auto", "metric", "relative" or "inverse".
+std::string ToString(PriorType type);
+
+// Throws Error kBadOption, naming the option prior_type, for any other text.
+PriorType ParsePriorType(const std::string& text);
 
 }  // namespace tsar

@@ -58,6 +58,12 @@ TSAR_HD inline float NormalSigma(float sigma, const Vec3f& mean) {
   return sqrtf(sigma * sigma + fmaxf(2.f * (1.f - Norm(mean)), 0.f));
 }
 
+// Whether the normals of a superpixel with this mean are of one surface: they
+// deviate by less than 18 degrees.
+TSAR_HD inline bool AreOfOneSurface(const Vec3f& mean) {
+  return Norm(mean) > 0.95f;
+}
+
 // Updates the probability of a depth by the log likelihood ratio of a prior.
 TSAR_HD inline float PosteriorProbability(float probability, float log_ratio) {
   const float odds = probability / (1.f - probability);

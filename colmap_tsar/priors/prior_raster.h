@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/priors/axis_sample.h"
 #include "colmap_tsar/priors/prior_likelihood.h"
 
 #include <cmath>
@@ -31,20 +32,12 @@ struct PriorRaster {
     if (depth.Empty()) {
       return {};
     }
-    const float u = (x + 0.5f) * depth.width / map_width - 0.5f;
-    const float v = (y + 0.5f) * depth.height / map_height - 0.5f;
-    const int nearest_x =
-        Clamp(static_cast<int>(floorf(u + 0.5f)), depth.width);
-    const int nearest_y =
-        Clamp(static_cast<int>(floorf(v + 0.5f)), depth.height);
-    const int x0 = Clamp(static_cast<int>(floorf(u)), depth.width);
-    const int y0 = Clamp(static_cast<int>(floorf(v)), depth.height);
-    const int x1 = Clamp(x0 + 1, depth.width);
-    const int y1 = Clamp(y0 + 1, depth.height);
-    const float s = fminf(fmaxf(u - x0, 0.f), 1.f);
-    const float t = fminf(fmaxf(v - y0, 0.f), 1.f);
-    const float corners[] = {
-        depth(x0, y0), depth(x1, y0), depth(x0, y1), depth(x1, y1)};
+    const AxisSample column = AxisSample::At(x, depth.width, map_width);
+    const AxisSample row = AxisSample::At(y, depth.height, map_height);
+    const float corners[] = {depth(column.first, row.first),
+                             depth(column.second, row.first),
+                             depth(column.first, row.second),
+                             depth(column.second, row.second)};
     float least = corners[0];
     float most = corners[0];
     for (const float corner : corners) {
@@ -52,12 +45,12 @@ struct PriorRaster {
       most = fmaxf(most, corner);
     }
     const bool is_one_surface = least > 0.f && most - least < kStep * least;
-    const float top = corners[0] + s * (corners[1] - corners[0]);
-    const float bottom = corners[2] + s * (corners[3] - corners[2]);
-    return {
-        is_one_surface ? top + t * (bottom - top) : depth(nearest_x, nearest_y),
-        sigma(nearest_x, nearest_y),
-        outlier_share};
+    const float top = corners[0] + column.share * (corners[1] - corners[0]);
+    const float bottom = corners[2] + column.share * (corners[3] - corners[2]);
+    return {is_one_surface ? top + row.share * (bottom - top)
+                           : depth(column.Nearest(), row.Nearest()),
+            sigma(column.Nearest(), row.Nearest()),
+            outlier_share};
   }
 
   // The normal from the surrounding depths, towards the camera; the direction
@@ -77,10 +70,6 @@ struct PriorRaster {
   }
 
  private:
-  TSAR_HD static int Clamp(int i, int size) {
-    return i < 0 ? 0 : (i >= size ? size - 1 : i);
-  }
-
   // The difference to the neighbor of the same surface on either side, in the
   // direction of the step.
   TSAR_HD Vec3f

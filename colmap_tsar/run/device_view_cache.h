@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/run/lru_map.h"
-#include "colmap_tsar/view/uploaded_view.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <cstddef>
 #include <future>

@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
-#include "colmap_tsar/priors/prior_type.h"
+#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/record.h"
 

@@ -9,7 +9,7 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/unmatched_depths.h"
-#include "colmap_tsar/view/uploaded_view.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -12,7 +12,6 @@
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/refined_maps.h"
 #include "colmap_tsar/view/unmatched_depths.h"
-#include "colmap_tsar/view/uploaded_view.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>

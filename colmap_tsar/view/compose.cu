@@ -4,8 +4,10 @@
 #include "colmap_tsar/view/compose.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
 #include "colmap_tsar/view/depth_confidence.h"
 #include "colmap_tsar/view/filter/confirmation.h"
+#include "colmap_tsar/view/superpixels/correlation.h"
 
 #include <cmath>
 #include <utility>
@@ -23,10 +25,7 @@ struct ComposeKernel {
   ComposeInputs inputs;
   DisparityScale scale;
   PlaneTolerance on_plane;
-  // The view's hypotheses, which the result replaces.
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
-  ImageView<uint8_t> provenance;
+  ComposedViews map;  // At first the view's hypotheses.
 
   TSAR_HD bool Same(float a, float b) const {
     return fabsf(a - b) < on_plane.At(b, scale) * b;
@@ -35,7 +34,7 @@ struct ComposeKernel {
   TSAR_HD void operator()(int x, int y) const {
     const Value region = OnPlane(inputs.region_planes, x, y);
     const Value superpixel = OnPlane(inputs.superpixel_planes, x, y);
-    const Value own = {depth(x, y), normal(x, y)};
+    const Value own = {map.depth(x, y), map.normal(x, y)};
     const bool is_confirmed = !inputs.confirmations.Empty() &&
                               static_cast<Confirmation>(inputs.confirmations(
                                   x, y)) != Confirmation::kNone;
@@ -57,9 +56,7 @@ struct ComposeKernel {
       source = Provenance::kSuperpixelPlane;
       value = superpixel;
     }
-    depth(x, y) = value.depth;
-    normal(x, y) = value.normal;
-    provenance(x, y) = static_cast<uint8_t>(source);
+    map.Set(x, y, value.depth, value.normal, source);
   }
 
   TSAR_HD static Value OnPlane(const PlaneRaster& raster, int x, int y) {
@@ -74,9 +71,7 @@ struct ApplyRegionsKernel {
   PlaneRaster planes;
   DisparityScale scale;
   PlaneTolerance on_plane;
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
-  ImageView<uint8_t> provenance;
+  ComposedViews map;
 
   TSAR_HD void operator()(int x, int y) const {
     const Plane plane = planes.At(x, y);
@@ -85,12 +80,13 @@ struct ApplyRegionsKernel {
     }
     const float z = plane.Depth(planes.intrinsics.Ray(x, y));
     const bool is_measured =
-        static_cast<Provenance>(provenance(x, y)) == Provenance::kMeasured &&
-        fabsf(depth(x, y) - z) < on_plane.At(z, scale) * z;
-    depth(x, y) = z;
-    normal(x, y) = plane.normal;
-    provenance(x, y) = static_cast<uint8_t>(
-        is_measured ? Provenance::kMeasured : Provenance::kRegionPlane);
+        map.Source(x, y) == Provenance::kMeasured &&
+        fabsf(map.depth(x, y) - z) < on_plane.At(z, scale) * z;
+    map.Set(x,
+            y,
+            z,
+            plane.normal,
+            is_measured ? Provenance::kMeasured : Provenance::kRegionPlane);
   }
 };
 
@@ -107,33 +103,66 @@ struct MarkKernel {
 struct ConfidenceKernel {
   ImageView<const uint8_t> provenance;
   ImageView<const float> score;
-  ImageView<float> confidence;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD float operator()(int x, int y) const {
     const auto source = static_cast<Provenance>(provenance(x, y));
     // The confidence is never 0, which stands for no depth, even without a
     // score.
-    confidence(x, y) = source == Provenance::kMeasured
-                           ? fminf(fmaxf(score(x, y), kMinConfidence), 1.f)
-                           : ConfidenceOfFilled(source);
+    return source == Provenance::kMeasured
+               ? fminf(fmaxf(score(x, y), kMinConfidence), 1.f)
+               : ConfidenceOfFilled(source);
   }
 };
 
 struct DropKernel {
   float min_confidence;
-  ImageView<float> depth;
-  ImageView<Vec3f> normal;
-  ImageView<uint8_t> provenance;
+  ComposedViews map;
   ImageView<float> confidence;
   TSAR_HD void operator()(int x, int y) const {
     if (!(confidence(x, y) > 0.f) || confidence(x, y) < min_confidence) {
-      depth(x, y) = 0.f;
-      normal(x, y) = {};
-      provenance(x, y) = static_cast<uint8_t>(Provenance::kNone);
+      map.Set(x, y, 0.f, {}, Provenance::kNone);
       confidence(x, y) = 0.f;
     }
   }
 };
+
+bool HasFilter(const RefineOptions& options) {
+  return options.refine && options.weighted_median;
+}
+
+WeightedMedianOptions FilterOptions(const RefineOptions& options,
+                                    int width,
+                                    int height) {
+  WeightedMedianOptions filter;
+  filter.radius = ScaledRadius(2.f * options.window_radius, width, height);
+  filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
+  filter.color_sigma = static_cast<float>(options.color_sigma);
+  filter.min_support = options.fill_wide_holes ? 0.f : 1.f / 3.f;
+  if (options.pixel_distances) {
+    filter.distance_unit = ScaledRadius(1.f, width, height);
+  }
+  return filter;
+}
+
+// The cosine with the ray of normals that are tilted to the camera: that of a
+// plane that the ray still meets.
+constexpr float kGrazing = -1e-3f;
+
+// To negate such a normal would turn its surface over.
+void FaceCamera(const Intrinsics& intrinsics, Image<Vec3f>* normals) {
+  for (int y = 0; y < normals->Height(); ++y) {
+    for (int x = 0; x < normals->Width(); ++x) {
+      Vec3f& normal = (*normals)(x, y);
+      const Vec3f ray =
+          intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+      if (Dot(normal, ray) > 0.f) {
+        const Vec3f direction = Normalized(ray);
+        normal = Normalized(normal +
+                            direction * (kGrazing - Dot(normal, direction)));
+      }
+    }
+  }
+}
 
 }  // namespace
 
@@ -149,12 +178,7 @@ ComposedMap ComposeMap(DepthNormalImages own,
   ParallelFor(device,
               width,
               height,
-              ComposeKernel{inputs,
-                            scale,
-                            options.on_plane,
-                            composed.map.depth.View(),
-                            composed.map.normal.View(),
-                            composed.provenance.View()});
+              ComposeKernel{inputs, scale, options.on_plane, composed.Views()});
   return composed;
 }
 
@@ -166,12 +190,8 @@ void ApplyRegionPlanes(const PlaneRaster& region_planes,
   ParallelFor(device,
               composed->map.depth.Width(),
               composed->map.depth.Height(),
-              ApplyRegionsKernel{region_planes,
-                                 scale,
-                                 options.on_plane,
-                                 composed->map.depth.View(),
-                                 composed->map.normal.View(),
-                                 composed->provenance.View()});
+              ApplyRegionsKernel{
+                  region_planes, scale, options.on_plane, composed->Views()});
 }
 
 void MarkInterpolated(ImageView<const uint8_t> filled,
@@ -186,27 +206,58 @@ void MarkInterpolated(ImageView<const uint8_t> filled,
 DeviceImage<float> ComputeComposedConfidence(const ComposedMap& composed,
                                              ImageView<const float> score,
                                              Device& device) {
-  DeviceImage<float> confidence(device, score.width, score.height);
-  ParallelFor(
-      device,
-      score.width,
-      score.height,
-      ConfidenceKernel{composed.provenance.View(), score, confidence.View()});
-  return confidence;
+  return MapPixels<float>(device,
+                          score.width,
+                          score.height,
+                          ConfidenceKernel{composed.provenance.View(), score});
 }
 
 void DropDoubtful(float min_confidence,
                   ComposedMap* composed,
                   DeviceImage<float>* confidence,
                   Device& device) {
-  ParallelFor(device,
-              composed->map.depth.Width(),
-              composed->map.depth.Height(),
-              DropKernel{min_confidence,
-                         composed->map.depth.View(),
-                         composed->map.normal.View(),
-                         composed->provenance.View(),
-                         confidence->View()});
+  ParallelFor(
+      device,
+      composed->map.depth.Width(),
+      composed->map.depth.Height(),
+      DropKernel{min_confidence, composed->Views(), confidence->View()});
+}
+
+void FillHoles(ImageView<const Rgb> color,
+               const Intrinsics& intrinsics,
+               const RefineOptions& options,
+               int num_iterations,
+               ComposedMap* composed,
+               Device& device) {
+  if (!HasFilter(options)) {
+    return;
+  }
+  const WeightedMedianOptions filter =
+      FilterOptions(options, color.width, color.height);
+  const DeviceImage<uint8_t> filled = InterpolateHoles(
+      color, intrinsics, num_iterations, filter, &composed->map, device);
+  MarkInterpolated(filled.View(), composed, device);
+}
+
+void Download(const ComposedMap& composed,
+              const DeviceImage<float>& confidence,
+              const Intrinsics& intrinsics,
+              RefinedMaps* maps) {
+  maps->depth = composed.map.depth.ToHost();
+  maps->normal = composed.map.normal.ToHost();
+  FaceCamera(intrinsics, &maps->normal);
+  maps->provenance = composed.provenance.ToHost();
+  maps->confidence = confidence.ToHost();
+}
+
+void ShowMaps(StageObserver* observer, const RefinedMaps& maps) {
+  if (observer == nullptr) {
+    return;
+  }
+  observer->Show(RefineStage::kDepth, maps.depth);
+  observer->Show(RefineStage::kNormals, maps.normal);
+  observer->Show(RefineStage::kProvenance, maps.provenance);
+  observer->Show(RefineStage::kConfidence, maps.confidence);
 }
 
 }  // namespace tsar

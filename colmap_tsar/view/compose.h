@@ -5,10 +5,12 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/view/planes/group_planes.h"
+#include "colmap_tsar/view/refine_observer.h"
+#include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/refined_maps.h"
 #include "colmap_tsar/view/superpixels/samples.h"
-#include "colmap_tsar/view/superpixels/weighted_median.h"
 
 #include <cstdint>
 
@@ -29,9 +31,30 @@ struct ComposeInputs {
   ImageView<const uint8_t> confirmations{};
 };
 
+// A composed map in a kernel.
+struct ComposedViews {
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> provenance;
+
+  TSAR_HD Provenance Source(int x, int y) const {
+    return static_cast<Provenance>(provenance(x, y));
+  }
+  TSAR_HD void Set(
+      int x, int y, float z, const Vec3f& direction, Provenance source) const {
+    depth(x, y) = z;
+    normal(x, y) = direction;
+    provenance(x, y) = static_cast<uint8_t>(source);
+  }
+};
+
 struct ComposedMap {
   DepthNormalImages map;
   DeviceImage<uint8_t> provenance;
+
+  ComposedViews Views() {
+    return {map.depth.View(), map.normal.View(), provenance.View()};
+  }
 };
 
 // Composes one map from the results of the stages. A trusted measurement that
@@ -88,5 +111,26 @@ void DropDoubtful(float min_confidence,
                   ComposedMap* composed,
                   DeviceImage<float>* confidence,
                   Device& device);
+
+// R2: fills small holes by weighted medians, and marks them as interpolated.
+// color, intrinsics: those of the map. num_iterations: each fills holes of at
+// most a window's width. Does nothing if the options disable it.
+void FillHoles(ImageView<const Rgb> color,
+               const Intrinsics& intrinsics,
+               const RefineOptions& options,
+               int num_iterations,
+               ComposedMap* composed,
+               Device& device);
+
+// Downloads the maps that are always made. Normals that face away from the
+// camera, a few of those that were measured at grazing angles, are tilted as
+// little as is needed; all others keep their bytes. intrinsics: of the map.
+void Download(const ComposedMap& composed,
+              const DeviceImage<float>& confidence,
+              const Intrinsics& intrinsics,
+              RefinedMaps* maps);
+
+// Shows the result to the observer unless it is null.
+void ShowMaps(StageObserver* observer, const RefinedMaps& maps);
 
 }  // namespace tsar

@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/view/denoise/denoise.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
-#include "colmap_tsar/view/gray.h"
-#include "colmap_tsar/view/superpixels/reduce_color.h"
+#include "colmap_tsar/view/superpixels/samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,11 +27,6 @@ DeviceReference::DeviceReference(const ViewData& view, Device& device)
   hypotheses.depth = DeviceImage<float>(device, view.depth);
   hypotheses.normal = DeviceImage<Vec3f>(device, view.normal);
 }
-
-DeviceViews::DeviceViews(const ViewData& reference,
-                         const std::vector<const ViewData*>& sources,
-                         Device& device)
-    : DeviceViews(reference, UploadViews(sources, device), device) {}
 
 DeviceViews::DeviceViews(
     const ViewData& reference,

@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/view/superpixels/samples.h"
-#include "colmap_tsar/view/uploaded_view.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <cstdint>
@@ -49,10 +48,6 @@ class DeviceViews {
               std::vector<std::shared_ptr<const UploadedView>> sources,
               Device& device,
               bool denoise = true);
-  // This constructor uploads the sources as well.
-  DeviceViews(const ViewData& reference,
-              const std::vector<const ViewData*>& sources,
-              Device& device);
 
   // Waits for the work that may read the sources, which are shared with other
   // devices of the GPU.

@@ -4,20 +4,20 @@
 #include "colmap_tsar/view/find_surfaces.h"
 
 #include "colmap_tsar/base/resize_nearest.h"
-#include "colmap_tsar/view/fill_holes.h"
+#include "colmap_tsar/matching/agreement.h"
+#include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/view/compose.h"
+#include "colmap_tsar/view/denoise/estimate_noise.h"
+#include "colmap_tsar/view/filter/confirmation.h"
+#include "colmap_tsar/view/filter/discontinuity.h"
 #include "colmap_tsar/view/filter/reliability.h"
 #include "colmap_tsar/view/regions/assign_region_planes.h"
-#include "colmap_tsar/view/regions/boundary_test.h"
-#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/edges.h"
 #include "colmap_tsar/view/regions/region_planes.h"
-#include "colmap_tsar/view/regions/roberts.h"
-#include "colmap_tsar/view/regions/segment_planes.h"
-#include "colmap_tsar/view/score_hypotheses.h"
 #include "colmap_tsar/view/stage_options.h"
 #include "colmap_tsar/view/superpixels/correlation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace tsar {
@@ -26,98 +26,11 @@ namespace {
 // A threshold below every score.
 constexpr float kAnyScore = -1.f;
 
-// Computes the superpixels, their planes and the trusted pixels.
-void RefineReliability(const DeviceViews& views,
-                       DeviceImage<uint8_t> reliable,
-                       uint32_t image_id,
-                       const RefineOptions& options,
-                       Device& device,
-                       StageTimer* timer,
-                       StageObserver* observer,
-                       Surfaces* surfaces) {
-  if (!options.refine) {
-    surfaces->trusted = std::move(reliable);
-    return;
-  }
-  const ImageView<const float> score = std::as_const(surfaces->score).View();
-  SlicOptions slic;
-  slic.superpixel_size = options.superpixel_size;
-  surfaces->superpixels =
-      ComputeSuperpixels(views.RasterColor(),
-                         ReduceNearest(score, views.Raster(), device).View(),
-                         slic,
-                         device);
-  ShowStage(observer,
-            RefineStage::kSuperpixels,
-            surfaces->superpixels.labels,
-            device);
-  timer->Finish("superpixels");
-  CorrelationResult correlation =
-      RefineByCorrelation(views.Hypotheses(),
-                          score,
-                          std::move(reliable),
-                          views.Color(),
-                          surfaces->superpixels,
-                          views.Raster(),
-                          views.ReferenceCamera(),
-                          views.Scale(),
-                          MakeCorrelationOptions(options, image_id),
-                          device);
-  surfaces->superpixel_planes = std::move(correlation.planes);
-  surfaces->trusted = std::move(correlation.trusted);
-  surfaces->spread = std::move(correlation.spread);
-  ShowMaskedDepth(observer,
-                  RefineStage::kDepthTrusted,
-                  views.Hypotheses().depth,
-                  std::as_const(surfaces->trusted).View(),
-                  device);
-  if (observer != nullptr && surfaces->superpixel_planes.Size() > 0) {
-    ShowStage(observer,
-              RefineStage::kSuperpixelPlanes,
-              PlanesOfLabels(std::as_const(surfaces->superpixels.labels).View(),
-                             surfaces->superpixel_planes,
-                             device),
-              device);
-  }
-  timer->Finish("refinement");
-}
-
 struct FoundRegions {
   Regions between_edges;
   // The segments of the label image; no labels without a label image.
   Regions segments;
 };
-
-// segments: those of the reference image's ViewData.
-FoundRegions SegmentTexturelessRegions(const DeviceViews& views,
-                                       const Image<uint16_t>& segments,
-                                       const RefineOptions& options,
-                                       Device& device,
-                                       StageObserver* observer) {
-  const float threshold = static_cast<float>(options.edge_threshold);
-  const DeviceImage<uint8_t> edges =
-      options.edges_of_roots
-          ? DetectEdgesOfRoots(views.RasterColor(), threshold, device)
-          : DetectRobertsEdges(views.RasterColor(), threshold, device);
-  const DeviceImage<uint8_t> borders = DrawLineSegments(
-      edges.View(), MakeHoughOptions(options, views.RasterScale()), device);
-  const int min_size = MinRegionSize(options, views.RasterScale());
-  FoundRegions found;
-  found.between_edges = FindRegions(borders.View(), min_size, device);
-  if (!segments.Empty()) {
-    const DeviceImage<uint16_t> on_raster(
-        device,
-        ResizeNearest<uint16_t>(
-            segments, views.Raster().width, views.Raster().height));
-    found.segments =
-        FindSegments(on_raster.View(), borders.View(), min_size, device);
-  }
-  ShowStage(observer, RefineStage::kEdges, edges, device);
-  ShowStage(observer, RefineStage::kLines, borders, device);
-  ShowStage(
-      observer, RefineStage::kRegions, found.between_edges.labels, device);
-  return found;
-}
 
 // The depths to which the planes of regions are fitted, and the mask of usable
 // pixels.
@@ -126,86 +39,265 @@ struct RegionEvidence {
   ImageView<const uint8_t> reliable;
 };
 
-RegionEvidence EvidenceOfRegions(const DeviceViews& views,
-                                 const Surfaces& surfaces) {
-  if (!surfaces.filled.map.depth.Empty()) {
-    return {surfaces.filled.map.depth.View(),
-            surfaces.filled.provenance.View()};
-  }
-  return {surfaces.spread.depth.Empty() ? views.Hypotheses().depth
-                                        : surfaces.spread.depth.View(),
-          surfaces.trusted.View()};
-}
+// FindSurfaces() with its arguments.
+class SurfaceFinder {
+ public:
+  SurfaceFinder(const ViewData& reference,
+                uint32_t image_id,
+                const RefineOptions& options,
+                DeviceViews* views,
+                Device& device,
+                StageTimer* timer,
+                StageObserver* observer)
+      : reference_(reference),
+        image_id_(image_id),
+        options_(options),
+        views_(*views),
+        device_(device),
+        timer_(*timer),
+        observer_(observer) {}
 
-// Fits the planes of regions to the samples and assigns them to pixels.
-DeviceImage<Plane> FitAndAssignPlanes(const DeviceViews& views,
-                                      const Regions& regions,
-                                      ImageView<const RayDepth> samples,
-                                      const RegionPlaneOptions& planes,
-                                      double max_boundary_gap,
-                                      Device& device) {
-  RegionPlanes fits =
-      FitRegionPlanes(regions, samples, views.Scale(), planes, device);
-  if (max_boundary_gap > 0.0) {
-    RejectByBoundary(regions,
-                     samples,
-                     views.RasterIntrinsics(),
-                     static_cast<float>(max_boundary_gap),
-                     device,
-                     &fits);
+  Surfaces Run() {
+    Show(RefineStage::kImage, views_.RasterColor());
+    Show(RefineStage::kDepthInput, views_.Hypotheses().depth);
+    Show(RefineStage::kNormalsInput, views_.Hypotheses().normal);
+    ScoreHypotheses();
+    Show(RefineStage::kScore, surfaces_.score);
+    DeviceImage<uint8_t> reliable = SelectReliable(
+        surfaces_.score.View(),
+        options_.filter ? static_cast<float>(options_.min_aggregated_score)
+                        : kAnyScore,
+        device_);
+    ShowDepthWhere(RefineStage::kDepthReliable, reliable);
+    timer_.Finish("filtering");  // Waits for the device: the sources can go.
+    views_.ReleaseSources();
+    RefineReliability(std::move(reliable));
+    if (options_.fill_before_regions) {
+      surfaces_.filled =
+          ComposeSurfaces({}, options_, &surfaces_, &views_, device_);
+      FillHoles(views_.Color(),
+                views_.MapIntrinsics(),
+                options_,
+                options_.num_iterations,
+                &surfaces_.filled,
+                device_);
+      timer_.Finish("composition");
+    }
+    if (options_.segment) {
+      surfaces_.region_planes = FindRegionPlanes(EvidenceOfRegions());
+    }
+    return std::move(surfaces_);
   }
-  return AssignRegionPlanes(regions,
-                            fits,
-                            samples,
-                            views.RasterIntrinsics(),
-                            views.Scale(),
-                            planes,
-                            device);
-}
 
-DeviceImage<Plane> FindRegionPlanes(const DeviceViews& views,
-                                    const Image<uint16_t>& segments,
-                                    ImageView<const float> score,
-                                    const RegionEvidence& evidence,
-                                    uint32_t image_id,
-                                    const RefineOptions& options,
-                                    Device& device,
-                                    StageTimer* timer,
-                                    StageObserver* observer) {
-  const FoundRegions found =
-      SegmentTexturelessRegions(views, segments, options, device, observer);
-  timer->Finish("segmentation");
-  const RegionPlaneOptions planes =
-      MakeRegionPlaneOptions(options, views.RasterScale(), image_id);
-  const DeviceImage<RayDepth> samples =
-      SampleMeasurements(evidence.depth,
-                         score,
-                         evidence.reliable,
-                         views.MapIntrinsics(),
-                         views.Raster(),
-                         device);
-  const auto planes_of = [&](const Regions& regions) {
-    return FitAndAssignPlanes(views,
-                              regions,
-                              samples.View(),
-                              planes,
-                              options.max_boundary_gap,
-                              device);
-  };
-  DeviceImage<Plane> pixel_planes = planes_of(found.between_edges);
-  if (found.segments.count > 0) {
-    const DeviceImage<Plane> segment_planes = planes_of(found.segments);
-    TakePlanesOfSegments(found.segments,
-                         samples.View(),
-                         segment_planes.View(),
-                         planes.max_boundary_error,
-                         pixel_planes.View(),
-                         device);
+ private:
+  template <typename Raster>
+  void Show(RefineStage stage, const Raster& raster) const {
+    ShowStage(observer_, stage, raster, device_);
   }
-  ShowStage(observer, RefineStage::kRegionPlanes, pixel_planes, device);
-  timer->Finish("region planes");
-  return pixel_planes;
-}
+  void ShowDepthWhere(RefineStage stage,
+                      const DeviceImage<uint8_t>& mask) const {
+    ShowMaskedDepth(
+        observer_, stage, views_.Hypotheses().depth, mask.View(), device_);
+  }
+
+  DeviceImage<float> ScoreMatches() const {
+    MatchingCosts costs =
+        ComputeMatchingCosts(views_.Reference(), views_.Sources(), device_);
+    if (!reference_.min_cost.Empty()) {
+      costs.min_cost = DeviceImage<float>(device_, reference_.min_cost);
+      costs.second_cost = DeviceImage<float>(device_, reference_.second_cost);
+    }
+    DeviceImage<float> confidence =
+        ComputeConfidence(costs, MakeConfidenceOptions(options_), device_);
+    Show(RefineStage::kCost, costs.min_cost);
+    Show(RefineStage::kMatchConfidence, confidence);
+    return confidence;
+  }
+
+  // Joint hypothesis filtering up to its threshold.
+  void ScoreHypotheses() {
+    DeviceImage<float> confidence;
+    if (options_.filter_confidence) {
+      confidence = ScoreMatches();
+    }
+    DeviceImage<uint8_t> agreement;
+    if (options_.view_agreement) {
+      agreement = CountAgreeingSources(
+          views_.Reference(), views_.Sources(), {}, device_);
+      Show(RefineStage::kAgreement, agreement);
+      if (options_.confirmed_depths) {
+        const ImageView<const float> gray = views_.Reference().gray;
+        // Depths that COLMAP's consistency check rejected are no candidates,
+        // lest they be confirmed by chance.
+        const DeviceImage<uint8_t> is_to_refine(device_,
+                                                reference_.is_to_refine);
+        surfaces_.confirmations = ConfirmDepths(gray,
+                                                agreement.View(),
+                                                is_to_refine.View(),
+                                                EstimateNoise(gray, device_),
+                                                device_);
+      }
+    }
+    timer_.Finish("matching");
+    const ImageView<const float> depth = views_.Hypotheses().depth;
+    DeviceImage<float> discontinuity;
+    if (options_.filter_discontinuity) {
+      discontinuity = ComputeDiscontinuity(depth, views_.Scale(), {}, device_);
+      Show(RefineStage::kDiscontinuity, discontinuity);
+    }
+    ReliabilityOptions reliability;
+    reliability.confidence_weight =
+        static_cast<float>(options_.confidence_weight);
+    reliability.saturating_agreement = std::clamp(
+        views_.NumSourcesWithDepth(), 1, reliability.saturating_agreement);
+    surfaces_.score = AggregateScores(depth,
+                                      confidence.View(),
+                                      discontinuity.View(),
+                                      agreement.View(),
+                                      reliability,
+                                      device_);
+  }
+
+  // Computes the superpixels, their planes and the trusted pixels.
+  void RefineReliability(DeviceImage<uint8_t> reliable) {
+    if (!options_.refine) {
+      surfaces_.trusted = std::move(reliable);
+      return;
+    }
+    const ImageView<const float> score = surfaces_.score.View();
+    SlicOptions slic;
+    slic.superpixel_size = options_.superpixel_size;
+    surfaces_.superpixels = ComputeSuperpixels(
+        views_.RasterColor(),
+        ReduceNearest(score, views_.Raster(), device_).View(),
+        slic,
+        device_);
+    Show(RefineStage::kSuperpixels, surfaces_.superpixels.labels);
+    timer_.Finish("superpixels");
+    CorrelationResult correlation =
+        RefineByCorrelation(views_.Hypotheses(),
+                            score,
+                            std::move(reliable),
+                            views_.Color(),
+                            surfaces_.superpixels,
+                            views_.Raster(),
+                            views_.ReferenceCamera(),
+                            views_.Scale(),
+                            MakeCorrelationOptions(options_, image_id_),
+                            device_);
+    surfaces_.superpixel_planes = std::move(correlation.planes);
+    surfaces_.trusted = std::move(correlation.trusted);
+    surfaces_.spread = std::move(correlation.spread);
+    ShowDepthWhere(RefineStage::kDepthTrusted, surfaces_.trusted);
+    if (observer_ != nullptr && surfaces_.superpixel_planes.Size() > 0) {
+      Show(RefineStage::kSuperpixelPlanes,
+           PlanesOfLabels(std::as_const(surfaces_.superpixels.labels).View(),
+                          surfaces_.superpixel_planes,
+                          device_));
+    }
+    timer_.Finish("refinement");
+  }
+
+  FoundRegions SegmentTexturelessRegions() const {
+    const float threshold = static_cast<float>(options_.edge_threshold);
+    const DeviceImage<uint8_t> edges =
+        options_.edges_of_roots
+            ? DetectEdgesOfRoots(views_.RasterColor(), threshold, device_)
+            : DetectRobertsEdges(views_.RasterColor(), threshold, device_);
+    const DeviceImage<uint8_t> borders =
+        DrawLineSegments(edges.View(),
+                         MakeHoughOptions(options_, views_.RasterScale()),
+                         device_);
+    const int min_size = MinRegionSize(options_, views_.RasterScale());
+    FoundRegions found;
+    found.between_edges = FindRegions(borders.View(), min_size, device_);
+    if (!reference_.segments.Empty()) {
+      const DeviceImage<uint16_t> on_raster(
+          device_,
+          ResizeNearest<uint16_t>(reference_.segments,
+                                  views_.Raster().width,
+                                  views_.Raster().height));
+      found.segments =
+          FindSegments(on_raster.View(), borders.View(), min_size, device_);
+    }
+    Show(RefineStage::kEdges, edges);
+    Show(RefineStage::kLines, borders);
+    Show(RefineStage::kRegions, found.between_edges.labels);
+    return found;
+  }
+
+  RegionEvidence EvidenceOfRegions() const {
+    if (!surfaces_.filled.map.depth.Empty()) {
+      return {surfaces_.filled.map.depth.View(),
+              surfaces_.filled.provenance.View()};
+    }
+    return {surfaces_.spread.depth.Empty() ? views_.Hypotheses().depth
+                                           : surfaces_.spread.depth.View(),
+            surfaces_.trusted.View()};
+  }
+
+  // Fits the planes of regions to the samples and assigns them to pixels.
+  DeviceImage<Plane> FitAndAssignPlanes(
+      const Regions& regions,
+      ImageView<const RayDepth> samples,
+      const RegionPlaneOptions& plane_options) const {
+    RegionPlanes fits = FitRegionPlanes(
+        regions, samples, views_.Scale(), plane_options, device_);
+    if (options_.max_boundary_gap > 0.0) {
+      RejectByBoundary(regions,
+                       samples,
+                       views_.RasterIntrinsics(),
+                       static_cast<float>(options_.max_boundary_gap),
+                       device_,
+                       &fits);
+    }
+    return AssignRegionPlanes(regions,
+                              fits,
+                              samples,
+                              views_.RasterIntrinsics(),
+                              views_.Scale(),
+                              plane_options,
+                              device_);
+  }
+
+  DeviceImage<Plane> FindRegionPlanes(const RegionEvidence& evidence) {
+    const FoundRegions found = SegmentTexturelessRegions();
+    timer_.Finish("segmentation");
+    const RegionPlaneOptions plane_options =
+        MakeRegionPlaneOptions(options_, views_.RasterScale(), image_id_);
+    const DeviceImage<RayDepth> samples =
+        SampleMeasurements(evidence.depth,
+                           surfaces_.score.View(),
+                           evidence.reliable,
+                           views_.MapIntrinsics(),
+                           views_.Raster(),
+                           device_);
+    DeviceImage<Plane> planes =
+        FitAndAssignPlanes(found.between_edges, samples.View(), plane_options);
+    if (found.segments.count > 0) {
+      const DeviceImage<Plane> segment_planes =
+          FitAndAssignPlanes(found.segments, samples.View(), plane_options);
+      TakePlanesOfSegments(found.segments,
+                           samples.View(),
+                           segment_planes.View(),
+                           plane_options.max_boundary_error,
+                           planes.View(),
+                           device_);
+    }
+    Show(RefineStage::kRegionPlanes, planes);
+    timer_.Finish("region planes");
+    return planes;
+  }
+
+  const ViewData& reference_;
+  const uint32_t image_id_;
+  const RefineOptions& options_;
+  DeviceViews& views_;
+  Device& device_;
+  StageTimer& timer_;
+  StageObserver* const observer_;
+  Surfaces surfaces_;
+};
 
 }  // namespace
 
@@ -216,60 +308,9 @@ Surfaces FindSurfaces(const ViewData& reference,
                       Device& device,
                       StageTimer* timer,
                       StageObserver* observer) {
-  Surfaces surfaces;
-  ShowStage(observer, RefineStage::kImage, views->RasterColor(), device);
-  ShowStage(
-      observer, RefineStage::kDepthInput, views->Hypotheses().depth, device);
-  ShowStage(
-      observer, RefineStage::kNormalsInput, views->Hypotheses().normal, device);
-  HypothesisScores scores =
-      ScoreHypotheses(reference, *views, options, device, timer, observer);
-  surfaces.score = std::move(scores.score);
-  surfaces.confirmations = std::move(scores.confirmations);
-  ShowStage(observer, RefineStage::kScore, surfaces.score, device);
-  DeviceImage<uint8_t> reliable = SelectReliable(
-      surfaces.score.View(),
-      options.filter ? static_cast<float>(options.min_aggregated_score)
-                     : kAnyScore,
-      device);
-  ShowMaskedDepth(observer,
-                  RefineStage::kDepthReliable,
-                  views->Hypotheses().depth,
-                  std::as_const(reliable).View(),
-                  device);
-  timer->Finish("filtering");  // Waits for the device: the sources can go.
-  views->ReleaseSources();
-  RefineReliability(*views,
-                    std::move(reliable),
-                    image_id,
-                    options,
-                    device,
-                    timer,
-                    observer,
-                    &surfaces);
-  if (options.fill_before_regions) {
-    surfaces.filled = ComposeSurfaces({}, options, &surfaces, views, device);
-    FillHoles(views->Color(),
-              views->MapIntrinsics(),
-              options,
-              options.num_iterations,
-              &surfaces.filled,
-              device);
-    timer->Finish("composition");
-  }
-  if (options.segment) {
-    surfaces.region_planes =
-        FindRegionPlanes(*views,
-                         reference.segments,
-                         surfaces.score.View(),
-                         EvidenceOfRegions(*views, surfaces),
-                         image_id,
-                         options,
-                         device,
-                         timer,
-                         observer);
-  }
-  return surfaces;
+  return SurfaceFinder(
+             reference, image_id, options, views, device, timer, observer)
+      .Run();
 }
 
 ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,

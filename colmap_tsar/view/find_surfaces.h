@@ -19,8 +19,10 @@ namespace tsar {
 
 // The results of the single-view stages.
 struct Surfaces {
-  DeviceImage<float> score;            // n_aggr of the hypotheses.
-  DeviceImage<uint8_t> confirmations;  // HypothesisScores::confirmations.
+  DeviceImage<float> score;  // n_aggr of Eq. 2, with the agreement of views.
+  // The Confirmation of each hypothesis. Empty without
+  // RefineOptions::confirmed_depths or view_agreement.
+  DeviceImage<uint8_t> confirmations;
   DeviceImage<uint8_t> trusted;  // Nonzero where the hypothesis is trusted.
   // Empty without RefineOptions::refine.
   Superpixels superpixels;

@@ -7,7 +7,6 @@
 #include "colmap_tsar/view/view_data.h"
 
 #include <cstddef>
-#include <vector>
 
 namespace tsar {
 

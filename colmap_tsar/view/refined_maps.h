@@ -4,9 +4,12 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 
 namespace tsar {
@@ -37,7 +40,7 @@ constexpr std::array<const char*, 8> kProvenanceNames = {"none",
 struct RefinedMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
-  Image<float> confidence;    // In [0, 1]; see confidence_level.h.
+  Image<float> confidence;    // In [0, 1].
   Image<uint8_t> provenance;  // Values of Provenance; 0 = no depth.
   // 1 + the index of the pixel's scene plane (scene_model.h), 0 = none; empty
   // without a model of the scene.
@@ -52,6 +55,19 @@ inline int64_t RefinedMapsBytes(int64_t num_pixels) {
   constexpr size_t kBytesPerPixel = 2 * sizeof(float) + sizeof(Vec3f) +
                                     sizeof(uint8_t) + 2 * sizeof(uint16_t);
   return num_pixels * static_cast<int64_t>(kBytesPerPixel);
+}
+
+// The values of confidence maps: a confidence in [0, 1] in 255 steps. 0 is
+// reserved for no depth; positive values below one step become 1.
+inline uint8_t ToConfidenceLevel(float confidence) {
+  return confidence > 0.f
+             ? static_cast<uint8_t>(std::lround(
+                   255.f * std::clamp(confidence, 1.f / 255.f, 1.f)))
+             : uint8_t{0};
+}
+
+TSAR_HD inline float ConfidenceOfLevel(uint8_t level) {
+  return static_cast<float>(level) / 255.f;
 }
 
 }  // namespace tsar

@@ -3,9 +3,9 @@
 
 #pragma once
 
-#include "colmap_tsar/view/filter/confidence.h"
+#include "colmap_tsar/view/filter/reliability.h"
 #include "colmap_tsar/view/refine_options.h"
-#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/edges.h"
 #include "colmap_tsar/view/regions/region_planes.h"
 #include "colmap_tsar/view/superpixels/correlation.h"
 

@@ -4,10 +4,10 @@
 #include "colmap_tsar/view/unmatched_depths.h"
 
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/matching/distinct_matches.h"
+#include "colmap_tsar/matching/filter_hypotheses.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/view/gray.h"
-#include "colmap_tsar/view/uploaded_view.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
 

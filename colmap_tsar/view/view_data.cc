@@ -3,6 +3,11 @@
 
 #include "colmap_tsar/view/view_data.h"
 
+#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/matching/gray_pair.h"
+
+#include <algorithm>
+
 namespace tsar {
 
 size_t ViewData::NumBytes() const {
@@ -19,6 +24,46 @@ int64_t ViewDataBytes(int64_t num_pixels, bool has_costs) {
                                  sizeof(uint8_t) +
                                  (has_costs ? 2 * sizeof(float) : 0);
   return num_pixels * static_cast<int64_t>(bytes_per_pixel);
+}
+
+bool HasDepth(const Image<float>& depth) {
+  return std::any_of(
+      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
+}
+
+std::shared_ptr<const UploadedView> UploadView(
+    const ViewData& view, Device& device, std::shared_ptr<UploadedView> spare) {
+  const int width = view.depth.Width();
+  const int height = view.depth.Height();
+  if (spare == nullptr || spare->depth.Width() != width ||
+      spare->depth.Height() != height) {
+    spare = std::make_shared<UploadedView>();
+    spare->gray = DeviceImage<GrayPair>(device, width, height);
+    spare->depth = DeviceImage<float>(device, width, height);
+  }
+  spare->camera = view.camera;
+  spare->has_depth = HasDepth(view.depth);
+  const DeviceImage<Rgb> color(device, view.color);
+  ComputeGrayPairs(color.View(), spare->gray.View(), device);
+  // Upload() cannot be used, since another device may have allocated the
+  // memory.
+  device.CopyToDevice(spare->depth.View().data,
+                      view.depth.Data(),
+                      view.depth.NumPixels() * sizeof(float));
+  return spare;
+}
+
+std::vector<std::shared_ptr<const UploadedView>> UploadViews(
+    const std::vector<const ViewData*>& views, Device& device) {
+  std::vector<std::shared_ptr<const UploadedView>> uploaded;
+  for (const ViewData* view : views) {
+    uploaded.push_back(UploadView(*view, device));
+  }
+  return uploaded;
+}
+
+int64_t UploadedViewBytes(int64_t num_pixels) {
+  return BytesOf<GrayPair>(num_pixels) + BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

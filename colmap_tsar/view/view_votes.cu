@@ -36,16 +36,12 @@ struct VoteKernel {
       return;
     }
     ViewVotes& of_pixel = votes(x, y);
-    if (front(ReducedRaster::FromMap(x, depth.width, front.width),
-              ReducedRaster::FromMap(y, depth.height, front.height)) <
+    if (ValueOnMap(front, x, y, depth.width, depth.height) <
         (1.f - kOtherSurface) * own) {
       Count(&of_pixel.in_front);
     }
     SeenPoint seen;
-    if (!FindInSource(
-            source,
-            intrinsics.Ray(static_cast<float>(x), static_cast<float>(y)) * own,
-            &seen)) {
+    if (!FindInSource(source, intrinsics.Ray(x, y) * own, &seen)) {
       return;
     }
     const float there = surface(seen.column, seen.row);

@@ -77,7 +77,12 @@ class ComposeImageTest : public SyntheticViewsTest {
     return whole;
   }
   RefinedMaps RefineAlone() const {
-    return RefineImage(drawn_.views[0], drawn_.Sources(), 0, {}, *device_).maps;
+    return RefineImage(drawn_.views[0],
+                       UploadViews(drawn_.Sources(), *device_),
+                       0,
+                       {},
+                       *device_)
+        .maps;
   }
 };
 

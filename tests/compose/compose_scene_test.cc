@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
+#include "colmap_tsar/view/depth_confidence.h"
 #include "colmap_tsar/view/filter/confirmation.h"
-#include "colmap_tsar/view/measurement_support.h"
 
 #include <memory>
 #include <numeric>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/compose/confidence_level.h"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include <gtest/gtest.h>
 

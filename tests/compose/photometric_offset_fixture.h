@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/compose/photometric_offset.h"
 #include "colmap_tsar/matching/gray_pair.h"
-#include "colmap_tsar/view/gray.h"
 
 #include <cmath>
 #include <memory>

@@ -22,7 +22,11 @@ namespace {
 class RefineImageTest : public SyntheticViewsTest {
  protected:
   RefineResult Refine(const RefineOptions& options = {}) const {
-    return RefineImage(drawn_.views[0], drawn_.Sources(), 1, options, *device_);
+    return RefineImage(drawn_.views[0],
+                       UploadViews(drawn_.Sources(), *device_),
+                       1,
+                       options,
+                       *device_);
   }
 };
 

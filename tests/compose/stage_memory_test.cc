@@ -4,11 +4,10 @@
 #include "colmap_tsar/compose/stage_memory.h"
 
 #include "colmap_tsar/compose/compose_image.h"
-#include "colmap_tsar/compose/measure_image.h"
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/refine_option_list.h"
-#include "colmap_tsar/view/uploaded_view.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
 #include <functional>

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/view/filter/confidence.h"
 #include "colmap_tsar/view/filter/discontinuity.h"
 #include "colmap_tsar/view/filter/reliability.h"
 

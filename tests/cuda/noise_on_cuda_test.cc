@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/view/denoise/denoise.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
-#include "colmap_tsar/view/gray.h"
 
 #include "tests/cuda/cuda_test.h"
 

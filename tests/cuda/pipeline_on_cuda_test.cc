@@ -410,7 +410,7 @@ TEST_F(CudaTest, RefineImage) {
                     StageInputs& inputs, Device& device, StageResult* result) {
                   const RefineResult refined =
                       RefineImage(inputs.drawn.views[0],
-                                  inputs.drawn.Sources(),
+                                  UploadViews(inputs.drawn.Sources(), device),
                                   1,
                                   options,
                                   device);

@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/view/superpixels/cielab.h"
 #include "colmap_tsar/view/superpixels/correlation.h"
-#include "colmap_tsar/view/superpixels/fragments.h"
-#include "colmap_tsar/view/superpixels/reduce_color.h"
+#include "colmap_tsar/view/superpixels/samples.h"
+#include "colmap_tsar/view/superpixels/slic.h"
 #include "colmap_tsar/view/superpixels/trust.h"
 
 #include <algorithm>

@@ -89,7 +89,7 @@ Image<float> RandomImage(int width, int height, float max, uint32_t seed) {
 
 StageInputs::StageInputs(const SceneSize& size, Device& device)
     : drawn(DrawScene(size)),
-      views(drawn.views[0], drawn.Sources(), device),
+      views(drawn.views[0], UploadViews(drawn.Sources(), device), device),
       score(device, RandomImage(size.width, size.height, 1.2f, 20)),
       reliable(ThreeOfFour(size.width, size.height, device)),
       samples(SampleMeasurements(views.Hypotheses().depth,

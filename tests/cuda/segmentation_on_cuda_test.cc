@@ -2,10 +2,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/view/regions/assign_region_planes.h"
-#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/edges.h"
 #include "colmap_tsar/view/regions/region_planes.h"
-#include "colmap_tsar/view/regions/roberts.h"
-#include "colmap_tsar/view/regions/segment_planes.h"
 
 #include "tests/cuda/cuda_test.h"
 

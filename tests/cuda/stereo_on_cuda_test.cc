@@ -4,7 +4,6 @@
 #include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
-#include "colmap_tsar/matching/smooth_normals.h"
 #include "colmap_tsar/tools/stereo/planar_prior.h"
 
 #include <cmath>

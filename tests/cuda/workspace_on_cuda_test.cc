@@ -7,13 +7,13 @@
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/cuda_device.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/run/device_view_cache.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/refine_devices.h"
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
-#include "colmap_tsar/view/gray.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <cstring>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/matching/distinct_matches.h"
+#include "colmap_tsar/matching/filter_hypotheses.h"
 
 #include <limits>
 

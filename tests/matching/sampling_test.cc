@@ -1,9 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/matching/plane_sampling.cuh"
-#include "colmap_tsar/matching/propagation_areas.cuh"
-#include "colmap_tsar/matching/view_weight.cuh"
+#include "colmap_tsar/matching/patch_match_steps.cuh"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/matching/smooth_normals.h"
-
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/matching/plane_maps.h"
 
 #include <cmath>
 #include <utility>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/priors/prior_folder.h"
 
-#include "colmap_tsar/priors/prior_type.h"
+#include "colmap_tsar/priors/depth_prior.h"
 
 #include <string>
 #include <vector>

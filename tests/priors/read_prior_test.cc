@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/priors/read_prior.h"
+#include "colmap_tsar/priors/prior_folder.h"
 
 #include <cmath>
 #include <cstdint>

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/compose/measure_image.h"
+#include "colmap_tsar/compose/refine_image.h"
 
 #include <cstdint>
 #include <memory>

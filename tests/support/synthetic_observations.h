@@ -7,7 +7,6 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/view/planes/depth_observation.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/fill_holes.h"
+#include "colmap_tsar/view/compose.h"
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/superpixels/reduce_color.h"
+#include "colmap_tsar/view/superpixels/samples.h"
 
 #include <algorithm>
 #include <cstdlib>

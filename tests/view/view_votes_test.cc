@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/view_votes.h"
 
-#include "colmap_tsar/view/measurement_support.h"
+#include "colmap_tsar/view/depth_confidence.h"
 
 #include <memory>
 #include <utility>

@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene/discovery/merge_planes.h"
 
 #include "colmap_tsar/scene/discovery/plane_ranking.h"
-#include "colmap_tsar/view/planes/depth_observation.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <algorithm>
 #include <cmath>

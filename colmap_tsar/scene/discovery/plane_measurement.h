@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/scene/discovery/discover_planes.h"
-#include "colmap_tsar/view/planes/depth_observation.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
 #include <vector>

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/median.h"
-#include "colmap_tsar/view/planes/plane_uncertainty.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <algorithm>
 #include <cstddef>

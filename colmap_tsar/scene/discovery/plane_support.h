@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/scene/discovery/discover_planes.h"
-#include "colmap_tsar/view/planes/depth_observation.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <cmath>
 #include <vector>

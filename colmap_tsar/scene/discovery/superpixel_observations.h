@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/scene/discovery/discover_planes.h"
-#include "colmap_tsar/view/planes/depth_observation.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/compose/confidence_level.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/tools/export/map_levels.h"
 #include "colmap_tsar/tools/export/value_files.h"

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/tools/export/map_levels.h"
 
-#include "colmap_tsar/compose/confidence_level.h"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
 #include <cmath>

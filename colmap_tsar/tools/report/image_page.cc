@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/compose/confidence_level.h"
 #include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
@@ -17,6 +16,7 @@
 #include "colmap_tsar/tools/report/page_text.h"
 #include "colmap_tsar/tools/report/pictures.h"
 #include "colmap_tsar/tools/report/workspace_comparison.h"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
 #include <array>

@@ -3,12 +3,12 @@
 
 #include "colmap_tsar/tools/stereo/depth_prior_planes.h"
 
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/priors/prior_likelihood.h"
 #include "colmap_tsar/priors/prior_raster.h"
 #include "colmap_tsar/scene/evidence/gather_evidence.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/gray.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/superpixels/samples.h"
 

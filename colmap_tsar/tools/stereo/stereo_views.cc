@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/tools/stereo/stereo_views.h"
 
-#include "colmap_tsar/view/gray.h"
+#include "colmap_tsar/matching/gray_pair.h"
 
 #include <utility>
 

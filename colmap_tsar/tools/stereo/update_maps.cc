@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/tools/stereo/update_maps.h"
 
-#include "colmap_tsar/matching/smooth_normals.h"
+#include "colmap_tsar/matching/plane_maps.h"
 
 #include <algorithm>
 #include <utility>

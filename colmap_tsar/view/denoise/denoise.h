@@ -5,9 +5,7 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/view/denoise/noise_curve.h"
-
-#include <cstdint>
+#include "colmap_tsar/view/denoise/estimate_noise.h"
 
 namespace tsar {
 

@@ -10,7 +10,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/view/denoise/denoise.h"
-#include "colmap_tsar/view/denoise/noise_curve.h"
+#include "colmap_tsar/view/denoise/estimate_noise.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,7 +5,9 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 namespace tsar {
 namespace {
@@ -64,6 +66,81 @@ struct BlockKernel {
   }
 };
 
+// Variance of rounding to integer levels.
+constexpr double kQuantizationVariance = 1.0 / 12.0;
+// Gray levels outside of these may be clipped.
+constexpr float kMinLevel = 8.f;
+constexpr float kMaxLevel = 247.f;
+// Blocks are compared with those of about the same brightness.
+constexpr int kNumBins = 16;
+constexpr size_t kMinBlocksOfBin = 20;
+// The share of a bin's blocks that is assumed flat. Its largest variance lies
+// below the noise's by this quantile of the dispersion of normal noise.
+constexpr double kFlatShare = 0.1;
+constexpr double kFlatQuantile = -1.2816;
+// The cost of a bin above the curve; one below it costs 1 minus this, since in
+// some bins no block is flat.
+constexpr double kCostAbove = 0.2;
+
+struct Bin {
+  double level = 0.0;
+  double variance = 0.0;
+  double weight = 0.0;
+};
+
+std::vector<Bin> FlattestOfEachBin(const std::vector<BlockStatistics>& blocks,
+                                   int degrees_of_freedom) {
+  std::vector<std::vector<BlockStatistics>> members(kNumBins);
+  for (const BlockStatistics& block : blocks) {
+    if (block.mean >= kMinLevel && block.mean <= kMaxLevel) {
+      members[static_cast<size_t>(block.mean) * kNumBins / 256].push_back(
+          block);
+    }
+  }
+  const double scatter = std::sqrt(2.0 / degrees_of_freedom);
+  std::vector<Bin> bins;
+  for (std::vector<BlockStatistics>& of_bin : members) {
+    if (of_bin.size() < kMinBlocksOfBin) {
+      continue;
+    }
+    const auto last_flat =
+        of_bin.begin() +
+        static_cast<std::ptrdiff_t>(kFlatShare *
+                                    static_cast<double>(of_bin.size() - 1));
+    std::nth_element(of_bin.begin(),
+                     last_flat,
+                     of_bin.end(),
+                     [](const BlockStatistics& a, const BlockStatistics& b) {
+                       return a.variance < b.variance;
+                     });
+    Bin bin;
+    for (const BlockStatistics& block : of_bin) {
+      bin.level += block.mean;
+    }
+    bin.level /= static_cast<double>(of_bin.size());
+    bin.variance =
+        std::max(last_flat->variance / (1.0 + kFlatQuantile * scatter),
+                 kQuantizationVariance);
+    // Large bins do not outvote all others.
+    bin.weight = std::sqrt(static_cast<double>(of_bin.size()));
+    bins.push_back(bin);
+  }
+  return bins;
+}
+
+// The cost of a curve (an asymmetric loss of log ratios): the variances of
+// textured bins exceed the noise's by orders of magnitude.
+double Cost(const std::vector<Bin>& bins, double constant, double per_level) {
+  double cost = 0.0;
+  for (const Bin& bin : bins) {
+    const double ratio =
+        std::log(bin.variance / (constant + per_level * bin.level));
+    cost += bin.weight *
+            (ratio > 0.0 ? kCostAbove * ratio : (kCostAbove - 1.0) * ratio);
+  }
+  return cost;
+}
+
 }  // namespace
 
 NoiseCurve EstimateNoise(ImageView<const float> gray, Device& device) {
@@ -75,6 +152,40 @@ NoiseCurve EstimateNoise(ImageView<const float> gray, Device& device) {
               BlockKernel{gray, blocks.View()});
   const Image<BlockStatistics> on_host = blocks.ToHost();
   return FitNoiseCurve({on_host.begin(), on_host.end()}, kDegreesOfFreedom);
+}
+
+NoiseCurve FitNoiseCurve(const std::vector<BlockStatistics>& blocks,
+                         int degrees_of_freedom) {
+  const std::vector<Bin> bins = FlattestOfEachBin(blocks, degrees_of_freedom);
+  double constant = kQuantizationVariance;
+  double per_level = 0.0;
+  double least = Cost(bins, constant, per_level);
+  const auto consider = [&](double a, double b) {
+    if (a < kQuantizationVariance || b < 0.0) {
+      return;
+    }
+    const double cost = Cost(bins, a, b);
+    if (cost < least) {
+      least = cost;
+      constant = a;
+      per_level = b;
+    }
+  };
+  // A line of least cost passes through two bins, or through one where it meets
+  // a bound.
+  for (const Bin& bin : bins) {
+    consider(bin.variance, 0.0);
+    consider(kQuantizationVariance,
+             (bin.variance - kQuantizationVariance) / bin.level);
+    for (const Bin& other : bins) {
+      if (other.level > bin.level) {
+        const double slope =
+            (other.variance - bin.variance) / (other.level - bin.level);
+        consider(bin.variance - slope * bin.level, slope);
+      }
+    }
+  }
+  return {static_cast<float>(constant), static_cast<float>(per_level)};
 }
 
 }  // namespace tsar

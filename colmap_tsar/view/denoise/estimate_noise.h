@@ -4,12 +4,39 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/view/denoise/noise_curve.h"
 
-#include <cstdint>
+#include <vector>
 
 namespace tsar {
+
+// The noise of an image: its variance at a gray level on 0-255. Photon noise
+// grows with the level; the sensor and 8-bit levels add a constant: sigma^2(I)
+// = constant + per_level I (Foi et al., Practical Poissonian-Gaussian noise
+// modeling and fitting, IEEE TIP 2008).
+struct NoiseCurve {
+  float constant = 0.f;
+  float per_level = 0.f;
+
+  TSAR_HD float Variance(float level) const {
+    return constant + per_level * level;
+  }
+};
+
+// Mean and variance of a small block of an image, the latter after a linear
+// gradient is subtracted.
+struct BlockStatistics {
+  float mean = 0.f;
+  float variance = 0.f;
+};
+
+// Fits the curve to the variances of the flattest blocks of every brightness,
+// which hold noise alone. Blocks of underexposed or overexposed areas, where
+// levels are clipped, are ignored. Without any others, the result is the noise
+// of rounding to 8 bits. degrees_of_freedom: those of each block's variance.
+NoiseCurve FitNoiseCurve(const std::vector<BlockStatistics>& blocks,
+                         int degrees_of_freedom);
 
 // Estimates the noise of a gray image (0-255) from its flattest blocks of 8 x 8
 // pixels. Compression and resizing correlate the noise of adjacent pixels,

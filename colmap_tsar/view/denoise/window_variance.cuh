@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
-#include "colmap_tsar/view/denoise/own_texture.h"
 
 namespace tsar {
 
@@ -36,11 +35,17 @@ TSAR_HD inline float WindowVariance(const ImageView<const float>& gray,
   return squares / count - mean * mean;
 }
 
-// The own texture of a pixel (own_texture.h).
+// A pixel's own texture: the variance of the gray levels, of 0-255, in the 5
+// x 5 pixels around it. Matching windows are wider: without texture of its own
+// a pixel takes the depth of any edge in its window.
 TSAR_HD inline float OwnTexture(const ImageView<const float>& gray,
                                 int x,
                                 int y) {
-  return WindowVariance(gray, x, y, kOwnTextureRadius);
+  return WindowVariance(gray, x, y, 2);
 }
+
+// The least variance of distinct texture. With less, noise and the texture
+// nearby move a depth by up to 2 % even where other views agree with it.
+constexpr float kDistinctTexture = 64.f;
 
 }  // namespace tsar

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/filter/confirmation.h"
 
-#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
 #include "colmap_tsar/view/denoise/window_variance.cuh"
 
 namespace tsar {
@@ -13,18 +13,15 @@ namespace {
 // variances of the noise. A pixel without texture takes the depth of an edge
 // nearby in all views, which then agree on a wrong depth.
 constexpr float kMinTexture = 2.f;
-// The least own texture of kDistinct, in squared gray levels.
-constexpr float kMinDistinctTexture = kDistinctTexture;
 
 struct ConfirmationKernel {
   ImageView<const float> gray;
   ImageView<const uint8_t> agreement;
   ImageView<const uint8_t> is_candidate;
   NoiseCurve noise;
-  ImageView<uint8_t> confirmations;
 
-  TSAR_HD void operator()(int x, int y) const {
-    confirmations(x, y) = static_cast<uint8_t>(Judge(x, y));
+  TSAR_HD uint8_t operator()(int x, int y) const {
+    return static_cast<uint8_t>(Judge(x, y));
   }
 
   TSAR_HD Confirmation Judge(int x, int y) const {
@@ -36,8 +33,8 @@ struct ConfirmationKernel {
     if (texture < kMinTexture * noise.Variance(gray(x, y))) {
       return Confirmation::kNone;
     }
-    return texture < kMinDistinctTexture ? Confirmation::kWeak
-                                         : Confirmation::kDistinct;
+    return texture < kDistinctTexture ? Confirmation::kWeak
+                                      : Confirmation::kDistinct;
   }
 };
 
@@ -48,13 +45,11 @@ DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
                                    ImageView<const uint8_t> is_candidate,
                                    const NoiseCurve& noise,
                                    Device& device) {
-  DeviceImage<uint8_t> confirmations(device, gray.width, gray.height);
-  ParallelFor(device,
-              gray.width,
-              gray.height,
-              ConfirmationKernel{
-                  gray, agreement, is_candidate, noise, confirmations.View()});
-  return confirmations;
+  return MapPixels<uint8_t>(
+      device,
+      gray.width,
+      gray.height,
+      ConfirmationKernel{gray, agreement, is_candidate, noise});
 }
 
 }  // namespace tsar

@@ -5,8 +5,8 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/view/denoise/noise_curve.h"
-#include "colmap_tsar/view/denoise/own_texture.h"
+#include "colmap_tsar/view/denoise/estimate_noise.h"
+#include "colmap_tsar/view/denoise/window_variance.cuh"
 
 #include <cstdint>
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/device/connected_components.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
 
 #include <cmath>
 
@@ -17,9 +18,8 @@ struct ReduceDisparityKernel {
   ImageView<const float> depth;
   DisparityScale scale;
   int block;
-  ImageView<float> disparity;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD float operator()(int x, int y) const {
     const float middle = 0.5f * (block - 1);
     float best_distance = 4.f * block * block;
     float best_depth = 0.f;
@@ -38,7 +38,7 @@ struct ReduceDisparityKernel {
         }
       }
     }
-    disparity(x, y) = best_depth > 0.f ? scale.ToDisparity(best_depth) : 0.f;
+    return best_depth > 0.f ? scale.ToDisparity(best_depth) : 0.f;
   }
 };
 
@@ -104,11 +104,8 @@ DeviceImage<float> ComputeDiscontinuity(ImageView<const float> depth,
     const int block = 1 << k;
     const int width = (depth.width + block - 1) / block;
     const int height = (depth.height + block - 1) / block;
-    DeviceImage<float> disparity(device, width, height);
-    ParallelFor(device,
-                width,
-                height,
-                ReduceDisparityKernel{depth, scale, block, disparity.View()});
+    const DeviceImage<float> disparity = MapPixels<float>(
+        device, width, height, ReduceDisparityKernel{depth, scale, block});
     const float max_step = options.max_step * block;
     DeviceImage<int> labels(device, width, height);
     LabelComponents(device,

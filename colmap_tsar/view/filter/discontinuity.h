@@ -6,8 +6,6 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/device/buffer.h"
 
-#include <cstdint>
-
 namespace tsar {
 
 struct DiscontinuityOptions {

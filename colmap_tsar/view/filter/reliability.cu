@@ -3,7 +3,8 @@
 
 #include "colmap_tsar/view/filter/reliability.h"
 
-#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/matching/matching_cost.h"
 
 namespace tsar {
 namespace {
@@ -14,12 +15,10 @@ struct AggregateKernel {
   ImageView<const float> discontinuity;
   ImageView<const uint8_t> agreement;
   ReliabilityOptions options;
-  ImageView<float> score;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD float operator()(int x, int y) const {
     if (!(depth(x, y) > 0.f)) {
-      score(x, y) = 0.f;
-      return;
+      return 0.f;
     }
     const float tau = confidence.Empty()      ? 0.f
                       : discontinuity.Empty() ? 1.f
@@ -41,17 +40,46 @@ struct AggregateKernel {
                 ? share
                 : (sum + 2.f * share) / 3.f;
     }
-    score(x, y) = sum;
+    return sum;
   }
 };
 
 struct SelectKernel {
   ImageView<const float> score;
   float threshold;
-  ImageView<uint8_t> reliable;
 
-  TSAR_HD void operator()(int x, int y) const {
-    reliable(x, y) = score(x, y) > threshold ? 1 : 0;
+  TSAR_HD uint8_t operator()(int x, int y) const {
+    return score(x, y) > threshold ? 1 : 0;
+  }
+};
+
+struct ConfidenceKernel {
+  ImageView<const float> min_cost;
+  ImageView<const float> second_cost;
+  ImageView<const float> left_right_difference;
+  ConfidenceOptions options;
+
+  TSAR_HD float operator()(int x, int y) const {
+    const float min = min_cost(x, y);
+    if (min == kUndefinedCost) {
+      return 0.f;
+    }
+    float sum = 0.5f * (2.f - min);
+    int num_terms = 1;
+    const float second = second_cost(x, y);
+    if (options.use_ratio && second != kUndefinedCost) {
+      ++num_terms;
+      // Two costs of 0 have no quotient; their ratio counts as 1.
+      sum += second > 0.f ? min / second : 1.f;
+    }
+    // The LRD is undefined where the costs were read from a file and the
+    // windows of this program lack contrast.
+    const float difference = left_right_difference(x, y);
+    if (options.use_left_right_difference && difference != kUndefinedCost) {
+      ++num_terms;
+      sum += 1.f - difference;
+    }
+    return sum / num_terms;
   }
 };
 
@@ -63,25 +91,32 @@ DeviceImage<float> AggregateScores(ImageView<const float> depth,
                                    ImageView<const uint8_t> agreement,
                                    const ReliabilityOptions& options,
                                    Device& device) {
-  DeviceImage<float> score(device, depth.width, depth.height);
-  ParallelFor(
+  return MapPixels<float>(
       device,
       depth.width,
       depth.height,
-      AggregateKernel{
-          depth, confidence, discontinuity, agreement, options, score.View()});
-  return score;
+      AggregateKernel{depth, confidence, discontinuity, agreement, options});
 }
 
 DeviceImage<uint8_t> SelectReliable(ImageView<const float> score,
                                     float min_aggregated_score,
                                     Device& device) {
-  DeviceImage<uint8_t> reliable(device, score.width, score.height);
-  ParallelFor(device,
-              score.width,
-              score.height,
-              SelectKernel{score, min_aggregated_score, reliable.View()});
-  return reliable;
+  return MapPixels<uint8_t>(device,
+                            score.width,
+                            score.height,
+                            SelectKernel{score, min_aggregated_score});
+}
+
+DeviceImage<float> ComputeConfidence(const MatchingCosts& costs,
+                                     const ConfidenceOptions& options,
+                                     Device& device) {
+  return MapPixels<float>(device,
+                          costs.min_cost.Width(),
+                          costs.min_cost.Height(),
+                          ConfidenceKernel{costs.min_cost.View(),
+                                           costs.second_cost.View(),
+                                           costs.left_right_difference.View(),
+                                           options});
 }
 
 }  // namespace tsar

@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/view/planes/depth_observation.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
 #include <optional>

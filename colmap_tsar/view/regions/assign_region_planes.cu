@@ -3,7 +3,13 @@
 
 #include "colmap_tsar/view/regions/assign_region_planes.h"
 
+#include "colmap_tsar/device/atomic.h"
+#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
+
+#include <cstddef>
+#include <cstdint>
 
 namespace tsar {
 namespace {
@@ -27,9 +33,8 @@ struct CountVotesKernel {
   const SupportedPlane* planes;
   PlaneTolerance tolerance;
   DepthResolution resolution;
-  ImageView<BlockVotes> blocks;
 
-  TSAR_HD void operator()(int column, int row) const {
+  TSAR_HD BlockVotes operator()(int column, int row) const {
     BlockVotes block;
     block.region = Region(labels, column, row);
     if (block.region < 0) {
@@ -52,7 +57,7 @@ struct CountVotesKernel {
         }
       }
     }
-    blocks(column, row) = block;
+    return block;
   }
 
   // The first label in the block.
@@ -74,13 +79,11 @@ struct CountVotesKernel {
 struct ElectKernel {
   ImageView<const BlockVotes> blocks;
   const SupportedPlane* planes;
-  ImageView<int> slots;
 
-  TSAR_HD void operator()(int column, int row) const {
+  TSAR_HD int operator()(int column, int row) const {
     const int region = blocks(column, row).region;
-    slots(column, row) = 0;
     if (region < 0 || !planes[region * kMaxPlanesPerRegion + 1].plane.Valid()) {
-      return;
+      return 0;
     }
     float sums[kMaxPlanesPerRegion] = {};
     for (int r = row - kVoteRadius; r <= row + kVoteRadius; ++r) {
@@ -96,11 +99,11 @@ struct ElectKernel {
         }
       }
     }
+    int best = 0;
     for (int slot = 1; slot < kMaxPlanesPerRegion; ++slot) {
-      if (sums[slot] > sums[slots(column, row)]) {
-        slots(column, row) = slot;
-      }
+      best = sums[slot] > sums[best] ? slot : best;
     }
+    return best;
   }
 };
 
@@ -111,20 +114,17 @@ struct AssignKernel {
   const SupportedPlane* planes;
   Intrinsics intrinsics;
   float max_squared_distance;
-  ImageView<Plane> result;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD Plane operator()(int x, int y) const {
     const int label = labels(x, y);
-    result(x, y) = {};
     if (label < 0) {
-      return;
+      return {};
     }
     const int slot = Slot(label, x / kBlockSize, y / kBlockSize);
     const SupportedPlane& chosen = planes[label * kMaxPlanesPerRegion + slot];
-    if (chosen.plane.Valid() && chosen.support.SquaredDistance(intrinsics.Ray(
-                                    x, y)) <= max_squared_distance) {
-      result(x, y) = chosen.plane;
-    }
+    const bool is_supported = chosen.support.SquaredDistance(
+                                  intrinsics.Ray(x, y)) <= max_squared_distance;
+    return chosen.plane.Valid() && is_supported ? chosen.plane : Plane{};
   }
 
   // The plane elected in the pixel's block, or in a neighboring block of the
@@ -144,6 +144,56 @@ struct AssignKernel {
   }
 };
 
+// For each segment, the number of samples on planes minus those off them.
+struct CountSamplesKernel {
+  const int* segments;
+  const RayDepth* samples;
+  const Plane* planes;
+  float max_gap;
+  int* balances;
+
+  TSAR_HD void operator()(int64_t i) const {
+    const RayDepth& sample = samples[i];
+    if (segments[i] >= 0 && sample.z > 0.f && planes[i].Valid()) {
+      AtomicAdd(balances + segments[i],
+                RelativeDistance(planes[i], sample) < max_gap ? 1 : -1);
+    }
+  }
+};
+
+struct TakePlanesKernel {
+  const int* segments;
+  const Plane* segment_planes;
+  const int* balances_of_segments;
+  const int* balances_of_regions;
+  Plane* region_planes;
+
+  TSAR_HD void operator()(int64_t i) const {
+    const int segment = segments[i];
+    if (segment >= 0 && segment_planes[i].Valid() &&
+        balances_of_segments[segment] > 0 && balances_of_regions[segment] < 0) {
+      region_planes[i] = segment_planes[i];
+    }
+  }
+};
+
+Buffer<int> CountSamples(const Regions& segments,
+                         ImageView<const RayDepth> samples,
+                         ImageView<const Plane> planes,
+                         float max_gap,
+                         Device& device) {
+  Buffer<int> balances(device, static_cast<size_t>(segments.count));
+  Fill(device, balances.Data(), balances.Size(), 0);
+  ParallelFor(device,
+              static_cast<int64_t>(planes.NumPixels()),
+              CountSamplesKernel{segments.labels.View().data,
+                                 samples.data,
+                                 planes.data,
+                                 max_gap,
+                                 balances.Data()});
+  return balances;
+}
+
 }  // namespace
 
 DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
@@ -156,24 +206,19 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
   const ImageView<const int> labels = regions.labels.View();
   const int columns = (labels.width + kBlockSize - 1) / kBlockSize;
   const int rows = (labels.height + kBlockSize - 1) / kBlockSize;
-  DeviceImage<BlockVotes> blocks(device, columns, rows);
-  ParallelFor(device,
-              columns,
-              rows,
-              CountVotesKernel{labels,
-                               planes.grown.View(),
-                               samples,
-                               planes.planes.Data(),
-                               options.ransac.tolerance,
-                               resolution,
-                               blocks.View()});
-  DeviceImage<int> slots(device, columns, rows);
-  ParallelFor(device,
-              columns,
-              rows,
-              ElectKernel{blocks.View(), planes.planes.Data(), slots.View()});
-  DeviceImage<Plane> result(device, labels.width, labels.height);
-  ParallelFor(
+  const DeviceImage<BlockVotes> blocks =
+      MapPixels<BlockVotes>(device,
+                            columns,
+                            rows,
+                            CountVotesKernel{labels,
+                                             planes.grown.View(),
+                                             samples,
+                                             planes.planes.Data(),
+                                             options.ransac.tolerance,
+                                             resolution});
+  const DeviceImage<int> slots = MapPixels<int>(
+      device, columns, rows, ElectKernel{blocks.View(), planes.planes.Data()});
+  return MapPixels<Plane>(
       device,
       labels.width,
       labels.height,
@@ -182,9 +227,26 @@ DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
                    slots.View(),
                    planes.planes.Data(),
                    intrinsics,
-                   options.max_extrapolation * options.max_extrapolation,
-                   result.View()});
-  return result;
+                   options.max_extrapolation * options.max_extrapolation});
+}
+
+void TakePlanesOfSegments(const Regions& segments,
+                          ImageView<const RayDepth> samples,
+                          ImageView<const Plane> segment_planes,
+                          float max_gap,
+                          ImageView<Plane> region_planes,
+                          Device& device) {
+  const Buffer<int> of_segments =
+      CountSamples(segments, samples, segment_planes, max_gap, device);
+  const Buffer<int> of_regions =
+      CountSamples(segments, samples, region_planes, max_gap, device);
+  ParallelFor(device,
+              static_cast<int64_t>(region_planes.NumPixels()),
+              TakePlanesKernel{segments.labels.View().data,
+                               segment_planes.data,
+                               of_segments.Data(),
+                               of_regions.Data(),
+                               region_planes.data});
 }
 
 }  // namespace tsar

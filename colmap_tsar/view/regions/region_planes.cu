@@ -5,9 +5,8 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/view/regions/weighted_sum.h"
+#include "colmap_tsar/matching/map_pixels.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -21,13 +20,26 @@ constexpr int kNumAlignmentRounds = 5;
 // The least share of the core's inliers that must agree with an aligned plane.
 constexpr float kMinAlignedShare = 0.8f;
 
+// The sums of a weighted mean, reduced over a team.
+struct WeightedSum {
+  double value = 0.0;
+  double weight = 0.0;
+
+  TSAR_HD WeightedSum& operator+=(const WeightedSum& other) {
+    value += other.value;
+    weight += other.weight;
+    return *this;
+  }
+  // weight must not be 0.
+  TSAR_HD double Mean() const { return value / weight; }
+};
+
 // The part of a grown region that lies outside its core.
 struct RimKernel {
   ImageView<const int> grown;
   ImageView<const int> core;
-  ImageView<int> rim;
-  TSAR_HD void operator()(int x, int y) const {
-    rim(x, y) = core(x, y) < 0 ? grown(x, y) : -1;
+  TSAR_HD int operator()(int x, int y) const {
+    return core(x, y) < 0 ? grown(x, y) : -1;
   }
 };
 
@@ -186,6 +198,56 @@ struct RemoveInliersKernel {
   }
 };
 
+struct RejectKernel {
+  ImageView<const int> labels;
+  ImageView<const RayDepth> samples;
+  PixelGroupsView groups;
+  Intrinsics intrinsics;
+  float max_gap;
+  SupportedPlane* planes;
+
+  template <typename Team>
+  TSAR_HD void operator()(const Team& team, int64_t item) const {
+    const int64_t region = item / kMaxPlanesPerRegion;
+    const Plane plane = planes[item].plane;
+    if (!plane.Valid()) {
+      return;
+    }
+    const WeightedSum gap = team.template Accumulate<WeightedSum>(
+        groups.Count(region), [&](int i, WeightedSum* sum) {
+          const int pixel = groups.Pixel(region, i);
+          AddGap(plane, pixel % labels.width, pixel / labels.width, sum);
+        });
+    if (team.IsLeader() && gap.weight > 0.0 && !(gap.Mean() < max_gap)) {
+      planes[item] = {};
+    }
+  }
+
+  TSAR_HD void AddGap(const Plane& plane,
+                      int x,
+                      int y,
+                      WeightedSum* gap) const {
+    bool is_on_border = false;
+    float sum = 0.f;
+    int count = 0;
+    for (int row = y - 1; row <= y + 1; ++row) {
+      for (int column = x - 1; column <= x + 1; ++column) {
+        if ((row == y && column == x) || !labels.Contains(column, row)) {
+          continue;
+        }
+        is_on_border |= labels(column, row) != labels(x, y);
+        const float z = samples(column, row).z;
+        sum += z;
+        count += z > 0.f ? 1 : 0;
+      }
+    }
+    if (is_on_border && count > 0) {
+      const float depth = plane.Depth(intrinsics.Ray(x, y));
+      *gap += {fabsf(depth - sum / count), 1.0};
+    }
+  }
+};
+
 }  // namespace
 
 RegionPlanes FitRegionPlanes(const Regions& regions,
@@ -208,11 +270,8 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
   if (!options.use_core) {
     Fill(device, core.View().data, core.View().NumPixels(), -1);
   }
-  DeviceImage<int> rim(device, width, height);
-  ParallelFor(device,
-              width,
-              height,
-              RimKernel{result.grown.View(), core.View(), rim.View()});
+  const DeviceImage<int> rim = MapPixels<int>(
+      device, width, height, RimKernel{result.grown.View(), core.View()});
   const PixelGroups core_groups =
       GroupPixels(core.View(), regions.count, device);
   const PixelGroups rim_groups = GroupPixels(rim.View(), regions.count, device);
@@ -255,6 +314,27 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                                     remaining.View()});
   }
   return result;
+}
+
+void RejectByBoundary(const Regions& regions,
+                      ImageView<const RayDepth> samples,
+                      const Intrinsics& intrinsics,
+                      float max_gap,
+                      Device& device,
+                      RegionPlanes* planes) {
+  if (regions.count == 0) {
+    return;
+  }
+  const PixelGroups groups =
+      GroupPixels(regions.labels.View(), regions.count, device);
+  ParallelForTeams<256>(device,
+                        static_cast<int64_t>(planes->planes.Size()),
+                        RejectKernel{regions.labels.View(),
+                                     samples,
+                                     groups.View(),
+                                     intrinsics,
+                                     max_gap,
+                                     planes->planes.Data()});
 }
 
 }  // namespace tsar

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/view/planes/group_planes.h"
 #include "colmap_tsar/view/regions/regions.h"
 
@@ -67,5 +69,19 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                              const DepthResolution& resolution,
                              const RegionPlaneOptions& options,
                              Device& device);
+
+// Removes each plane whose mean gap to its surroundings is max_gap or more (Eq.
+// 16 as printed). The gap of a pixel on the region's border, one that has a
+// neighbor outside of the region, is that between the plane's depth in the
+// pixel and the mean depth of the samples in its eight neighbors; border pixels
+// beside which there is no sample do not count, and without any the plane
+// stays. samples: z = 0 for none; intrinsics: those of the regions' raster;
+// max_gap: gamma, in the unit of the depths.
+void RejectByBoundary(const Regions& regions,
+                      ImageView<const RayDepth> samples,
+                      const Intrinsics& intrinsics,
+                      float max_gap,
+                      Device& device,
+                      RegionPlanes* planes);
 
 }  // namespace tsar

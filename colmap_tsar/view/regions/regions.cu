@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/scan_and_sort.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace tsar {
@@ -169,10 +168,6 @@ DeviceImage<int> ShrinkLabels(ImageView<const int> labels,
                               int num_steps,
                               Device& device) {
   return Repeat<ShrinkKernel>(labels, num_steps, device);
-}
-
-int64_t MaxRegions(int64_t num_pixels, int min_size) {
-  return num_pixels / std::max(1, min_size);
 }
 
 }  // namespace tsar

@@ -44,7 +44,4 @@ DeviceImage<int> ShrinkLabels(ImageView<const int> labels,
                               int num_steps,
                               Device& device);
 
-// An upper bound of the number of regions.
-int64_t MaxRegions(int64_t num_pixels, int min_size);
-
 }  // namespace tsar

@@ -4,42 +4,19 @@
 #include "colmap_tsar/view/superpixels/correlation.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/view/superpixels/spread_round.h"
+#include "colmap_tsar/matching/map_pixels.h"
 #include "colmap_tsar/view/superpixels/trust.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace tsar {
 namespace {
 
-// The superpixel's plane where there is one, else the trusted pixel's own.
-struct EstimateKernel {
-  DepthNormalViews own;
-  PlaneRaster planes;
-  Intrinsics intrinsics;
-  ImageView<const uint8_t> trusted;
-  ImageView<InverseDepthPlane> estimate;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const Plane plane = planes.At(x, y);
-    if (plane.Valid()) {
-      estimate(x, y) = ToInverseDepth(plane);
-    } else if (trusted(x, y) != 0) {
-      estimate(x, y) = ToInverseDepth(
-          intrinsics.Ray(x, y), own.depth(x, y), own.normal(x, y));
-    } else {
-      estimate(x, y) = {};
-    }
-  }
-};
-
 struct FindHolesKernel {
   ImageView<const float> depth;
-  ImageView<uint8_t> holes;
-  TSAR_HD void operator()(int x, int y) const {
-    holes(x, y) = depth(x, y) > 0.f ? 0 : 1;
+  TSAR_HD uint8_t operator()(int x, int y) const {
+    return depth(x, y) > 0.f ? 0 : 1;
   }
 };
 
@@ -58,13 +35,6 @@ struct FillHolesKernel {
   }
 };
 
-WeightedMedianOptions SigmasOf(const CorrelationOptions& options) {
-  WeightedMedianOptions filter;
-  filter.spatial_sigma = options.spatial_sigma;
-  filter.color_sigma = options.color_sigma;
-  return filter;
-}
-
 // The options of F_A in this round, for a map of this size.
 WeightedMedianOptions FilterOfRound(const CorrelationOptions& options,
                                     int round,
@@ -72,7 +42,9 @@ WeightedMedianOptions FilterOfRound(const CorrelationOptions& options,
                                     int height) {
   const int exponent =
       options.num_iterations - round + (options.small_windows ? 0 : 1);
-  WeightedMedianOptions filter = SigmasOf(options);
+  WeightedMedianOptions filter;
+  filter.spatial_sigma = options.spatial_sigma;
+  filter.color_sigma = options.color_sigma;
   filter.radius = ScaledRadius(
       options.window_radius * std::exp2(static_cast<float>(exponent)),
       width,
@@ -132,44 +104,23 @@ CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
                                           device);
       planes = PlanesOfLabels(superpixels.labels.View(), result.planes, device);
     }
-    const WeightedMedianOptions filter =
+    const PlaneRaster on_map{planes.View(), intrinsics, width, height};
+    const WeightedMedianOptions filter_of_round =
         FilterOfRound(options, round, width, height);
-    const PlaneRaster raster_planes{planes.View(), intrinsics, width, height};
+    const WeightedMedianOptions* const filter =
+        options.use_weighted_median ? &filter_of_round : nullptr;
     const TrustGate gate{own.depth,
                          score,
                          scale,
                          options.disparity_tolerance / round,
                          options.readmit_filtered};
+    const ImageView<uint8_t> trusted = result.trusted.View();
     if (options.spread_medians) {
-      SpreadRound(raster_planes,
-                  color,
-                  options.use_weighted_median ? &filter : nullptr,
-                  gate,
-                  &result.spread,
-                  result.trusted.View(),
-                  device);
-      continue;
+      SpreadRound(on_map, color, filter, gate, &result.spread, trusted, device);
+    } else {
+      GateRound(
+          own, on_map, color, filter, gate, estimate.View(), trusted, device);
     }
-    ParallelFor(device,
-                width,
-                height,
-                EstimateKernel{own,
-                               raster_planes,
-                               intrinsics,
-                               result.trusted.View(),
-                               estimate.View()});
-    if (!options.use_weighted_median) {
-      GateByPlanes(
-          estimate.View(), intrinsics, gate, result.trusted.View(), device);
-      continue;
-    }
-    GateByWeightedMedian(estimate.View(),
-                         color,
-                         intrinsics,
-                         filter,
-                         gate,
-                         result.trusted.View(),
-                         device);
   }
   return result;
 }
@@ -189,11 +140,8 @@ DeviceImage<uint8_t> InterpolateHoles(ImageView<const Rgb> color,
        uint8_t{0});
   WeightedMedianOptions options = first;
   for (int round = 0; round < num_iterations; ++round) {
-    DeviceImage<uint8_t> holes(device, width, height);
-    ParallelFor(device,
-                width,
-                height,
-                FindHolesKernel{map->depth.View(), holes.View()});
+    const DeviceImage<uint8_t> holes = MapPixels<uint8_t>(
+        device, width, height, FindHolesKernel{map->depth.View()});
     const DepthNormalImages filled = WeightedMedianFilter(
         map->Views(), color, holes.View(), intrinsics, options, device);
     ParallelFor(device,

@@ -23,8 +23,7 @@ struct CorrelationOptions {
   // gate. It improves a weak mask and degrades a strong one (docs/ablation.md).
   bool readmit_filtered = false;
   // Whether pixels that pass the gate take the depth of the filter, for the
-  // next rounds and the result, as in the paper. Then pixels of score 0 always
-  // pass.
+  // next rounds and the result, as in the paper; see SpreadRound().
   bool spread_medians = false;
   // Whether F_A has windows of delta 2^(N_t - N_c), as printed, instead of
   // twice that.

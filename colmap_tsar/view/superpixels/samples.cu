@@ -4,6 +4,7 @@
 #include "colmap_tsar/view/superpixels/samples.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/matching/map_pixels.h"
 
 namespace tsar {
 namespace {
@@ -14,7 +15,6 @@ struct SampleKernel {
   ImageView<const uint8_t> reliable;
   Intrinsics intrinsics;
   ReducedRaster raster;
-  ImageView<RayDepth> samples;
 
   // The first pixel of the map whose center falls into reduced pixel i.
   TSAR_HD static int First(int i, int map_size, int size) {
@@ -32,7 +32,7 @@ struct SampleKernel {
     return first;
   }
 
-  TSAR_HD void operator()(int column, int row) const {
+  TSAR_HD RayDepth operator()(int column, int row) const {
     RayDepth best;
     float best_score = -1.f;
     const int y_end = First(row + 1, depth.height, raster.height);
@@ -47,7 +47,7 @@ struct SampleKernel {
         }
       }
     }
-    samples(column, row) = best;
+    return best;
   }
 };
 
@@ -56,9 +56,7 @@ struct ReduceNearestKernel {
   ImageView<float> reduced;
 
   TSAR_HD void operator()(int x, int y) const {
-    reduced(x, y) =
-        map(static_cast<int>((x + 0.5f) * map.width / reduced.width),
-            static_cast<int>((y + 0.5f) * map.height / reduced.height));
+    reduced(x, y) = ValueOnMap(map, x, y, reduced.width, reduced.height);
   }
 };
 
@@ -66,11 +64,10 @@ template <typename Label>
 struct PlanesOfLabelsKernel {
   ImageView<const Label> labels;
   const Plane* planes;
-  ImageView<Plane> result;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD Plane operator()(int x, int y) const {
     const int label = labels(x, y);
-    result(x, y) = label >= 0 ? planes[label] : Plane{};
+    return label >= 0 ? planes[label] : Plane{};
   }
 };
 
@@ -78,14 +75,60 @@ template <typename Label>
 DeviceImage<Plane> LookUpPlanes(ImageView<const Label> labels,
                                 const Buffer<Plane>& planes,
                                 Device& device) {
-  DeviceImage<Plane> result(device, labels.width, labels.height);
-  ParallelFor(
-      device,
-      labels.width,
-      labels.height,
-      PlanesOfLabelsKernel<Label>{labels, planes.Data(), result.View()});
-  return result;
+  return MapPixels<Plane>(device,
+                          labels.width,
+                          labels.height,
+                          PlanesOfLabelsKernel<Label>{labels, planes.Data()});
 }
+
+// The pixels under a reduced pixel along one axis. Units are such that a pixel
+// is `size` and a reduced pixel `full_size` long, so that all overlaps are
+// integers.
+struct Span {
+  int64_t begin;  // Start in those units.
+  int64_t end;
+  int size;
+
+  TSAR_HD Span(int i, int full_size, int size)
+      : begin(static_cast<int64_t>(i) * full_size),
+        end(begin + full_size),
+        size(size) {}
+  TSAR_HD int First() const { return static_cast<int>(begin / size); }
+  TSAR_HD int Last() const { return static_cast<int>((end - 1) / size); }
+  TSAR_HD int64_t Overlap(int pixel) const {
+    const int64_t from = static_cast<int64_t>(pixel) * size;
+    const int64_t to = from + size;
+    return (to < end ? to : end) - (from > begin ? from : begin);
+  }
+};
+
+struct ReduceColorKernel {
+  ImageView<const Rgb> color;
+  ImageView<Rgb> reduced;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const Span columns(x, color.width, reduced.width);
+    const Span rows(y, color.height, reduced.height);
+    int64_t r = 0;
+    int64_t g = 0;
+    int64_t b = 0;
+    for (int row = rows.First(); row <= rows.Last(); ++row) {
+      for (int column = columns.First(); column <= columns.Last(); ++column) {
+        const int64_t weight = rows.Overlap(row) * columns.Overlap(column);
+        const Rgb& pixel = color(column, row);
+        r += weight * pixel.r;
+        g += weight * pixel.g;
+        b += weight * pixel.b;
+      }
+    }
+    const int64_t area = static_cast<int64_t>(color.NumPixels());
+    reduced(x, y) = {Mean(r, area), Mean(g, area), Mean(b, area)};
+  }
+
+  TSAR_HD static uint8_t Mean(int64_t sum, int64_t area) {
+    return static_cast<uint8_t>((sum + area / 2) / area);
+  }
+};
 
 }  // namespace
 
@@ -95,13 +138,11 @@ DeviceImage<RayDepth> SampleMeasurements(ImageView<const float> depth,
                                          const Intrinsics& intrinsics,
                                          const ReducedRaster& raster,
                                          Device& device) {
-  DeviceImage<RayDepth> samples(device, raster.width, raster.height);
-  ParallelFor(
+  return MapPixels<RayDepth>(
       device,
       raster.width,
       raster.height,
-      SampleKernel{depth, score, reliable, intrinsics, raster, samples.View()});
-  return samples;
+      SampleKernel{depth, score, reliable, intrinsics, raster});
 }
 
 DeviceImage<float> ReduceNearest(ImageView<const float> map,
@@ -125,6 +166,17 @@ DeviceImage<Plane> PlanesOfLabels(ImageView<const uint16_t> labels,
                                   const Buffer<Plane>& planes,
                                   Device& device) {
   return LookUpPlanes(labels, planes, device);
+}
+
+DeviceImage<Rgb> ReduceColor(ImageView<const Rgb> color,
+                             const ReducedRaster& raster,
+                             Device& device) {
+  DeviceImage<Rgb> reduced(device, raster.width, raster.height);
+  ParallelFor(device,
+              raster.width,
+              raster.height,
+              ReduceColorKernel{color, reduced.View()});
+  return reduced;
 }
 
 }  // namespace tsar

@@ -4,10 +4,10 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/base/plane_fit.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/view/superpixels/weighted_median.h"
 
 #include <cfloat>
 #include <cstdint>
@@ -25,6 +25,15 @@ struct ReducedRaster {
     return static_cast<int>((x + 0.5f) * size / map_size);
   }
 };
+
+// The value of a raster at the pixel that covers pixel (x, y) of a map of
+// another size.
+template <typename T>
+TSAR_HD T& ValueOnMap(
+    const ImageView<T>& raster, int x, int y, int map_width, int map_height) {
+  return raster(ReducedRaster::FromMap(x, map_width, raster.width),
+                ReducedRaster::FromMap(y, map_height, raster.height));
+}
 
 // The best reliable measurement under each pixel of the reduced raster, with
 // its own ray, so that nothing is averaged or shifted; z = 0 where there is
@@ -63,12 +72,16 @@ struct PlaneRaster {
     if (planes.Empty()) {
       return {};
     }
-    const Plane& plane =
-        planes(ReducedRaster::FromMap(x, map_width, planes.width),
-               ReducedRaster::FromMap(y, map_height, planes.height));
+    const Plane& plane = ValueOnMap(planes, x, y, map_width, map_height);
     const float depth = plane.Valid() ? plane.Depth(intrinsics.Ray(x, y)) : 0.f;
     return depth > 0.f && depth <= FLT_MAX ? plane : Plane{};
   }
 };
+
+// The image reduced to the raster: the mean of the pixels under each reduced
+// one, weighted by the area that it covers of them, rounded.
+DeviceImage<Rgb> ReduceColor(ImageView<const Rgb> color,
+                             const ReducedRaster& raster,
+                             Device& device);
 
 }  // namespace tsar

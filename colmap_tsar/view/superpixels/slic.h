@@ -6,8 +6,6 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
 
-#include <cstdint>
-
 namespace tsar {
 
 struct SlicOptions {
@@ -34,5 +32,11 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                ImageView<const float> score,
                                const SlicOptions& options,
                                Device& device);
+
+// Turns nonnegative labels into ones whose segments are 4-connected and have at
+// least min_size pixels: in each round, every smaller one joins its largest
+// adjacent segment, among equals the one whose first pixel comes first. Labels
+// become 0 ... count - 1 in the order of their first pixel. Returns the count.
+int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device);
 
 }  // namespace tsar

@@ -6,8 +6,6 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/view/planes/group_planes.h"
 
-#include <cstdint>
-
 namespace tsar {
 
 struct SuperpixelPlaneOptions {

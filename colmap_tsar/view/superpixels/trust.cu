@@ -3,8 +3,11 @@
 
 #include "colmap_tsar/view/superpixels/trust.h"
 
+#include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/view/superpixels/bilateral_kernel.cuh"
+
+#include <cmath>
 
 namespace tsar {
 namespace {
@@ -41,6 +44,26 @@ TSAR_HD inline PixelGate MakePixelGate(const TrustGate& gate, int x, int y) {
           gate.scale.factor * gate.score(x, y),
           gate.tolerance};
 }
+
+// The superpixel's plane where there is one, else the trusted pixel's own.
+struct EstimateKernel {
+  DepthNormalViews own;
+  PlaneRaster planes;
+  ImageView<const uint8_t> trusted;
+  ImageView<InverseDepthPlane> estimate;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const Plane plane = planes.At(x, y);
+    if (plane.Valid()) {
+      estimate(x, y) = ToInverseDepth(plane);
+    } else if (trusted(x, y) != 0) {
+      estimate(x, y) = ToInverseDepth(
+          planes.intrinsics.Ray(x, y), own.depth(x, y), own.normal(x, y));
+    } else {
+      estimate(x, y) = {};
+    }
+  }
+};
 
 struct GateByPlanesKernel {
   ImageView<const InverseDepthPlane> estimate;
@@ -107,6 +130,53 @@ struct GateByMedianKernel {
   }
 };
 
+// The superpixel's plane if valid, else the trusted depth.
+struct ApplyPlanesKernel {
+  PlaneRaster planes;
+  DepthNormalViews map;
+  ImageView<const uint8_t> trusted;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const Plane plane = planes.At(x, y);
+    if (plane.Valid()) {
+      depth(x, y) = plane.Depth(planes.intrinsics.Ray(x, y));
+      normal(x, y) = plane.normal;
+    } else {
+      const bool is_trusted = trusted(x, y) != 0;
+      depth(x, y) = is_trusted ? map.depth(x, y) : 0.f;
+      normal(x, y) = is_trusted ? map.normal(x, y) : Vec3f{};
+    }
+  }
+};
+
+struct KeepKernel {
+  DepthNormalViews estimate;
+  TrustGate gate;
+  ImageView<float> depth;
+  ImageView<Vec3f> normal;
+  ImageView<uint8_t> trusted;
+
+  TSAR_HD void operator()(int x, int y) const {
+    const bool may_pass = gate.readmit_filtered || trusted(x, y) != 0;
+    const bool is_kept = may_pass && Passes(x, y);
+    trusted(x, y) = is_kept ? 1 : 0;
+    depth(x, y) = is_kept ? estimate.depth(x, y) : 0.f;
+    normal(x, y) = is_kept ? estimate.normal(x, y) : Vec3f{};
+  }
+
+  TSAR_HD bool Passes(int x, int y) const {
+    const float own = gate.own_depth(x, y);
+    const float refined = estimate.depth(x, y);
+    return own > 0.f && refined > 0.f &&
+           fabsf(gate.scale.ToDisparity(refined) -
+                 gate.scale.ToDisparity(own)) *
+                   gate.score(x, y) <
+               gate.tolerance;
+  }
+};
+
 }  // namespace
 
 void GateByPlanes(ImageView<const InverseDepthPlane> estimate,
@@ -133,6 +203,64 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
               trusted.height,
               GateByMedianKernel{
                   estimate, color, intrinsics, table.Taps(), gate, trusted});
+}
+
+void GateRound(const DepthNormalViews& own,
+               const PlaneRaster& planes,
+               ImageView<const Rgb> color,
+               const WeightedMedianOptions* filter,
+               const TrustGate& gate,
+               ImageView<InverseDepthPlane> estimate,
+               ImageView<uint8_t> trusted,
+               Device& device) {
+  ParallelFor(device,
+              trusted.width,
+              trusted.height,
+              EstimateKernel{own, planes, trusted, estimate});
+  if (filter != nullptr) {
+    GateByWeightedMedian(
+        estimate, color, planes.intrinsics, *filter, gate, trusted, device);
+  } else {
+    GateByPlanes(estimate, planes.intrinsics, gate, trusted, device);
+  }
+}
+
+DepthNormalImages CopyMap(const DepthNormalViews& map, Device& device) {
+  DepthNormalImages copy(device, map.depth.width, map.depth.height);
+  const size_t num_pixels = map.depth.NumPixels();
+  Copy(device, map.depth.data, num_pixels, copy.depth.View().data);
+  Copy(device, map.normal.data, num_pixels, copy.normal.View().data);
+  return copy;
+}
+
+void SpreadRound(const PlaneRaster& planes,
+                 ImageView<const Rgb> color,
+                 const WeightedMedianOptions* filter,
+                 const TrustGate& gate,
+                 DepthNormalImages* map,
+                 ImageView<uint8_t> trusted,
+                 Device& device) {
+  DepthNormalImages estimate(device, trusted.width, trusted.height);
+  ParallelFor(device,
+              trusted.width,
+              trusted.height,
+              ApplyPlanesKernel{planes,
+                                map->Views(),
+                                trusted,
+                                estimate.depth.View(),
+                                estimate.normal.View()});
+  if (filter != nullptr) {
+    estimate = WeightedMedianFilter(
+        estimate.Views(), color, {}, planes.intrinsics, *filter, device);
+  }
+  ParallelFor(device,
+              trusted.width,
+              trusted.height,
+              KeepKernel{estimate.Views(),
+                         gate,
+                         map->depth.View(),
+                         map->normal.View(),
+                         trusted});
 }
 
 }  // namespace tsar

@@ -6,28 +6,11 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/views.h"
 
 #include <cstdint>
 
 namespace tsar {
-
-// A depth map with its normals: z = 0 and a zero normal where there is none.
-struct DepthNormalViews {
-  ImageView<const float> depth;
-  ImageView<const Vec3f> normal;
-};
-
-struct DepthNormalImages {
-  DeviceImage<float> depth;
-  DeviceImage<Vec3f> normal;
-
-  DepthNormalImages() = default;
-  DepthNormalImages(Device& device, int width, int height)
-      : depth(device, width, height), normal(device, width, height) {}
-  DepthNormalViews Views() const { return {depth.View(), normal.View()}; }
-};
 
 struct WeightedMedianOptions {
   // Half the window's side in pixels of the map; 11 x 11 taps are distributed

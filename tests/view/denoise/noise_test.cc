@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/view/denoise/estimate_noise.h"
-#include "colmap_tsar/view/denoise/noise_curve.h"
 
 #include <cmath>
 

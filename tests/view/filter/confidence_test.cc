@@ -1,10 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/filter/confidence.h"
-
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/view/filter/reliability.h"
 
 #include <gtest/gtest.h>
 

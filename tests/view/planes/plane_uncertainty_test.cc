@@ -1,9 +1,6 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/planes/plane_uncertainty.h"
-
-#include "colmap_tsar/view/planes/depth_observation.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/view/regions/edges.h"
+
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/view/regions/hough.h"
-#include "colmap_tsar/view/regions/roberts.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/regions/regions.h"
 
-#include "colmap_tsar/view/regions/boundary_test.h"
+#include "colmap_tsar/view/regions/region_planes.h"
 
 #include <algorithm>
 #include <cstdlib>

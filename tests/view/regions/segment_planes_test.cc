@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/regions/segment_planes.h"
+#include "colmap_tsar/view/regions/assign_region_planes.h"
 
 #include <utility>
 #include <vector>

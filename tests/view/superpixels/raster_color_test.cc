@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/view/superpixels/cielab.h"
-#include "colmap_tsar/view/superpixels/reduce_color.h"
+#include "colmap_tsar/view/superpixels/samples.h"
 
 #include <cstdlib>
 #include <utility>

@@ -4,7 +4,6 @@
 #include "colmap_tsar/view/superpixels/slic.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/view/superpixels/fragments.h"
 
 #include <algorithm>
 #include <utility>

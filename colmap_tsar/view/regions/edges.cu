@@ -1,11 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/regions/hough.h"
+#include "colmap_tsar/view/regions/edges.h"
 
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/scan_and_sort.h"
+#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/map_pixels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +15,36 @@
 
 namespace tsar {
 namespace {
+
+struct RobertsKernel {
+  ImageView<const Rgb> color;
+  float min_gradient;  // Threshold of the squared differences.
+  bool takes_roots;
+
+  TSAR_HD float Gray(int x, int y) const {
+    const float gray = GrayLevel(color(x, y));
+    return takes_roots ? sqrtf(gray) : gray;
+  }
+
+  TSAR_HD uint8_t operator()(int x, int y) const {
+    // The last row and column repeat themselves.
+    const int right = x + 1 < color.width ? x + 1 : x;
+    const int below = y + 1 < color.height ? y + 1 : y;
+    const float first = Gray(x, y) - Gray(right, below);
+    const float second = Gray(right, y) - Gray(x, below);
+    return first * first + second * second > min_gradient ? 1 : 0;
+  }
+};
+
+DeviceImage<uint8_t> Detect(ImageView<const Rgb> color,
+                            float min_gradient,
+                            bool takes_roots,
+                            Device& device) {
+  return MapPixels<uint8_t>(device,
+                            color.width,
+                            color.height,
+                            RobertsKernel{color, min_gradient, takes_roots});
+}
 
 constexpr int kNumAngles = 180;
 constexpr int kThreadsPerAngle = 2048;
@@ -213,6 +245,18 @@ struct DrawKernel {
 };
 
 }  // namespace
+
+DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
+                                        float threshold,
+                                        Device& device) {
+  return Detect(color, threshold * threshold, false, device);
+}
+
+DeviceImage<uint8_t> DetectEdgesOfRoots(ImageView<const Rgb> color,
+                                        float threshold,
+                                        Device& device) {
+  return Detect(color, threshold, true, device);
+}
 
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
                                       const HoughOptions& options,
