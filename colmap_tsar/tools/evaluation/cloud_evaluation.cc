@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/tools/evaluation/meshlab_project.h"
 #include "colmap_tsar/tools/evaluation/nearest_distance.h"
 #include "colmap_tsar/tools/evaluation/parallel_blocks.h"
-#include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
 #include <algorithm>
@@ -33,8 +33,7 @@ std::vector<double> Completeness(const std::vector<Eigen::Vector3d>& points,
       NearestDistances(surface, points, tolerances.back());
   std::vector<PointVerdict> verdicts(surface.size());
   for (size_t i = 0; i < surface.size(); ++i) {
-    const auto first =
-        std::lower_bound(tolerances.begin(), tolerances.end(), distances[i]);
+    const auto first = std::ranges::lower_bound(tolerances, distances[i]);
     verdicts[i].first_good = static_cast<int>(first - tolerances.begin());
   }
   return VoxelMeans(surface,

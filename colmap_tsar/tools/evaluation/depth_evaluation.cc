@@ -46,7 +46,7 @@ std::vector<std::string> ListGroundTruth(const fs::path& folder) {
         "there are no ground truth depth maps (NAME.bin)",
         "give their folder as " + OptionName("ground_truth_path"));
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   return names;
 }
 

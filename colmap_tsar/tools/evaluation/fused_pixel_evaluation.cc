@@ -70,8 +70,7 @@ std::vector<std::filesystem::path> FindTruths(
   std::vector<std::filesystem::path> paths;
   bool has_any = false;
   for (const int image : plan.order) {
-    const std::string& name =
-        workspace.Model().images[static_cast<size_t>(image)].name;
+    const std::string& name = workspace.Model().images[image].name;
     paths.push_back(folder / (name + ".bin"));
     if (Exists(paths.back())) {
       has_any = true;

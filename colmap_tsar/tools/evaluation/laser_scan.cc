@@ -90,7 +90,7 @@ std::vector<double> VoxelMeans(const std::vector<Eigen::Vector3d>& points,
     for (size_t i = 0; i < points.size(); ++i) {
       sorted[i] = {VoxelOf(points[i], shift, voxel_size), i};
     }
-    std::sort(sorted.begin(), sorted.end());
+    std::ranges::sort(sorted);
     const PointInVoxel* const end = sorted.data() + sorted.size();
     for (const PointInVoxel* begin = sorted.data(); begin != end;) {
       const PointInVoxel* next =
@@ -115,7 +115,7 @@ LaserScan::LaserScan(std::vector<Eigen::Vector3d> points, const LaserBeam& beam)
   for (size_t i = 0; i < points.size(); ++i) {
     order[i] = {CellKeyOf(points[i].normalized()), i};
   }
-  std::sort(order.begin(), order.end());
+  std::ranges::sort(order);
   points_.reserve(points.size());
   directions_.reserve(points.size());
   for (size_t i = 0; i < order.size(); ++i) {

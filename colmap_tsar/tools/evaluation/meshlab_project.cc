@@ -47,7 +47,7 @@ pt::ptree ReadXml(const std::filesystem::path& path) {
   }
   const std::string text((std::istreambuf_iterator<char>(file)),
                          std::istreambuf_iterator<char>());
-  if (std::count(text.begin(), text.end(), '<') > kMaxNumTags) {
+  if (std::ranges::count(text, '<') > kMaxNumTags) {
     Corrupt(path, "it has too many tags");
   }
   pt::ptree tree;

@@ -23,7 +23,7 @@ std::string ToString(ExportFormat format) {
 
 ExportFormat ParseExportFormat(const std::string& name) {
   const std::vector<std::string>& names = ExportFormatNames();
-  const auto found = std::find(names.begin(), names.end(), name);
+  const auto found = std::ranges::find(names, name);
   if (found == names.end()) {
     throw Error(
         ErrorCode::kBadOption,

@@ -66,7 +66,7 @@ Json ImageJson(const Workspace& workspace,
                int image,
                const ExportedImage& exported) {
   const SparseModel::ModelImage& model_image =
-      workspace.Model().images.at(static_cast<size_t>(image));
+      workspace.Model().images.at(image);
   Json json;
   json["name"] = model_image.name;
   json["camera"] = IntrinsicsJson(
@@ -100,9 +100,8 @@ Json MakeExportManifest(const Workspace& workspace,
   json["images_left_out"] = Json::array();
   const int num_images = static_cast<int>(workspace.Model().images.size());
   for (int image = 0; image < num_images; ++image) {
-    if (!std::binary_search(images.begin(), images.end(), image)) {
-      json["images_left_out"].push_back(
-          workspace.Model().images[static_cast<size_t>(image)].name);
+    if (!std::ranges::binary_search(images, image)) {
+      json["images_left_out"].push_back(workspace.Model().images[image].name);
     }
   }
   return json;

@@ -69,24 +69,22 @@ Json GaussianSplattingExporter::DescribeMaps() const {
 Image<uint16_t> GaussianSplattingExporter::Levels(const Image<float>& depth,
                                                   int64_t* num_too_near) const {
   Image<uint16_t> levels(depth.Width(), depth.Height());
-  std::transform(
-      depth.begin(), depth.end(), levels.begin(), [&](float z) -> uint16_t {
-        if (!(z > 0.f)) {
-          return 0;
-        }
-        const double level = kNumLevels / (scale_ * z);
-        *num_too_near += level >= kMaxLevel + 0.5 ? 1 : 0;
-        return static_cast<uint16_t>(
-            std::lround(std::clamp(level, 1.0, 1.0 * kMaxLevel)));
-      });
+  std::ranges::transform(depth, levels.begin(), [&](float z) -> uint16_t {
+    if (!(z > 0.f)) {
+      return 0;
+    }
+    const double level = kNumLevels / (scale_ * z);
+    *num_too_near += level >= kMaxLevel + 0.5 ? 1 : 0;
+    return static_cast<uint16_t>(
+        std::lround(std::clamp(level, 1.0, 1.0 * kMaxLevel)));
+  });
   return levels;
 }
 
 ExportedImage GaussianSplattingExporter::Export(int image) const {
   const auto index = static_cast<size_t>(image);
   const Camera& camera = workspace_.Model().images.at(index).camera;
-  const bool has_maps = std::binary_search(
-      images_with_maps_.begin(), images_with_maps_.end(), image);
+  const bool has_maps = std::ranges::binary_search(images_with_maps_, image);
   const Image<float> depth = has_maps
                                  ? ReadImageDepth(workspace_, image)
                                  : Image<float>(camera.width, camera.height);
@@ -99,10 +97,9 @@ ExportedImage GaussianSplattingExporter::Export(int image) const {
   WritePngFile(folder_ / path, Levels(depth, &exported.num_out_of_range));
   exported.files["inverse_depth"] = path;
   Image<uint8_t> mask(depth.Width(), depth.Height());
-  std::transform(
-      depth.begin(), depth.end(), mask.begin(), [](float z) -> uint8_t {
-        return z > 0.f ? 255 : 0;
-      });
+  std::ranges::transform(depth, mask.begin(), [](float z) -> uint8_t {
+    return z > 0.f ? 255 : 0;
+  });
   const std::string mask_path = "depth_masks/" + stems_[index] + ".png";
   WritePngFile(folder_ / mask_path, mask);
   exported.files["depth_mask"] = mask_path;
@@ -119,7 +116,7 @@ void GaussianSplattingExporter::Finish(
   for (size_t i = 0; i < images.size(); ++i) {
     num_depths += exported[i].depth.num_depths;
     num_too_near += exported[i].num_out_of_range;
-    params[stems_[static_cast<size_t>(images[i])]] = {
+    params[stems_[images[i]]] = {
         {"scale", exported[i].depth.num_depths > 0 ? scale_ : 0.0},
         {"offset", 0.0}};
   }

@@ -133,8 +133,7 @@ Json MapExporter::DescribeMaps() const {
 }
 
 ExportedImage MapExporter::Export(int image) const {
-  const std::string& name =
-      workspace_.Model().images.at(static_cast<size_t>(image)).name;
+  const std::string& name = workspace_.Model().images.at(image).name;
   const ImageMaps maps = ReadImageMaps(workspace_, image);
   ExportedImage exported;
   exported.width = maps.depth.Width();

@@ -20,7 +20,7 @@ uint16_t ToLevel(double value) {
 float Median(std::vector<float>* values) {
   const auto middle =
       values->begin() + static_cast<std::ptrdiff_t>((values->size() - 1) / 2);
-  std::nth_element(values->begin(), middle, values->end());
+  std::ranges::nth_element(*values, middle);
   return *middle;
 }
 
@@ -30,25 +30,22 @@ Image<uint16_t> DepthLevels(const Image<float>& depth,
                             double step,
                             int64_t* num_out_of_range) {
   Image<uint16_t> levels(depth.Width(), depth.Height());
-  std::transform(
-      depth.begin(), depth.end(), levels.begin(), [&](float z) -> uint16_t {
-        const double level = z / step;
-        if (level >= 0.5 && level < kMaxLevel + 0.5) {
-          return ToLevel(level);
-        }
-        *num_out_of_range += z > 0.f ? 1 : 0;
-        return 0;
-      });
+  std::ranges::transform(depth, levels.begin(), [&](float z) -> uint16_t {
+    const double level = z / step;
+    if (level >= 0.5 && level < kMaxLevel + 0.5) {
+      return ToLevel(level);
+    }
+    *num_out_of_range += z > 0.f ? 1 : 0;
+    return 0;
+  });
   return levels;
 }
 
 Image<uint16_t> SigmaLevels(const Image<float>& sigma, double step) {
   Image<uint16_t> levels(sigma.Width(), sigma.Height());
-  std::transform(
-      sigma.begin(), sigma.end(), levels.begin(), [&](float s) -> uint16_t {
-        return s > 0.f ? ToLevel(std::clamp(s / step, 1.0, 1.0 * kMaxLevel))
-                       : 0;
-      });
+  std::ranges::transform(sigma, levels.begin(), [&](float s) -> uint16_t {
+    return s > 0.f ? ToLevel(std::clamp(s / step, 1.0, 1.0 * kMaxLevel)) : 0;
+  });
   return levels;
 }
 
@@ -58,17 +55,15 @@ Image<Rgb16> NormalLevels(const Image<Vec3f>& normal) {
     return ToLevel((bounded - kNormalOffset) / kNormalScale);
   };
   Image<Rgb16> levels(normal.Width(), normal.Height());
-  std::transform(
-      normal.begin(), normal.end(), levels.begin(), [&](const Vec3f& n) {
-        return Rgb16{to_level(n.x), to_level(n.y), to_level(n.z)};
-      });
+  std::ranges::transform(normal, levels.begin(), [&](const Vec3f& n) {
+    return Rgb16{to_level(n.x), to_level(n.y), to_level(n.z)};
+  });
   return levels;
 }
 
 Image<float> ConfidencesOf(const Image<uint8_t>& levels) {
   Image<float> confidences(levels.Width(), levels.Height());
-  std::transform(
-      levels.begin(), levels.end(), confidences.begin(), &ConfidenceOfLevel);
+  std::ranges::transform(levels, confidences.begin(), &ConfidenceOfLevel);
   return confidences;
 }
 
@@ -81,14 +76,11 @@ double StepFor(double depth) {
 DepthStatistics MeasureDepth(const Image<float>& depth) {
   std::vector<float> depths;
   depths.reserve(depth.NumPixels());
-  std::copy_if(
-      depth.begin(), depth.end(), std::back_inserter(depths), [](float z) {
-        return z > 0.f;
-      });
+  std::ranges::copy_if(
+      depth, std::back_inserter(depths), [](float z) { return z > 0.f; });
   DepthStatistics statistics;
   if (!depths.empty()) {
-    const auto [nearest, farthest] =
-        std::minmax_element(depths.begin(), depths.end());
+    const auto [nearest, farthest] = std::ranges::minmax_element(depths);
     statistics = {static_cast<int64_t>(depths.size()), *nearest, *farthest};
     statistics.median = Median(&depths);
   }

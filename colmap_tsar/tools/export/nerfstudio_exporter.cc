@@ -6,9 +6,9 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/resize_nearest.h"
+#include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/json_file.h"
-#include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/tools/export/map_levels.h"
 #include "colmap_tsar/tools/export/scene_files.h"
 #include "colmap_tsar/tools/export/value_files.h"
@@ -32,10 +32,9 @@ Image<Rgb> NormalColors(const Image<Vec3f>& normals) {
         kHalfOfLevels + kHalfOfLevels * std::clamp(value, -1.f, 1.f)));
   };
   Image<Rgb> colors(normals.Width(), normals.Height());
-  std::transform(
-      normals.begin(), normals.end(), colors.begin(), [&](const Vec3f& n) {
-        return Rgb{to_level(n.x), to_level(n.y), to_level(n.z)};
-      });
+  std::ranges::transform(normals, colors.begin(), [&](const Vec3f& n) {
+    return Rgb{to_level(n.x), to_level(n.y), to_level(n.z)};
+  });
   return colors;
 }
 
@@ -81,9 +80,8 @@ class NerfstudioExporter : public ImageExporter {
 
   ExportedImage Export(int image) const override {
     const SparseModel::ModelImage& model_image =
-        workspace_.Model().images.at(static_cast<size_t>(image));
-    const bool has_maps = std::binary_search(
-        images_with_maps_.begin(), images_with_maps_.end(), image);
+        workspace_.Model().images.at(image);
+    const bool has_maps = std::ranges::binary_search(images_with_maps_, image);
     const int width = model_image.camera.width;
     const int height = model_image.camera.height;
     Image<float> depth = has_maps ? ReadImageDepth(workspace_, image)
@@ -131,8 +129,7 @@ class NerfstudioExporter : public ImageExporter {
     }
     json["frames"] = Json::array();
     for (size_t i = 0; i < images.size(); ++i) {
-      const Camera& camera =
-          workspace_.Model().images.at(static_cast<size_t>(images[i])).camera;
+      const Camera& camera = workspace_.Model().images.at(images[i]).camera;
       Json frame;
       frame["file_path"] = exported[i].files.at("photo");
       frame["depth_file_path"] = exported[i].files.at("depth");
@@ -166,8 +163,7 @@ class NerfstudioExporter : public ImageExporter {
   // The mask at the photo's size, which is required for all images or none,
   // also for images without a mask.
   Image<uint8_t> MaskLevels(int image, const RasterSize& maps) const {
-    const Camera& camera =
-        workspace_.Model().images.at(static_cast<size_t>(image)).camera;
+    const Camera& camera = workspace_.Model().images.at(image).camera;
     Image<uint8_t> levels(camera.width, camera.height, 255);
     ClearMasked(workspace_.ReadMaskOfImage(image, maps), &levels);
     return levels;
@@ -177,8 +173,7 @@ class NerfstudioExporter : public ImageExporter {
   // maps.
   RasterSize MapSizeOfOthers(const Camera& camera) const {
     for (const int image : images_with_maps_) {
-      const Camera& other =
-          workspace_.Model().images.at(static_cast<size_t>(image)).camera;
+      const Camera& other = workspace_.Model().images.at(image).camera;
       if (other.width == camera.width && other.height == camera.height) {
         const Image<float> depth = ReadImageDepth(workspace_, image);
         return {depth.Width(), depth.Height()};

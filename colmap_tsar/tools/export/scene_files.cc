@@ -78,8 +78,7 @@ void RequireUtf8Names(const Workspace& workspace) {
 std::string CopyPhoto(const Workspace& workspace,
                       int image,
                       const ContainedPath& folder) {
-  const std::string path =
-      "images/" + workspace.Model().images.at(static_cast<size_t>(image)).name;
+  const std::string path = "images/" + workspace.Model().images.at(image).name;
   CheckPhotoFile(workspace.ImagePath(image));
   CreateFolders((folder / path).Parent());
   CopyFile(workspace.ImagePath(image), folder / path);

@@ -21,7 +21,7 @@ constexpr double kMaxShareOfExtent = 0.01;
 constexpr double kMaxRatio = 0.02;
 
 const SparseModel::ModelImage& ImageOf(const SparseModel& model, int image) {
-  return model.images[static_cast<size_t>(image)];
+  return model.images[image];
 }
 
 // The diagonal of the bounding box of all camera centers.

@@ -15,7 +15,7 @@ T Quantile(double share, std::vector<T>* values) {
   const size_t index = std::min(
       values->size() - 1,
       static_cast<size_t>(share * static_cast<double>(values->size())));
-  std::nth_element(values->begin(), values->begin() + index, values->end());
+  std::ranges::nth_element(*values, values->begin() + index);
   return (*values)[index];
 }
 
@@ -32,15 +32,13 @@ void SetRange(std::vector<T>* values, float* near, float* far) {
 SparseComparison CompareWithSparse(const SparseModel& model,
                                    int image,
                                    const Image<float>& depth) {
-  const SparseModel::ModelImage& view =
-      model.images[static_cast<size_t>(image)];
+  const SparseModel::ModelImage& view = model.images[image];
   const Camera camera = view.camera.Resized(depth.Width(), depth.Height());
   std::vector<double> ratios;
   std::vector<double> sparse_depths;
   for (const int index : view.point_indices) {
     const Eigen::Vector3d point =
-        camera.rotation * model.points[static_cast<size_t>(index)] +
-        camera.translation;
+        camera.rotation * model.points[index] + camera.translation;
     if (!(point.z() > 0.0)) {
       continue;
     }
@@ -58,10 +56,9 @@ SparseComparison CompareWithSparse(const SparseModel& model,
     }
   }
   std::vector<float> depths;
-  std::copy_if(
-      depth.begin(), depth.end(), std::back_inserter(depths), [](float value) {
-        return value > 0.f;
-      });
+  std::ranges::copy_if(depth, std::back_inserter(depths), [](float value) {
+    return value > 0.f;
+  });
   SparseComparison comparison;
   comparison.num_points = static_cast<int>(ratios.size());
   if (!ratios.empty()) {
@@ -87,13 +84,11 @@ ScaleVerdict JudgeScale(const std::vector<SparseComparison>& comparisons) {
   }
   verdict.num_images = static_cast<int>(ratios.size());
   verdict.median = Quantile(0.5, &ratios);
-  verdict.smallest = *std::min_element(ratios.begin(), ratios.end());
-  verdict.largest = *std::max_element(ratios.begin(), ratios.end());
-  const auto num_near =
-      std::count_if(ratios.begin(), ratios.end(), [&](double ratio) {
-        return std::abs(ratio - verdict.median) <=
-               kMaxDeviation * verdict.median;
-      });
+  verdict.smallest = *std::ranges::min_element(ratios);
+  verdict.largest = *std::ranges::max_element(ratios);
+  const auto num_near = std::ranges::count_if(ratios, [&](double ratio) {
+    return std::abs(ratio - verdict.median) <= kMaxDeviation * verdict.median;
+  });
   verdict.is_consistent = static_cast<double>(num_near) >=
                           kMinShare * static_cast<double>(ratios.size());
   return verdict;

@@ -96,7 +96,7 @@ Image<float> ToCosts(const FloatMap& map, const std::string& name) {
                       "check " + OptionName("format"));
   }
   Image<float> cost(map.width, map.height);
-  std::copy(map.values.begin(), map.values.end(), cost.begin());
+  std::ranges::copy(map.values, cost.begin());
   return cost;
 }
 

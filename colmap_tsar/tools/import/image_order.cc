@@ -24,13 +24,11 @@ std::vector<int> ReadNumberedImages(const std::filesystem::path& path,
   for (const ListedImage& listed :
        ReadImageList(path, model, OptionName("image_list"))) {
     if (!seen.insert(listed.image).second) {
-      throw Error::File(
-          ErrorCode::kMismatch,
-          path.string(),
-          "line " + std::to_string(listed.line) + " names " +
-              model.images[static_cast<size_t>(listed.image)].name +
-              " a second time",
-          "correct the line");
+      throw Error::File(ErrorCode::kMismatch,
+                        path.string(),
+                        "line " + std::to_string(listed.line) + " names " +
+                            model.images[listed.image].name + " a second time",
+                        "correct the line");
     }
     images.push_back(listed.image);
   }
@@ -59,9 +57,8 @@ std::vector<int> OrderImages(const MatchOptions& options,
   std::vector<int> images(model.images.size());
   std::iota(images.begin(), images.end(), 0);
   if (options.index_order == IndexOrder::kName) {
-    std::sort(images.begin(), images.end(), [&](int a, int b) {
-      return model.images[static_cast<size_t>(a)].name <
-             model.images[static_cast<size_t>(b)].name;
+    std::ranges::sort(images, [&](int a, int b) {
+      return model.images[a].name < model.images[b].name;
     });
   }
   return images;
@@ -79,7 +76,7 @@ int ImageOfNumber(const std::vector<int>& order,
             " alone",
         "name the images in their order with " + OptionName("image_list"));
   }
-  return order[static_cast<size_t>(number)];
+  return order[number];
 }
 
 }  // namespace tsar

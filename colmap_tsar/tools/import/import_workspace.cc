@@ -89,11 +89,11 @@ class Importer {
   }
 
   const std::string& NameOf(const ExternalFiles& files) const {
-    return model_.images[static_cast<size_t>(files.image)].name;
+    return model_.images[files.image].name;
   }
 
   const Camera& CameraOf(const ExternalFiles& files) const {
-    return model_.images[static_cast<size_t>(files.image)].camera;
+    return model_.images[files.image].camera;
   }
 
   double BaseScale(bool is_integer) const {
@@ -289,10 +289,8 @@ class Importer {
       WriteImported(root_, NameOf(files), options_.match.type, maps);
       summary_.num_with_costs += maps.cost.values.empty() ? 0 : 1;
       summary_.num_pixels += static_cast<int64_t>(maps.depth.NumPixels());
-      summary_.num_with_depth +=
-          std::count_if(maps.depth.begin(), maps.depth.end(), [](float depth) {
-            return depth > 0.f;
-          });
+      summary_.num_with_depth += std::ranges::count_if(
+          maps.depth, [](float depth) { return depth > 0.f; });
       progress_.Advance(true);
     }
     progress_.Finish();

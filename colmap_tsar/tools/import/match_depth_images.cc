@@ -57,8 +57,7 @@ class NamedFiles {
       if (!is_new) {
         throw Error::File(ErrorCode::kMismatch,
                           path.string(),
-                          "is for the image " +
-                              model_.images[static_cast<size_t>(image)].name +
+                          "is for the image " + model_.images[image].name +
                               ", and so is " + entry->second.string(),
                           "take one of the two away");
       }
@@ -76,7 +75,7 @@ class NamedFiles {
         files.push_back(entry.path);
       }
     }
-    std::sort(files.begin(), files.end());
+    std::ranges::sort(files);
     return files;
   }
 

@@ -22,7 +22,7 @@ using Path = std::filesystem::path;
 int FindStoredName(const SparseModel& model,
                    std::string stored,
                    const Path& path) {
-  std::replace(stored.begin(), stored.end(), '\\', '/');
+  std::ranges::replace(stored, '\\', '/');
   int best = -1;
   size_t best_length = 0;
   std::vector<int> same_stem;
@@ -45,8 +45,8 @@ int FindStoredName(const SparseModel& model,
         ErrorCode::kMismatch,
         path.string(),
         "is for the image " + stored + ", which may be " +
-            model.images[static_cast<size_t>(same_stem[0])].name + " or " +
-            model.images[static_cast<size_t>(same_stem[1])].name,
+            model.images[same_stem[0]].name + " or " +
+            model.images[same_stem[1]].name,
         "name the images in their order with " + OptionName("image_list"));
   }
   return same_stem[0];

@@ -75,8 +75,8 @@ void MapCollector::Add(int image, ExternalFiles files) {
     throw Error::File(
         ErrorCode::kMismatch,
         files.depth.string(),
-        "is for the image " + model_.images[static_cast<size_t>(image)].name +
-            ", and so is " + entry->second.depth.string(),
+        "is for the image " + model_.images[image].name + ", and so is " +
+            entry->second.depth.string(),
         "take one of the two away, or name the images in their order with " +
             OptionName("image_list"));
   }

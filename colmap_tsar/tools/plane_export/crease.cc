@@ -23,8 +23,8 @@ constexpr int64_t kMinPixels = 8;
 Crease Intersect(int first,
                  int second,
                  const std::vector<PlaneCoordinates>& planes) {
-  const PlaneCoordinates& a = planes[static_cast<size_t>(first)];
-  const PlaneCoordinates& b = planes[static_cast<size_t>(second)];
+  const PlaneCoordinates& a = planes[first];
+  const PlaneCoordinates& b = planes[second];
   Crease crease;
   crease.first = first;
   crease.second = second;
@@ -90,12 +90,11 @@ void CreaseFinder::AddPair(const PlaneView& view,
   for (const auto& [plane, at] :
        {std::pair(p, pixel), std::pair(q, neighbor)}) {
     PlaneProjection::Hit hit;
-    if (!projections[static_cast<size_t>(plane)].Intersect(
-            at.x(), at.y(), &hit)) {
+    if (!projections[plane].Intersect(at.x(), at.y(), &hit)) {
       return;
     }
     const Eigen::Vector3d offset =
-        planes_[static_cast<size_t>(plane)].ToWorld(hit.point) - crease.point;
+        planes_[plane].ToWorld(hit.point) - crease.point;
     if (offset.cross(crease.direction).norm() >
         kMaxDistance * hit.extent.maxCoeff()) {
       return;

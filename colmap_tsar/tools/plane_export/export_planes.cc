@@ -99,10 +99,8 @@ Vertical VerticalOf(const Workspace& workspace,
                     const SceneModel& model) {
   std::vector<Eigen::Vector3d> ups;
   for (const int image : images) {
-    ups.push_back(-workspace.Model()
-                       .images[static_cast<size_t>(image)]
-                       .camera.rotation.row(1)
-                       .transpose());
+    ups.push_back(
+        -workspace.Model().images[image].camera.rotation.row(1).transpose());
   }
   return FindVertical(ups, model.frames);
 }
@@ -150,8 +148,7 @@ ExportedPlane Describe(const ModelPlane& model_plane,
   }
   for (const PlaneSighting& sighting : statistics.sightings) {
     plane.images.push_back(
-        {sparse.images[static_cast<size_t>(sighting.image)].name,
-         sighting.num_pixels});
+        {sparse.images[sighting.image].name, sighting.num_pixels});
   }
   return plane;
 }
@@ -160,8 +157,7 @@ std::vector<Eigen::Vector3d> CentersOf(const PlaneStatistics& statistics,
                                        const SparseModel& sparse) {
   std::vector<Eigen::Vector3d> centers;
   for (const PlaneSighting& sighting : statistics.sightings) {
-    centers.push_back(
-        sparse.images[static_cast<size_t>(sighting.image)].camera.Center());
+    centers.push_back(sparse.images[sighting.image].camera.Center());
   }
   return centers;
 }

@@ -85,8 +85,8 @@ PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
     return PlaneClass::kOther;
   }
   const Eigen::Vector3d upwards = (cosine < 0.0 ? -1.0 : 1.0) * normal;
-  const auto num_above = std::count_if(
-      cameras.begin(), cameras.end(), [&](const Eigen::Vector3d& camera) {
+  const auto num_above =
+      std::ranges::count_if(cameras, [&](const Eigen::Vector3d& camera) {
         return upwards.dot(camera - point) > 0.0;
       });
   return 2 * static_cast<size_t>(num_above) >= cameras.size()

@@ -37,7 +37,7 @@ FloorPlan::Wall MakeWall(const ExportedPlane& plane) {
       high = std::max(high, place);
     }
   }
-  std::sort(ranges.begin(), ranges.end());
+  std::ranges::sort(ranges);
   FloorPlan::Wall wall;
   wall.id = plane.id;
   double end = -INFINITY;

@@ -31,7 +31,7 @@ bool IsInTriangle(const Eigen::Vector2d& point,
 }
 
 const Eigen::Vector2d& At(const Ring& points, const Loop& loop, size_t i) {
-  return points[static_cast<size_t>(loop[i % loop.size()])];
+  return points[loop[i % loop.size()]];
 }
 
 // The position in the loop of a point that can be joined to the hole's
@@ -96,11 +96,8 @@ size_t FindBridge(const Ring& points,
 }
 
 void JoinHole(const Ring& points, const Loop& hole, Loop* loop) {
-  const auto rightmost =
-      std::max_element(hole.begin(), hole.end(), [&](int i, int j) {
-        return points[static_cast<size_t>(i)].x() <
-               points[static_cast<size_t>(j)].x();
-      });
+  const auto rightmost = std::ranges::max_element(
+      hole, [&](int i, int j) { return points[i].x() < points[j].x(); });
   const size_t bridge =
       FindBridge(points, *loop, points[static_cast<size_t>(*rightmost)]);
   // Along the bridge, around the hole, and back.
@@ -120,8 +117,8 @@ bool IsEar(const Ring& points, const Loop& loop, size_t i) {
   if (!(Cross(a, b, c) > 0.0)) {
     return false;
   }
-  return std::none_of(loop.begin(), loop.end(), [&](int number) {
-    const Eigen::Vector2d& point = points[static_cast<size_t>(number)];
+  return std::ranges::none_of(loop, [&](int number) {
+    const Eigen::Vector2d& point = points[number];
     return point != a && point != b && point != c &&
            IsInTriangle(point, a, b, c);
   });
@@ -183,16 +180,15 @@ Triangulation Triangulate(const PlanePolygon& polygon) {
   const auto right_end = [&](const Loop& hole) {
     double x = -std::numeric_limits<double>::infinity();
     for (const int i : hole) {
-      x = std::max(x, result.points[static_cast<size_t>(i)].x());
+      x = std::max(x, result.points[i].x());
     }
     return x;
   };
   // Holes are inserted from right to left, so that no hole lies between a hole
   // and the loop.
-  std::stable_sort(
-      holes.begin(), holes.end(), [&](const Loop& a, const Loop& b) {
-        return right_end(a) > right_end(b);
-      });
+  std::ranges::stable_sort(holes, [&](const Loop& a, const Loop& b) {
+    return right_end(a) > right_end(b);
+  });
   for (const Loop& hole : holes) {
     JoinHole(result.points, hole, &loop);
   }

@@ -155,12 +155,11 @@ bool IsSimple(const PlanePolygon& polygon) {
     AppendEdges(hole, sizes.size(), &edges);
     sizes.push_back(hole.size());
   }
-  if (*std::min_element(sizes.begin(), sizes.end()) < 3) {
+  if (*std::ranges::min_element(sizes) < 3) {
     return false;
   }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-    return a.MinX() < b.MinX();
-  });
+  std::ranges::sort(
+      edges, [](const Edge& a, const Edge& b) { return a.MinX() < b.MinX(); });
   for (size_t i = 0; i < edges.size(); ++i) {
     const Edge& a = edges[i];
     for (size_t j = i + 1; j < edges.size() && edges[j].MinX() <= a.MaxX();

@@ -41,10 +41,10 @@ void AddStatistics(const PlaneView& view,
       view,
       planes,
       [&](int p, int x, int y, const auto&, const PlaneProjection::Hit& hit) {
-        PlaneStatistics& of_plane = (*statistics)[static_cast<size_t>(p)];
+        PlaneStatistics& of_plane = (*statistics)[p];
         if (of_plane.sightings.empty() ||
             of_plane.sightings.back().image != view.image) {
-          const PlaneCoordinates& plane = planes[static_cast<size_t>(p)];
+          const PlaneCoordinates& plane = planes[p];
           of_plane.sightings.push_back(
               {view.image,
                0,

@@ -43,7 +43,7 @@ std::vector<int> FindPlaneViews(const Workspace& workspace) {
 PlaneView ReadPlaneView(const Workspace& workspace, int image, int num_planes) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const SparseModel::ModelImage& model_image =
-      workspace.Model().images.at(static_cast<size_t>(image));
+      workspace.Model().images.at(image);
   PlaneView view;
   view.image = image;
   view.depth = ReadDepthMap(paths.depth);
@@ -60,7 +60,7 @@ PlaneView ReadPlaneView(const Workspace& workspace, int image, int num_planes) {
                                   ReadGrayPng(paths.provenance));
   view.planes = RequireSizeOf(
       view.depth, "the depth map", paths.planes, ReadGray16Png(paths.planes));
-  const int largest = *std::max_element(view.planes.begin(), view.planes.end());
+  const int largest = *std::ranges::max_element(view.planes);
   if (largest > num_planes) {
     throw Error::File(ErrorCode::kMismatch,
                       paths.planes.string(),

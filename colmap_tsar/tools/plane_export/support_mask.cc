@@ -61,10 +61,9 @@ cv::Mat ToMat(Image<uint8_t>* image) {
 
 float MedianOfCovered(const Image<float>& coverage) {
   std::vector<float> covered;
-  std::copy_if(coverage.begin(),
-               coverage.end(),
-               std::back_inserter(covered),
-               [](float value) { return value > 0.f; });
+  std::ranges::copy_if(coverage, std::back_inserter(covered), [](float value) {
+    return value > 0.f;
+  });
   return covered.empty() ? 0.f : UpperMedian(&covered);
 }
 
@@ -200,7 +199,7 @@ void AddCoverage(const PlaneView& view,
           int y,
           const PlaneProjection& projection,
           const PlaneProjection::Hit& hit) {
-        SupportGrid& grid = (*grids)[static_cast<size_t>(p)];
+        SupportGrid& grid = (*grids)[p];
         const int num_x = NumSamples(hit.extent.x(), grid.cell);
         const int num_y = NumSamples(hit.extent.y(), grid.cell);
         const auto weight = static_cast<float>(

@@ -100,7 +100,7 @@ Eigen::Vector2d PutOntoCreases(const Eigen::Vector2d& point,
   if (near.empty()) {
     return point;
   }
-  std::stable_sort(near.begin(), near.end(), [&](const auto* a, const auto* b) {
+  std::ranges::stable_sort(near, [&](const auto* a, const auto* b) {
     return distance(a) < distance(b);
   });
   for (size_t i = 1; i < near.size(); ++i) {
@@ -205,11 +205,10 @@ std::vector<PlanePolygon> TracePolygons(
   for (const Contours& contours : FindContours(support)) {
     polygons.push_back(SimplestPolygon(contours, grid, creases));
   }
-  std::stable_sort(polygons.begin(),
-                   polygons.end(),
-                   [](const PlanePolygon& a, const PlanePolygon& b) {
-                     return Area(a) > Area(b);
-                   });
+  std::ranges::stable_sort(polygons,
+                           [](const PlanePolygon& a, const PlanePolygon& b) {
+                             return Area(a) > Area(b);
+                           });
   return polygons;
 }
 

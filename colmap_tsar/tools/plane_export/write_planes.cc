@@ -29,7 +29,7 @@ void PutTriangles(const PlaneMesh& mesh,
     int code = 10;
     // A 3DFACE triangle repeats its last corner.
     for (const int corner : {a, b, c, c}) {
-      dxf->PutPoint(code++, mesh.points[static_cast<size_t>(corner)]);
+      dxf->PutPoint(code++, mesh.points[corner]);
     }
   }
 }
@@ -246,7 +246,7 @@ PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path) {
     wanted = ExtensionOf(path);
   }
   const std::vector<std::string>& names = PlaneFormatNames();
-  const auto found = std::find(names.begin(), names.end(), wanted);
+  const auto found = std::ranges::find(names, wanted);
   if (found == names.end()) {
     throw Error(ErrorCode::kBadOption,
                 name.empty()

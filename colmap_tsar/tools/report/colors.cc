@@ -54,16 +54,15 @@ DepthRange RobustDepthRange(const Image<float>& before,
                             const Image<float>& after) {
   std::vector<float> depths;
   for (const Image<float>* map : {&before, &after}) {
-    std::copy_if(
-        map->begin(), map->end(), std::back_inserter(depths), [](float depth) {
-          return depth > 0.f;
-        });
+    std::ranges::copy_if(*map, std::back_inserter(depths), [](float depth) {
+      return depth > 0.f;
+    });
   }
   if (depths.empty()) {
     return {1.f, 2.f};
   }
   const auto value_at = [&depths](size_t rank) {
-    std::nth_element(depths.begin(), depths.begin() + rank, depths.end());
+    std::ranges::nth_element(depths, depths.begin() + rank);
     return depths[rank];
   };
   const size_t last = depths.size() - 1;
@@ -76,7 +75,7 @@ DepthRange RobustDepthRange(const Image<float>& before,
 Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range) {
   const std::vector<Rgb> scale = ColorScale();
   Image<Rgb> colors(depth.Width(), depth.Height());
-  std::transform(depth.begin(), depth.end(), colors.begin(), [&](float value) {
+  std::ranges::transform(depth, colors.begin(), [&](float value) {
     if (!(value > 0.f)) {
       return Rgb();
     }
@@ -90,7 +89,7 @@ Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range) {
 
 Image<Rgb> ColorizeLabels(const Image<int>& labels) {
   Image<Rgb> colors(labels.Width(), labels.Height());
-  std::transform(labels.begin(), labels.end(), colors.begin(), LabelColor);
+  std::ranges::transform(labels, colors.begin(), LabelColor);
   return colors;
 }
 
@@ -109,13 +108,12 @@ Image<Rgb> DrawLabelBorders(const Image<int>& labels, Image<Rgb> image) {
 
 Image<Rgb> ColorizeNormals(const Image<Vec3f>& normals) {
   Image<Rgb> colors(normals.Width(), normals.Height());
-  std::transform(
-      normals.begin(), normals.end(), colors.begin(), [](const Vec3f& normal) {
-        // The comparison also fails for NaN.
-        return Dot(normal, normal) > 0.f
-                   ? Rgb{ToByte(normal.x), ToByte(-normal.y), ToByte(-normal.z)}
-                   : Rgb();
-      });
+  std::ranges::transform(normals, colors.begin(), [](const Vec3f& normal) {
+    // The comparison also fails for NaN.
+    return Dot(normal, normal) > 0.f
+               ? Rgb{ToByte(normal.x), ToByte(-normal.y), ToByte(-normal.z)}
+               : Rgb();
+  });
   return colors;
 }
 
@@ -168,18 +166,14 @@ const std::vector<ProvenanceKind>& ProvenanceKinds() {
 Image<Rgb> ColorizeProvenance(const Image<uint8_t>& provenance) {
   const std::vector<ProvenanceKind>& kinds = ProvenanceKinds();
   Image<Rgb> colors(provenance.Width(), provenance.Height());
-  std::transform(provenance.begin(),
-                 provenance.end(),
-                 colors.begin(),
-                 [&kinds](uint8_t value) {
-                   if (value >= kinds.size()) {
-                     throw Error(ErrorCode::kCorrupt,
-                                 "provenance map: unknown value " +
-                                     std::to_string(value) +
-                                     "; refine the workspace again");
-                   }
-                   return kinds[value].color;
-                 });
+  std::ranges::transform(provenance, colors.begin(), [&kinds](uint8_t value) {
+    if (value >= kinds.size()) {
+      throw Error(ErrorCode::kCorrupt,
+                  "provenance map: unknown value " + std::to_string(value) +
+                      "; refine the workspace again");
+    }
+    return kinds[value].color;
+  });
   return colors;
 }
 

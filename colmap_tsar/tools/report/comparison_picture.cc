@@ -88,11 +88,8 @@ void Canvas::FillBox(int x, int y, int width, int height, const Rgb& color) {
 
 void Canvas::Write(const std::string& text, int x, int y) {
   std::string shown = text;
-  std::replace_if(
-      shown.begin(),
-      shown.end(),
-      [](char c) { return c < ' ' || c > '~'; },
-      '?');
+  std::ranges::replace_if(
+      shown, [](char c) { return c < ' ' || c > '~'; }, '?');
   cv::putText(pixels_,
               shown,
               {x, y + kHalfLetter},
@@ -140,8 +137,8 @@ void CheckRow(const ComparisonRow& row) {
 }
 
 std::string Coverage(const Image<float>& depth) {
-  const auto valid = std::count_if(
-      depth.begin(), depth.end(), [](float value) { return value > 0.f; });
+  const auto valid =
+      std::ranges::count_if(depth, [](float value) { return value > 0.f; });
   TextStream text;
   text << std::fixed << std::setprecision(1)
        << 100.0 * valid / depth.NumPixels() << " % of the pixels";
@@ -202,7 +199,7 @@ Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows) {
                 "comparison picture: there is no view to draw; name at least "
                 "one");
   }
-  std::for_each(rows.begin(), rows.end(), CheckRow);
+  std::ranges::for_each(rows, CheckRow);
 
   Canvas canvas(kPictureWidth);
   WriteLine(canvas,

@@ -47,7 +47,7 @@ std::string FileName(RefineStage stage) {
   const auto index = static_cast<int>(stage);
   char number[16];
   std::snprintf(number, sizeof(number), "%02d_", index);
-  return number + RefineStages()[static_cast<size_t>(index)].name + ".png";
+  return number + RefineStages()[index].name + ".png";
 }
 
 // Whether a file has the name of a picture or of its temporary left by a killed
@@ -58,10 +58,9 @@ bool IsPictureName(std::string name) {
     name.resize(name.size() - suffix.size());
   }
   const std::vector<RefineStageInfo>& stages = RefineStages();
-  return std::any_of(
-      stages.begin(), stages.end(), [&](const RefineStageInfo& info) {
-        return FileName(info.stage) == name;
-      });
+  return std::ranges::any_of(stages, [&](const RefineStageInfo& info) {
+    return FileName(info.stage) == name;
+  });
 }
 
 // Throws if the folder has other content, which must not be mixed with pictures
@@ -79,13 +78,13 @@ void RequirePicturesAlone(const std::filesystem::path& folder) {
 
 Image<float> ToFloat(const Image<uint8_t>& values) {
   Image<float> floats(values.Width(), values.Height());
-  std::copy(values.begin(), values.end(), floats.begin());
+  std::ranges::copy(values, floats.begin());
   return floats;
 }
 
 Image<Rgb> ColorizeMask(const Image<uint8_t>& mask) {
   Image<Rgb> colors(mask.Width(), mask.Height());
-  std::transform(mask.begin(), mask.end(), colors.begin(), [](uint8_t value) {
+  std::ranges::transform(mask, colors.begin(), [](uint8_t value) {
     return value != 0 ? Rgb{255, 255, 255} : Rgb();
   });
   return colors;
@@ -94,19 +93,18 @@ Image<Rgb> ColorizeMask(const Image<uint8_t>& mask) {
 // Colors evidence like the corresponding provenance.
 Image<Rgb> ColorizeEvidence(const Image<uint8_t>& evidence) {
   Image<uint8_t> kinds(evidence.Width(), evidence.Height());
-  std::transform(
-      evidence.begin(), evidence.end(), kinds.begin(), [](uint8_t value) {
-        switch (static_cast<LabelEvidence>(value)) {
-          case LabelEvidence::kMeasured:
-            return static_cast<uint8_t>(Provenance::kMeasured);
-          case LabelEvidence::kCarried:
-            return static_cast<uint8_t>(Provenance::kOtherViews);
-          case LabelEvidence::kGuessed:
-            return static_cast<uint8_t>(Provenance::kGuessed);
-          default:
-            return static_cast<uint8_t>(Provenance::kNone);
-        }
-      });
+  std::ranges::transform(evidence, kinds.begin(), [](uint8_t value) {
+    switch (static_cast<LabelEvidence>(value)) {
+      case LabelEvidence::kMeasured:
+        return static_cast<uint8_t>(Provenance::kMeasured);
+      case LabelEvidence::kCarried:
+        return static_cast<uint8_t>(Provenance::kOtherViews);
+      case LabelEvidence::kGuessed:
+        return static_cast<uint8_t>(Provenance::kGuessed);
+      default:
+        return static_cast<uint8_t>(Provenance::kNone);
+    }
+  });
   return ColorizeProvenance(kinds);
 }
 
@@ -152,10 +150,9 @@ class ImagePictures : public StageObserver {
   }
   void Show(RefineStage stage, const Image<Plane>& planes) override {
     Image<Vec3f> normals(planes.Width(), planes.Height());
-    std::transform(
-        planes.begin(), planes.end(), normals.begin(), [](const Plane& plane) {
-          return plane.Valid() ? plane.normal : Vec3f();
-        });
+    std::ranges::transform(planes, normals.begin(), [](const Plane& plane) {
+      return plane.Valid() ? plane.normal : Vec3f();
+    });
     Show(stage, normals);
   }
 

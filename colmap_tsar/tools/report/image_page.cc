@@ -40,8 +40,7 @@ constexpr std::array<RefineStage, 5> kShownStages = {RefineStage::kSuperpixels,
                                                      RefineStage::kSceneLabels};
 
 int64_t CountValid(const Image<float>& depth) {
-  return std::count_if(
-      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
+  return std::ranges::count_if(depth, [](float z) { return z > 0.f; });
 }
 
 Image<float> ReadConfidence(const Workspace& workspace,
@@ -51,8 +50,7 @@ Image<float> ReadConfidence(const Workspace& workspace,
   const Image<uint8_t> levels =
       RequireSizeOf(depth, "the depth map", path, ReadGrayPng(path));
   Image<float> confidence(depth.Width(), depth.Height());
-  std::transform(
-      levels.begin(), levels.end(), confidence.begin(), &ConfidenceOfLevel);
+  std::ranges::transform(levels, confidence.begin(), &ConfidenceOfLevel);
   return confidence;
 }
 
@@ -63,11 +61,9 @@ Image<float> ReadRelativeSigma(const fs::path& path,
                                const Image<float>& depth) {
   Image<float> sigma =
       RequireSizeOf(depth, "the depth map", path, ReadSigmaMap(path));
-  std::transform(sigma.begin(),
-                 sigma.end(),
-                 depth.begin(),
-                 sigma.begin(),
-                 [](float s, float z) { return z > 0.f ? s / z : 0.f; });
+  std::ranges::transform(sigma, depth, sigma.begin(), [](float s, float z) {
+    return z > 0.f ? s / z : 0.f;
+  });
   return sigma;
 }
 
@@ -76,9 +72,8 @@ Image<Rgb> DrawPlanes(const fs::path& path, const Image<float>& depth) {
   const Image<uint16_t> numbers =
       RequireSizeOf(depth, "the depth map", path, ReadGray16Png(path));
   Image<int> ids(numbers.Width(), numbers.Height());
-  std::transform(numbers.begin(), numbers.end(), ids.begin(), [](int number) {
-    return number - 1;
-  });
+  std::ranges::transform(
+      numbers, ids.begin(), [](int number) { return number - 1; });
   return ColorizeLabels(ids);
 }
 
@@ -103,10 +98,9 @@ Image<float> FitToDepths(const DepthPrior& prior, const Image<float>& depth) {
   }
   const PriorFunction function = FitPrior(samples, prior.type).function;
   Image<float> fitted(values.Width(), values.Height());
-  std::transform(
-      values.begin(), values.end(), fitted.begin(), [&](float value) {
-        return value > 0.f ? static_cast<float>(function.Depth(value)) : 0.f;
-      });
+  std::ranges::transform(values, fitted.begin(), [&](float value) {
+    return value > 0.f ? static_cast<float>(function.Depth(value)) : 0.f;
+  });
   return fitted;
 }
 
@@ -115,14 +109,12 @@ Image<float> FitToDepths(const DepthPrior& prior, const Image<float>& depth) {
 std::vector<RefineStage> FindStagePictures(const fs::path& debug_path,
                                            const std::string& image_name) {
   std::vector<RefineStage> found;
-  std::copy_if(kShownStages.begin(),
-               kShownStages.end(),
-               std::back_inserter(found),
-               [&](RefineStage stage) {
-                 std::error_code error;
-                 return fs::is_regular_file(
-                     DebugPicturePath(debug_path, image_name, stage), error);
-               });
+  std::ranges::copy_if(
+      kShownStages, std::back_inserter(found), [&](RefineStage stage) {
+        std::error_code error;
+        return fs::is_regular_file(
+            DebugPicturePath(debug_path, image_name, stage), error);
+      });
   return found;
 }
 
@@ -208,8 +200,7 @@ ImagePage WriteImagePage(const Workspace& workspace,
 
   if (options.max_num_points > 0) {
     const Camera camera =
-        workspace.Model().images[static_cast<size_t>(image)].camera.Resized(
-            page.width, page.height);
+        workspace.Model().images[image].camera.Resized(page.width, page.height);
     const int step = GridStep(page.width, page.height, options.max_num_points);
     page.points_before =
         SampleMap(row.before, row.image, camera, options.origin, step);

@@ -48,8 +48,8 @@ std::string EscapeScript(const std::string& json) {
 
 std::string SafeFileName(int index, const std::string& image_name) {
   std::string plain = image_name.substr(0, kMaxNameLength);
-  std::replace_if(
-      plain.begin(), plain.end(), [](char c) { return !IsPlain(c); }, '_');
+  std::ranges::replace_if(
+      plain, [](char c) { return !IsPlain(c); }, '_');
   // A trailing dot, or two dots, are special in some file systems.
   ReplaceAll("..", "_", &plain);
   char number[16];

@@ -57,8 +57,7 @@ Image<Rgb> FitPicture(const Image<Rgb>& picture,
 
 Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures) {
   std::vector<cv::Mat> parts;
-  std::transform(
-      pictures.begin(), pictures.end(), std::back_inserter(parts), AsMat);
+  std::ranges::transform(pictures, std::back_inserter(parts), AsMat);
   cv::Mat joined;
   cv::hconcat(parts, joined);
   return ToImage(joined);

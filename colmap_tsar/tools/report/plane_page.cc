@@ -35,7 +35,7 @@ int64_t AddMesh(const ExportedPlane& plane,
   const Rgb color = LabelColor(plane.id);
   for (const auto& triangle : mesh.triangles) {
     for (const int corner : triangle) {
-      sample->Add(mesh.points[static_cast<size_t>(corner)] - origin, color);
+      sample->Add(mesh.points[corner] - origin, color);
     }
   }
   return 3 * static_cast<int64_t>(mesh.triangles.size());
@@ -62,10 +62,9 @@ PlanePage MakePlanePage(const ExportedPlanes& planes,
     plane.num_vertices = AddMesh(exported, origin, &page.mesh);
     page.planes.push_back(plane);
   }
-  std::stable_sort(
-      page.planes.begin(), page.planes.end(), [](const auto& a, const auto& b) {
-        return a.area > b.area;
-      });
+  std::ranges::stable_sort(page.planes, [](const auto& a, const auto& b) {
+    return a.area > b.area;
+  });
   return page;
 }
 

@@ -85,8 +85,8 @@ PointSample SampleMap(const Image<float>& depth,
                       const Eigen::Vector3d& origin,
                       int step) {
   PointSample sample;
-  sample.num_all = std::count_if(
-      depth.begin(), depth.end(), [](float z) { return z > 0.f; });
+  sample.num_all =
+      std::ranges::count_if(depth, [](float z) { return z > 0.f; });
   // The center of the first cell, unless the map is too small.
   const auto first = [step](int size) { return std::min(step / 2, size - 1); };
   for (int y = first(depth.Height()); y < depth.Height(); y += step) {

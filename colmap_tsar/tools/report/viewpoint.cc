@@ -42,11 +42,11 @@ Eigen::AlignedBox3d RobustBox(const std::vector<Eigen::Vector3d>& points) {
   Eigen::AlignedBox3d box;
   std::vector<double> values(points.size());
   for (int axis = 0; axis < 3; ++axis) {
-    std::transform(points.begin(),
-                   points.end(),
-                   values.begin(),
-                   [axis](const Eigen::Vector3d& p) { return p[axis]; });
-    std::sort(values.begin(), values.end());
+    std::ranges::transform(
+        points, values.begin(), [axis](const Eigen::Vector3d& p) {
+          return p[axis];
+        });
+    std::ranges::sort(values);
     const auto last = static_cast<double>(values.size() - 1);
     box.min()[axis] = values[static_cast<size_t>(kOutliers * last)];
     box.max()[axis] = values[static_cast<size_t>((1.0 - kOutliers) * last)];
@@ -78,8 +78,7 @@ Elements FindElements(const PointSample& sample,
     }
     std::array<int, 3> element = {};
     for (int axis = 0; axis < 3 && size > 0.0; ++axis) {
-      element[static_cast<size_t>(axis)] =
-          static_cast<int>((point[axis] - box.min()[axis]) / size);
+      element[axis] = static_cast<int>((point[axis] - box.min()[axis]) / size);
     }
     return !seen.insert(element).second;
   });
@@ -148,7 +147,7 @@ std::optional<Viewpoint> ChooseViewpoint(const std::vector<Camera>& cameras,
       most = depths.size();
       const auto middle =
           depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-      std::nth_element(depths.begin(), middle, depths.end());
+      std::ranges::nth_element(depths, middle);
       const Eigen::Vector3d eye = cameras[i].Center() - origin;
       best = {eye, eye + *middle * cameras[i].rotation.row(2).transpose()};
     }

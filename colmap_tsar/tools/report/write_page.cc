@@ -134,20 +134,20 @@ std::vector<KeptImage> ListKept(const Workspace& workspace,
   std::vector<KeptImage> kept;
   for (const StereoProblem& problem : workspace.Problems()) {
     const int image = problem.reference;
-    if (std::binary_search(refined.begin(), refined.end(), image)) {
+    if (std::ranges::binary_search(refined, image)) {
       continue;
     }
     const std::optional<ImageRecord> record =
         ReadRecord(workspace.Paths(image, workspace.Type()).record);
     kept.push_back(
-        {workspace.Model().images[static_cast<size_t>(image)].name,
+        {workspace.Model().images[image].name,
          record && !record->note.empty() ? record->note : "not refined yet"});
   }
   return kept;
 }
 
 const Camera& CameraOf(const Workspace& workspace, int image) {
-  return workspace.Model().images[static_cast<size_t>(image)].camera;
+  return workspace.Model().images[image].camera;
 }
 
 Eigen::Vector3d MeanCenter(const Workspace& workspace,
@@ -187,12 +187,10 @@ void CheckStages(const Workspace& workspace,
                  const std::vector<int>& refined,
                  const fs::path& debug_path) {
   const auto has_stages = [&](int image) {
-    const auto& model_image =
-        workspace.Model().images[static_cast<size_t>(image)];
+    const auto& model_image = workspace.Model().images[image];
     return !FindStagePictures(debug_path, model_image.name).empty();
   };
-  if (!debug_path.empty() &&
-      std::none_of(refined.begin(), refined.end(), has_stages)) {
+  if (!debug_path.empty() && std::ranges::none_of(refined, has_stages)) {
     throw Error::File(ErrorCode::kNotFound,
                       debug_path.string(),
                       "holds no pictures of these images",

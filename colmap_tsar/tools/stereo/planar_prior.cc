@@ -54,7 +54,7 @@ std::optional<Pixel> MedianOfSquare(const Image<float>& depth,
   }
   const auto median =
       depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), median, depths.end());
+  std::ranges::nth_element(depths, median);
   const size_t width = static_cast<size_t>(depth.Width());
   return Pixel{static_cast<int>(median->second % width),
                static_cast<int>(median->second / width)};
@@ -130,7 +130,7 @@ std::optional<Triangle> CornersInImage(const cv::Vec6f& corners,
           y < static_cast<float>(depth.Height()))) {
       return std::nullopt;
     }
-    Pixel& corner = triangle[static_cast<size_t>(i)];
+    Pixel& corner = triangle[i];
     corner = {static_cast<int>(x), static_cast<int>(y)};
     if (!(depth(corner.x, corner.y) > 0.f)) {
       return std::nullopt;

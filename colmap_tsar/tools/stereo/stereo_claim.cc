@@ -91,14 +91,10 @@ bool HaveRightSize(const MapPaths& paths,
 // Whether the existing maps have the sizes of this run's; they may have been
 // replaced.
 bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
-  return std::all_of(
-      workspace.Problems().begin(),
-      workspace.Problems().end(),
-      [&](const StereoProblem& problem) {
+  return std::ranges::all_of(
+      workspace.Problems(), [&](const StereoProblem& problem) {
         const Camera& camera =
-            workspace.Model()
-                .images[static_cast<size_t>(problem.reference)]
-                .camera;
+            workspace.Model().images[problem.reference].camera;
         return HaveRightSize(
                    workspace.Paths(problem.reference, MapType::kPhotometric),
                    camera,
@@ -135,7 +131,7 @@ void ClaimMaps(const Workspace& workspace,
   for (size_t place = 0; place < workspace.Problems().size(); ++place) {
     const StereoProblem& problem = workspace.Problems()[place];
     const SparseModel::ModelImage& image =
-        workspace.Model().images[static_cast<size_t>(problem.reference)];
+        workspace.Model().images[problem.reference];
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const MapPaths paths = workspace.Paths(problem.reference, type);
       RequireUnrefined(paths);

@@ -72,10 +72,8 @@ int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
 // The mask (1) of pixels without depth.
 Image<uint8_t> HolesOf(const Image<float>& depth) {
   auto holes = Image<uint8_t>::Uninitialized(depth.Width(), depth.Height());
-  std::transform(
-      depth.begin(), depth.end(), holes.begin(), [](float z) -> uint8_t {
-        return z > 0.f ? 0 : 1;
-      });
+  std::ranges::transform(
+      depth, holes.begin(), [](float z) -> uint8_t { return z > 0.f ? 0 : 1; });
   return holes;
 }
 

@@ -17,7 +17,7 @@ std::vector<std::vector<size_t>> FindImagesOfPasses(
   const std::vector<StereoProblem>& problems = workspace.Problems();
   std::vector<std::optional<size_t>> places(workspace.Model().images.size());
   for (size_t place = 0; place < problems.size(); ++place) {
-    places[static_cast<size_t>(problems[place].reference)] = place;
+    places[problems[place].reference] = place;
   }
   std::vector<std::vector<size_t>> images(static_cast<size_t>(num_passes));
   std::vector<bool> is_needed = is_listed;
@@ -29,7 +29,7 @@ std::vector<std::vector<size_t>> FindImagesOfPasses(
     }
     for (const size_t place : images[pass]) {
       for (const int source : StereoSources(problems[place], options)) {
-        if (const auto other = places[static_cast<size_t>(source)]) {
+        if (const auto other = places[source]) {
           is_needed[*other] = true;
         }
       }

@@ -66,7 +66,7 @@ std::string FingerprintOfSources(const Workspace& workspace,
   std::string names;
   for (const int source : sources) {
     // Names have no line breaks.
-    names += workspace.Model().images[static_cast<size_t>(source)].name + "\n";
+    names += workspace.Model().images[source].name + "\n";
   }
   return FingerprintOf(names);
 }
@@ -120,8 +120,7 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
                               const StereoOptions& options) {
   StereoInputs inputs;
   const auto find = [&](int image) -> InputState& {
-    const SparseModel::ModelImage& entry =
-        workspace.Model().images[static_cast<size_t>(image)];
+    const SparseModel::ModelImage& entry = workspace.Model().images[image];
     InputState& state = inputs[entry.name];
     if (state.empty()) {
       state = {{"camera", FingerprintOf(entry.camera)},
@@ -141,7 +140,7 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
       continue;
     }
     const std::vector<int> sources = StereoSources(problem, options);
-    std::for_each(sources.begin(), sources.end(), find);
+    std::ranges::for_each(sources, find);
     InputState& state = find(problem.reference);
     state["sources"] = FingerprintOfSources(workspace, sources);
     state["depths"] = FingerprintOfDepths(

@@ -76,8 +76,7 @@ StereoPasses::StereoPasses(const Workspace& workspace,
 
 StereoMapFiles StereoPasses::Files(int pass, int image) const {
   if (pass > 0 && pass + 1 < NumPasses()) {
-    const std::string key =
-        workspace_.Model().images[static_cast<size_t>(image)].name;
+    const std::string key = workspace_.Model().images[image].name;
     const ContainedPath folder =
         GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass));
     StereoMapFiles files{folder / "depth" / (key + ".bin"),

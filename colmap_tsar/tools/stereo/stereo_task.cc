@@ -26,19 +26,17 @@ StereoTask::StereoTask(const Workspace& workspace,
       workers_(workers),
       is_matched_(workspace.Model().images.size()) {
   for (const StereoProblem& problem : workspace.Problems()) {
-    is_matched_[static_cast<size_t>(problem.reference)] =
-        !problem.sources.empty();
+    is_matched_[problem.reference] = !problem.sources.empty();
   }
 }
 
 ViewCache::View StereoTask::Load(int image) const {
   auto view = std::make_shared<ViewData>();
-  const Camera& camera =
-      workspace_.Model().images[static_cast<size_t>(image)].camera;
+  const Camera& camera = workspace_.Model().images[image].camera;
   const auto [width, height] = MapSizeOf(camera, options_.max_image_size);
   view->color = workspace_.ReadImage(image, width, height);
   view->camera = camera.Resized(width, height);
-  if (pass_ > 0 && is_matched_[static_cast<size_t>(image)]) {
+  if (pass_ > 0 && is_matched_[image]) {
     const StereoMapFiles files = passes_.Files(pass_ - 1, image);
     if (files.Exist()) {
       ReadStereoMaps(files, passes_.IsUnderPrior(pass_), view.get());
@@ -77,8 +75,7 @@ StereoMaps StereoTask::Compute(size_t index,
   }
   const ViewData& reference = views->Get(image);
   const DepthInterval range = StereoDepths(workspace_, image, options_);
-  const uint32_t stream =
-      HashImageName(workspace_.Model().images[static_cast<size_t>(image)].name);
+  const uint32_t stream = HashImageName(workspace_.Model().images[image].name);
   Device& device = *workers_[worker].device;
   if (pass_ == 0) {
     return MatchImage(reference, sources, range, stream, options_, device);

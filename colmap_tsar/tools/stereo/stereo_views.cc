@@ -58,10 +58,7 @@ StereoViews::StereoViews(const ViewData& reference,
 }
 
 ReferenceView StereoViews::Reference(int level) const {
-  return {LevelIntrinsics(camera_, level),
-          grays_[static_cast<size_t>(level)].View(),
-          {},
-          {}};
+  return {LevelIntrinsics(camera_, level), grays_[level].View(), {}, {}};
 }
 
 Buffer<SourceView> StereoViews::Sources(int level) const {
@@ -71,7 +68,7 @@ Buffer<SourceView> StereoViews::Sources(int level) const {
     views.push_back(
         {LevelIntrinsics(source.camera, level),
          ComputeRelativePose(camera_, source.camera),
-         source.grays[static_cast<size_t>(level)].View(),
+         source.grays[level].View(),
          has_depth ? source.depth.View() : ImageView<const float>{}});
   }
   return Buffer<SourceView>(device_, views);

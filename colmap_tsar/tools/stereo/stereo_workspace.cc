@@ -37,8 +37,7 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
                              const StereoOptions& options) {
   WorkspaceOverview overview;
   const auto look_at = [&](int image) {
-    const Camera& camera =
-        workspace.Model().images[static_cast<size_t>(image)].camera;
+    const Camera& camera = workspace.Model().images[image].camera;
     const auto [width, height] = MapSizeOf(camera, options.max_image_size);
     overview.max_num_pixels =
         std::max(overview.max_num_pixels, static_cast<int64_t>(width) * height);
@@ -59,7 +58,7 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
                  std::min(options.num_sources,
                           static_cast<int>(problem.sources.size())));
   }
-  std::for_each(images.begin(), images.end(), look_at);
+  std::ranges::for_each(images, look_at);
   overview.has_costs = FillsUnderPrior(options);
   overview.has_maps.assign(workspace.Model().images.size(), true);
   return overview;
@@ -152,15 +151,15 @@ std::vector<ImageReport> RunPass(const Workspace& workspace,
 }
 
 int CountSkipped(const std::vector<ImageReport>& reports) {
-  return static_cast<int>(std::count_if(
-      reports.begin(), reports.end(), [](const ImageReport& report) {
+  return static_cast<int>(
+      std::ranges::count_if(reports, [](const ImageReport& report) {
         return report.outcome == ImageReport::Outcome::kSkipped;
       }));
 }
 
 const std::string& NameOf(const Workspace& workspace, size_t place) {
   const StereoProblem& problem = workspace.Problems()[place];
-  return workspace.Model().images[static_cast<size_t>(problem.reference)].name;
+  return workspace.Model().images[problem.reference].name;
 }
 
 }  // namespace
@@ -213,11 +212,10 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
     }
   }
   ClaimMaps(workspace, options, overwrite, is_listed);
-  const bool is_done = std::all_of(
-      images.back().begin(), images.back().end(), [&](size_t place) {
-        const StereoProblem& problem = workspace.Problems()[place];
-        return problem.sources.empty() || passes.IsDone(problem.reference);
-      });
+  const bool is_done = std::ranges::all_of(images.back(), [&](size_t place) {
+    const StereoProblem& problem = workspace.Problems()[place];
+    return problem.sources.empty() || passes.IsDone(problem.reference);
+  });
   const auto num_without_sources =
       static_cast<int>(summary.without_sources.size());
   if (is_done) {
@@ -226,7 +224,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   } else {
     progress.PlanPasses(PassCosts(passes));
     for (int pass = 0; pass < passes.NumPasses(); ++pass) {
-      const std::vector<size_t>& places = images[static_cast<size_t>(pass)];
+      const std::vector<size_t>& places = images[pass];
       const std::vector<ImageReport> reports = RunPass(workspace,
                                                        options,
                                                        passes,
