@@ -16,8 +16,8 @@
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/export/export_workspace.h"
+#include "colmap_tsar/tools/import/import_store.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
-#include "colmap_tsar/tools/import/undo_import.h"
 #include "colmap_tsar/tools/report/write_page.h"
 
 #include <filesystem>

@@ -10,7 +10,7 @@
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/import/undo_import.h"
+#include "colmap_tsar/tools/import/import_store.h"
 
 #include <filesystem>
 #include <functional>

@@ -4,7 +4,7 @@
 #include "colmap_tsar/cli/print_summary.h"
 
 #include "colmap_tsar/base/printable.h"
-#include "colmap_tsar/tools/import/import_summary.h"
+#include "colmap_tsar/tools/import/import_workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 #include "colmap_tsar/view/unmatched_depths.h"
 

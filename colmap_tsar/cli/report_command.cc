@@ -18,7 +18,6 @@
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 #include "colmap_tsar/tools/report/comparison_picture.h"
 #include "colmap_tsar/tools/report/pictures.h"
-#include "colmap_tsar/tools/report/workspace_comparison.h"
 
 #include <filesystem>
 #include <functional>

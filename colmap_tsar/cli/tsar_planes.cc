@@ -12,8 +12,8 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
+#include "colmap_tsar/tools/plane_export/exported_planes.h"
 #include "colmap_tsar/tools/plane_export/floor_plan.h"
-#include "colmap_tsar/tools/plane_export/place_planes.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
@@ -95,11 +95,6 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                {0.0, std::numeric_limits<double>::max()});
   options->Add(
       "overwrite", &command->overwrite, "Replace a file that is there.");
-}
-
-// Planes without triangles are written to JSON only.
-bool IsWritten(const ExportedPlane& plane, PlaneFormat format) {
-  return format == PlaneFormat::kJson || !plane.polygons.empty();
 }
 
 void PrintPlanes(const ExportedPlanes& planes,

@@ -4,7 +4,7 @@
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/run/store/shard_record.h"
-#include "colmap_tsar/tools/import/undo_import.h"
+#include "colmap_tsar/tools/import/import_store.h"
 
 #include <sstream>
 

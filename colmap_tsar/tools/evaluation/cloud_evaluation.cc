@@ -12,12 +12,81 @@
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
 
 namespace tsar {
 namespace {
+
+using Voxel = std::array<int64_t, 3>;
+using PointInVoxel = std::pair<Voxel, size_t>;
+
+Voxel VoxelOf(const Eigen::Vector3d& point, double shift, double voxel_size) {
+  // At larger distances doubles are coarser than voxels.
+  constexpr double kFurthest = 1e15;
+  Voxel voxel;
+  for (int axis = 0; axis < 3; ++axis) {
+    voxel[axis] = static_cast<int64_t>(std::clamp(
+        std::floor(point[axis] / voxel_size + shift), -kFurthest, kFurthest));
+  }
+  return voxel;
+}
+
+struct VoxelSums {
+  double shares = 0;
+  int64_t num_voxels = 0;
+};
+
+void AddVoxel(const PointInVoxel* begin,
+              const PointInVoxel* end,
+              const std::vector<PointVerdict>& verdicts,
+              std::vector<VoxelSums>* sums) {
+  const int num_tolerances = static_cast<int>(sums->size());
+  for (int t = 0; t < num_tolerances; ++t) {
+    int64_t num_good = 0;
+    int64_t num_bad = 0;
+    for (const PointInVoxel* point = begin; point != end; ++point) {
+      const PointVerdict& verdict = verdicts[point->second];
+      if (verdict.first_good <= t) {
+        ++num_good;
+      } else if (verdict.bad_below) {
+        ++num_bad;
+      }
+    }
+    if (num_good + num_bad > 0) {
+      (*sums)[t].shares += static_cast<double>(num_good) / (num_good + num_bad);
+      ++(*sums)[t].num_voxels;
+    }
+  }
+}
+
+constexpr double kCellsPerUnit = 256;
+
+// Beyond this sine of the angle between point and beam, testing all points is
+// cheaper than testing all cells.
+constexpr double kMaxSineForCells = 0.05;
+
+int CellCoordinate(double value) {
+  return static_cast<int>(std::floor((value + 1.0) * kCellsPerUnit));
+}
+
+uint64_t CellKey(int x, int y, int z) {
+  constexpr int kMargin = 64;  // Keys of cells outside the cube are valid.
+  return (static_cast<uint64_t>(x + kMargin) << 40) |
+         (static_cast<uint64_t>(y + kMargin) << 20) |
+         static_cast<uint64_t>(z + kMargin);
+}
+
+uint64_t CellKeyOf(const Eigen::Vector3d& direction) {
+  return CellKey(CellCoordinate(direction.x()),
+                 CellCoordinate(direction.y()),
+                 CellCoordinate(direction.z()));
+}
 
 Eigen::Isometry3d AsMotion(const Eigen::Matrix4d& matrix) {
   Eigen::Isometry3d motion;
@@ -67,6 +136,103 @@ std::vector<double> Accuracy(const std::vector<Eigen::Vector3d>& points,
 
 }  // namespace
 
+std::vector<double> VoxelMeans(const std::vector<Eigen::Vector3d>& points,
+                               const std::vector<PointVerdict>& verdicts,
+                               int num_tolerances,
+                               double voxel_size) {
+  std::vector<VoxelSums> sums(num_tolerances);
+  std::vector<PointInVoxel> sorted(points.size());
+  for (const double shift : {0.0, 0.5}) {
+    for (size_t i = 0; i < points.size(); ++i) {
+      sorted[i] = {VoxelOf(points[i], shift, voxel_size), i};
+    }
+    std::ranges::sort(sorted);
+    const PointInVoxel* const end = sorted.data() + sorted.size();
+    for (const PointInVoxel* begin = sorted.data(); begin != end;) {
+      const PointInVoxel* next =
+          std::find_if(begin, end, [&](const PointInVoxel& point) {
+            return point.first != begin->first;
+          });
+      AddVoxel(begin, next, verdicts, &sums);
+      begin = next;
+    }
+  }
+  std::vector<double> means;
+  means.reserve(sums.size());
+  for (const VoxelSums& sum : sums) {
+    means.push_back(sum.num_voxels > 0 ? sum.shares / sum.num_voxels : 0);
+  }
+  return means;
+}
+
+LaserScan::LaserScan(std::vector<Eigen::Vector3d> points, const LaserBeam& beam)
+    : beam_(beam) {
+  std::vector<std::pair<uint64_t, size_t>> order(points.size());
+  for (size_t i = 0; i < points.size(); ++i) {
+    order[i] = {CellKeyOf(points[i].normalized()), i};
+  }
+  std::ranges::sort(order);
+  points_.reserve(points.size());
+  directions_.reserve(points.size());
+  for (size_t i = 0; i < order.size(); ++i) {
+    const auto& [key, index] = order[i];
+    points_.push_back(points[index]);
+    directions_.push_back(points[index].normalized());
+    PointRange& range = cells_.try_emplace(key, PointRange{i, i}).first->second;
+    range.end = i + 1;
+  }
+}
+
+PointVerdict LaserScan::Judge(const Eigen::Vector3d& point,
+                              const std::vector<double>& tolerances) const {
+  const double range = point.norm();
+  const double beam_radius =
+      beam_.start_radius +
+      range * std::tan(beam_.divergence_degrees * std::numbers::pi / 180.0);
+  PointVerdict verdict{static_cast<int>(tolerances.size()), false};
+
+  const auto judge = [&](const PointRange& candidates) {
+    for (size_t i = candidates.begin; i < candidates.end; ++i) {
+      const double along = directions_[i].dot(point);
+      if (along < 0 || (point - along * directions_[i]).squaredNorm() >
+                           beam_radius * beam_radius) {
+        continue;
+      }
+      const double distance = (point - points_[i]).norm();
+      while (verdict.first_good > 0 &&
+             distance <= tolerances[verdict.first_good - 1]) {
+        --verdict.first_good;
+      }
+      verdict.bad_below |= along < directions_[i].dot(points_[i]);
+    }
+  };
+
+  if (beam_radius >= kMaxSineForCells * range) {
+    judge({0, points_.size()});
+    return verdict;
+  }
+  // For small angles the chord is hardly longer than the sine.
+  const double chord = 1.001 * beam_radius / range;
+  const Eigen::Vector3d direction = point / range;
+  int low[3];
+  int high[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = CellCoordinate(direction[axis] - chord);
+    high[axis] = CellCoordinate(direction[axis] + chord);
+  }
+  for (int x = low[0]; x <= high[0]; ++x) {
+    for (int y = low[1]; y <= high[1]; ++y) {
+      for (int z = low[2]; z <= high[2]; ++z) {
+        const auto cell = cells_.find(CellKey(x, y, z));
+        if (cell != cells_.end()) {
+          judge(cell->second);
+        }
+      }
+    }
+  }
+  return verdict;
+}
+
 void CloudEvaluationOptions::Check() const {
   CheckTolerances(tolerances);
   if (!(voxel_size > 0)) {
@@ -78,8 +244,7 @@ void CloudEvaluationOptions::Check() const {
       !(beam.divergence_degrees < 45)) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("beam_radius") + " and " + OptionName("beam_angle") +
-                    ": must be 0 or more, and the "
-                    "angle below 45 degrees");
+                    ": must be 0 or more, and the angle below 45 degrees");
   }
 }
 

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/masks_and_labels.h"
@@ -90,9 +91,9 @@ void AddPixels(const Image<float>& estimate,
                DepthScore* score) {
   const float tolerance = static_cast<float>(score->tolerance);
   for (int y = 0; y < estimate.Height(); ++y) {
-    const int truth_y = NearestPixel(y, estimate.Height(), truth.Height());
+    const int truth_y = NearestPixel(y, truth.Height(), estimate.Height());
     for (int x = 0; x < estimate.Width(); ++x) {
-      const int truth_x = NearestPixel(x, estimate.Width(), truth.Width());
+      const int truth_x = NearestPixel(x, truth.Width(), estimate.Width());
       const float known = truth(truth_x, truth_y);
       if (known <= 0 || (area != nullptr && (*area)(truth_x, truth_y) == 0) ||
           (!mask.Empty() && mask(x, y) != 0)) {
@@ -132,10 +133,6 @@ std::vector<fs::path> FindMasks(const fs::path& folder,
 fs::path GroundTruthFolder(const fs::path& workspace_path,
                            const fs::path& given) {
   return given.empty() ? workspace_path / "ground_truth" / "depth" : given;
-}
-
-int NearestPixel(int i, int from, int to) {
-  return std::min(static_cast<int>((i + 0.5) * to / from), to - 1);
 }
 
 double DepthScore::Precision() const {

@@ -12,10 +12,6 @@
 
 namespace tsar {
 
-// The pixel among `to` pixels that covers the center of pixel i among `from`,
-// for ground truth of another size than the map.
-int NearestPixel(int i, int from, int to);
-
 // The folder of the ground truth of a workspace: the given folder or, if empty,
 // ground_truth/depth of the workspace.
 std::filesystem::path GroundTruthFolder(

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/fusion/fusion_run.h"
 #include "colmap_tsar/io/map_io.h"
@@ -14,6 +15,7 @@
 #include "colmap_tsar/tools/evaluation/depth_evaluation.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -27,8 +29,8 @@ FusedPixelEvaluation EvaluateImage(const FusedImage& fused,
   evaluation.num_images = 1;
   const auto truth_at = [&](int x, int y) {
     const Image<FusionPixel>& pixels = fused.view->pixels;
-    return truth(NearestPixel(x, pixels.Width(), truth.Width()),
-                 NearestPixel(y, pixels.Height(), truth.Height()));
+    return truth(NearestPixel(x, truth.Width(), pixels.Width()),
+                 NearestPixel(y, truth.Height(), pixels.Height()));
   };
   for (int y = 0; y < fused.view->pixels.Height(); ++y) {
     for (int x = 0; x < fused.view->pixels.Width(); ++x) {
@@ -68,17 +70,12 @@ std::vector<std::filesystem::path> FindTruths(
     const FusionPlan& plan,
     const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> paths;
-  bool has_any = false;
   for (const int image : plan.order) {
-    const std::string& name = workspace.Model().images[image].name;
-    paths.push_back(folder / (name + ".bin"));
-    if (Exists(paths.back())) {
-      has_any = true;
-    } else {
-      paths.back().clear();
-    }
+    const std::filesystem::path path =
+        folder / (workspace.Model().images[image].name + ".bin");
+    paths.push_back(Exists(path) ? path : "");
   }
-  if (!has_any) {
+  if (std::ranges::all_of(paths, &std::filesystem::path::empty)) {
     throw Error::File(ErrorCode::kNotFound,
                       folder.string(),
                       "there is no ground truth (NAME.bin) of an image that "

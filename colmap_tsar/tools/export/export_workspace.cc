@@ -12,10 +12,7 @@
 #include "colmap_tsar/run/store/output_folder.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/export/gaussian_splatting_exporter.h"
 #include "colmap_tsar/tools/export/image_exporter.h"
-#include "colmap_tsar/tools/export/map_exporter.h"
-#include "colmap_tsar/tools/export/nerfstudio_exporter.h"
 #include "colmap_tsar/tools/export/scene_files.h"
 
 #include <algorithm>
@@ -29,16 +26,6 @@
 
 namespace tsar {
 namespace {
-
-// The content of an export's manifest.json (docs/export.md): conventions, the
-// exporter's description of maps, and each image with its camera at the size of
-// its maps, pose and files.
-nlohmann::ordered_json MakeExportManifest(
-    const Workspace& workspace,
-    ExportFormat format,
-    const nlohmann::ordered_json& maps,
-    const std::vector<int>& images,
-    const std::vector<ExportedImage>& exported);
 
 using Json = nlohmann::ordered_json;
 
@@ -54,10 +41,8 @@ Json Conventions() {
       "cx) / fx, (y - cy) / fy, 1) of the camera's frame, as for stereo_fusion";
   json["half_pixel"] =
       "cx and cy are the sparse model's, scaled: in it (0.5, 0.5) is the "
-      "center "
-      "of the top left pixel; what is projected for the photos, as by "
-      "trainers, "
-      "takes x + 0.5 and y + 0.5";
+      "center of the top left pixel; what is projected for the photos, as by "
+      "trainers, takes x + 0.5 and y + 0.5";
   json["values"] = "scale * stored + offset";
   return json;
 }
@@ -80,6 +65,9 @@ Json ImageJson(const Workspace& workspace,
   return json;
 }
 
+// The content of an export's manifest.json (docs/export.md): conventions, the
+// exporter's description of maps, and each image with its camera at the size of
+// its maps, pose and files.
 Json MakeExportManifest(const Workspace& workspace,
                         ExportFormat format,
                         const Json& maps,

@@ -4,6 +4,7 @@
 #include "colmap_tsar/tools/export/map_levels.h"
 
 #include "colmap_tsar/view/refined_maps.h"
+#include "colmap_tsar/base/text_stream.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,6 +105,14 @@ DepthStatistics JoinStatistics(const std::vector<DepthStatistics>& maps) {
     joined.median = Median(&medians);
   }
   return joined;
+}
+
+std::string ShareOfDepths(int64_t count, int64_t num_depths) {
+  TextStream text;
+  text.precision(3);
+  text << 100.0 * static_cast<double>(count) / static_cast<double>(num_depths)
+       << " % of the depths";
+  return text.str();
 }
 
 }  // namespace tsar

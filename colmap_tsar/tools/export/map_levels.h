@@ -8,6 +8,7 @@
 #include "colmap_tsar/io/png.h"
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace tsar {
@@ -49,5 +50,8 @@ DepthStatistics MeasureDepth(const Image<float>& depth);
 // Joins the statistics of maps: the nearest and farthest of all, the median of
 // the medians.
 DepthStatistics JoinStatistics(const std::vector<DepthStatistics>& maps);
+
+// "17.3 % of the depths", for messages.
+std::string ShareOfDepths(int64_t count, int64_t num_depths);
 
 }  // namespace tsar

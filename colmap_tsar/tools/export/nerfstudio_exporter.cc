@@ -1,14 +1,13 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/export/nerfstudio_exporter.h"
-
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/json_file.h"
+#include "colmap_tsar/tools/export/image_exporter.h"
 #include "colmap_tsar/tools/export/map_levels.h"
 #include "colmap_tsar/tools/export/scene_files.h"
 #include "colmap_tsar/tools/export/value_files.h"

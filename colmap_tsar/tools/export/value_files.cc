@@ -66,15 +66,14 @@ cv::Mat AsMatrix(const Image<T>& values, int type) {
 
 // Encodes pixels; empty if OpenCV cannot.
 std::vector<uchar> EncodeExr(const cv::Mat& pixels) {
-  std::vector<uchar> bytes;
   try {
-    if (!cv::imencode(".exr", pixels, bytes)) {
-      bytes.clear();
+    std::vector<uchar> bytes;
+    if (cv::imencode(".exr", pixels, bytes)) {
+      return bytes;
     }
   } catch (const std::exception&) {  // OpenEXR has exceptions of its own.
-    bytes.clear();
   }
-  return bytes;
+  return {};
 }
 
 bool AreSame(const cv::Mat& first, const cv::Mat& second) {

@@ -12,17 +12,16 @@
 
 namespace tsar {
 
+// All functions write atomically and create the folder. Errors as AtomicFile,
+// and kIo if OpenCV cannot encode the picture.
+
 // Write an array in NumPy's format (.npy, version 1.0), little-endian and row
 // by row: float32, uint8 or uint16 of shape (height, width), or float32 of
-// (height, width, 3). They write atomically and create the folder. Errors as
-// AtomicFile.
+// (height, width, 3).
 void WriteArray(const ContainedPath& path, const Image<float>& values);
 void WriteArray(const ContainedPath& path, const Image<Vec3f>& values);
 void WriteArray(const ContainedPath& path, const Image<uint8_t>& values);
 void WriteArray(const ContainedPath& path, const Image<uint16_t>& values);
-
-// All functions write atomically and create the folder. Errors as AtomicFile,
-// and kIo if OpenCV cannot encode the picture.
 
 // Write PNG: one channel, or red, green and blue, of 8 or 16 bits.
 void WritePngFile(const ContainedPath& path, const Image<uint8_t>& values);

@@ -23,35 +23,30 @@ ContainedPath GetImportFolder(const std::filesystem::path& root) {
   return {root, std::filesystem::path("stereo") / "tsar_import"};
 }
 
-std::string GetImportKey(const std::string& image_name, MapType type) {
-  return image_name + "." + ToString(type);
-}
-
-ContainedPath GetMapPath(const std::filesystem::path& root,
-                         size_t kind,
-                         const std::string& key) {
-  return {
-      root,
-      std::filesystem::path("stereo") / kImportFolders[kind] / (key + ".bin")};
-}
-
 ContainedPath GetFormerFolder(const std::filesystem::path& root, size_t kind) {
   return GetImportFolder(root) / "former" / kImportFolders[kind];
-}
-
-ContainedPath GetFormerPath(const std::filesystem::path& root,
-                            size_t kind,
-                            const std::string& key) {
-  return GetFormerFolder(root, kind) / (key + ".bin");
 }
 
 ContainedPath GetImportRecordFolder(const std::filesystem::path& root) {
   return GetImportFolder(root) / "records";
 }
 
-ContainedPath GetImportRecordPath(const std::filesystem::path& root,
-                                  const std::string& key) {
-  return GetImportRecordFolder(root) / (key + ".json");
+ImportPaths GetImportPaths(const std::filesystem::path& root,
+                           const std::string& key) {
+  ImportPaths paths;
+  for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
+    const ContainedPath stereo(root, "stereo");
+    paths.maps[kind] = stereo / kImportFolders[kind] / (key + ".bin");
+    paths.former[kind] = GetFormerFolder(root, kind) / (key + ".bin");
+  }
+  paths.record = GetImportRecordFolder(root) / (key + ".json");
+  return paths;
+}
+
+ImportPaths GetImportPaths(const std::filesystem::path& root,
+                           const std::string& image_name,
+                           MapType type) {
+  return GetImportPaths(root, image_name + "." + ToString(type));
 }
 
 std::optional<ImportRecord> ReadImportRecord(

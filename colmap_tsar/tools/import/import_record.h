@@ -41,27 +41,28 @@ struct ImportRecord {
 // treats imported maps as originals.
 ContainedPath GetImportFolder(const std::filesystem::path& root);
 
-// The image's name and the type, which name maps and records.
-std::string GetImportKey(const std::string& image_name, MapType type);
-
-// The path of a map of one of kImportFolders, and that of the former map that
-// an import replaced.
-ContainedPath GetMapPath(const std::filesystem::path& root,
-                         size_t kind,
-                         const std::string& key);
+// The folders of former maps of a kind, and of records.
 ContainedPath GetFormerFolder(const std::filesystem::path& root, size_t kind);
-ContainedPath GetFormerPath(const std::filesystem::path& root,
-                            size_t kind,
-                            const std::string& key);
 ContainedPath GetImportRecordFolder(const std::filesystem::path& root);
-ContainedPath GetImportRecordPath(const std::filesystem::path& root,
-                                  const std::string& key);
+
+// The files of one image's maps of one type and of what imports keep for them.
+struct ImportPaths {
+  std::array<ContainedPath, kImportFolders.size()> maps;
+  std::array<ContainedPath, kImportFolders.size()> former;
+  ContainedPath record;
+};
+// key: the image's name and the type, by which maps and records are named.
+ImportPaths GetImportPaths(const std::filesystem::path& root,
+                           const std::string& key);
+ImportPaths GetImportPaths(const std::filesystem::path& root,
+                           const std::string& image_name,
+                           MapType type);
 
 // Returns nullopt if there is no record. Throws Error kCorrupt if it is
 // invalid.
 std::optional<ImportRecord> ReadImportRecord(const std::filesystem::path& path);
 
-// Writes a record atomically and creates the folder. Throws Error kIo.
+// Writes a record atomically and creates its folder. Throws Error kIo.
 void WriteImportRecord(const ContainedPath& path, const ImportRecord& record);
 
 }  // namespace tsar

@@ -10,7 +10,7 @@
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/import/check_cameras.h"
+#include "colmap_tsar/tools/import/import_checks.h"
 #include "colmap_tsar/tools/import/import_store.h"
 #include "colmap_tsar/tools/import/target_workspace.h"
 

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/depth_image.h"
-#include "colmap_tsar/tools/import/image_order.h"
 #include "colmap_tsar/tools/import/match_formats.h"
 
 #include <algorithm>

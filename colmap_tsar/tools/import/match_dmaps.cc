@@ -5,7 +5,6 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/io/dense_maps.h"
 #include "colmap_tsar/io/float_map.h"
-#include "colmap_tsar/tools/import/image_order.h"
 #include "colmap_tsar/tools/import/match_formats.h"
 
 #include <algorithm>

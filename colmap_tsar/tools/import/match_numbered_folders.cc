@@ -4,7 +4,6 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/tools/import/image_order.h"
 #include "colmap_tsar/tools/import/match_formats.h"
 
 #include <cstdio>
@@ -91,8 +90,7 @@ std::vector<NumberedFolder> FindProgramFolder(const Path& input) {
     throw Error::File(
         ErrorCode::kNotFound,
         input.string(),
-        "no folder in it is called like 2333_00000000 and holds "
-        "depths.dmb",
+        "no folder in it is called like 2333_00000000 and holds depths.dmb",
         "check " + OptionName("input_path") + " and " + OptionName("format"));
   }
   return found;

@@ -32,8 +32,7 @@ SparseModel ReadTargetModel(const std::filesystem::path& root) {
                         (root / folder).string(),
                         "no such folder, so this is not a dense workspace",
                         "check " + OptionName("workspace_path") +
-                            ", or make the workspace with "
-                            "image_undistorter");
+                            ", or make the workspace with image_undistorter");
     }
   }
   const std::filesystem::path model_folder = FindModelFolder(root);

@@ -12,9 +12,6 @@
 namespace tsar {
 namespace {
 
-// The sine of the least angle (10 degrees) at which the intersection of two
-// planes is well determined.
-constexpr double kMinSine = 0.17;
 // The largest distance of the border between two labels from the crease, in
 // pixels.
 constexpr double kMaxDistance = 6.0;

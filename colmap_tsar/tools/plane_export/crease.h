@@ -15,6 +15,10 @@
 
 namespace tsar {
 
+// The sine of the least angle (10 degrees) at which the intersection of two
+// planes, or of two creases, is well determined.
+inline constexpr double kMinSine = 0.17;
+
 // The part of the intersection line of two scene planes that views observe:
 // from point + begin * direction to point + end * direction.
 struct Crease {
@@ -37,7 +41,7 @@ struct CreaseLine {
   // The signed distance of a point from the line, positive on its left, and its
   // position along the line.
   double Height(const Eigen::Vector2d& at) const {
-    return direction.x() * (at - point).y() - direction.y() * (at - point).x();
+    return Cross(direction, at - point);
   }
   double Along(const Eigen::Vector2d& at) const {
     return direction.dot(at - point);

@@ -5,10 +5,11 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/tools/plane_export/crease.h"
-#include "colmap_tsar/tools/plane_export/plane_statistics.h"
+#include "colmap_tsar/tools/plane_export/plane_view.h"
 #include "colmap_tsar/tools/plane_export/support_mask.h"
 #include "colmap_tsar/tools/plane_export/trace_polygons.h"
 
@@ -20,31 +21,20 @@
 namespace tsar {
 namespace {
 
-bool IsRefined(const Workspace& workspace) {
-  const int num_images = static_cast<int>(workspace.Model().images.size());
-  for (int image = 0; image < num_images; ++image) {
-    if (Exists(workspace.Paths(image, workspace.Type()).provenance)) {
-      return true;
-    }
-  }
-  return false;
-}
-
 [[noreturn]] void ThrowNoPlanes(const Workspace& workspace) {
   const std::string type = ToString(workspace.Type());
-  if (!IsRefined(workspace)) {
+  if (FindRefinedImages(workspace).empty()) {
     throw Error::File(ErrorCode::kNotFound,
                       workspace.Root().string(),
                       "has no refined " + type + " maps",
                       "run tsar_refine on it first");
   }
-  throw Error::File(ErrorCode::kNotFound,
-                    workspace.Root().string(),
-                    "its " + type +
-                        " maps were refined without keeping the planes of the "
-                        "scene",
-                    "run this version's tsar_refine on it, with the planes of "
-                    "the scene");
+  throw Error::File(
+      ErrorCode::kNotFound,
+      workspace.Root().string(),
+      "its " + type +
+          " maps were refined without keeping the planes of the scene",
+      "run this version's tsar_refine on it, with the planes of the scene");
 }
 
 // Checks that plane maps refer to the planes of this model: those of another

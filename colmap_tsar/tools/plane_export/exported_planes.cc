@@ -3,8 +3,13 @@
 
 #include "colmap_tsar/tools/plane_export/exported_planes.h"
 
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+
 #include <algorithm>
 #include <cmath>
+
+#include <Eigen/Geometry>
 
 namespace tsar {
 namespace {
@@ -15,33 +20,13 @@ constexpr double kCosine30 = 0.8660254037844387;
 // The least length of a meaningful mean of unit vectors.
 constexpr double kMinMeanUp = 0.2;
 
+void Scale(double factor, Ring* ring) {
+  for (Eigen::Vector2d& point : *ring) {
+    point *= factor;
+  }
+}
+
 }  // namespace
-
-std::string ToString(PlaneClass of_plane) {
-  switch (of_plane) {
-    case PlaneClass::kFloor:
-      return "floor";
-    case PlaneClass::kCeiling:
-      return "ceiling";
-    case PlaneClass::kWall:
-      return "wall";
-    case PlaneClass::kOther:
-      break;
-  }
-  return "other";
-}
-
-std::string ToString(Vertical::Source source) {
-  switch (source) {
-    case Vertical::Source::kFrame:
-      return "manhattan_frame";
-    case Vertical::Source::kCameras:
-      return "cameras";
-    case Vertical::Source::kNone:
-      break;
-  }
-  return "none";
-}
 
 Vertical FindVertical(const std::vector<Eigen::Vector3d>& camera_ups,
                       const std::vector<Eigen::Matrix3d>& frames) {
@@ -92,6 +77,58 @@ PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
   return 2 * static_cast<size_t>(num_above) >= cameras.size()
              ? PlaneClass::kFloor
              : PlaneClass::kCeiling;
+}
+
+void TurnUp(UpAxis axis, ExportedPlanes* planes) {
+  if (axis == UpAxis::kModel) {
+    return;
+  }
+  if (planes->vertical.source == Vertical::Source::kNone) {
+    throw Error(ErrorCode::kUnsupported,
+                OptionName("up") +
+                    ": the cameras look all ways, so that nothing tells what "
+                    "is up; leave the option out");
+  }
+  Eigen::Matrix3d rotation = Eigen::Quaterniond::FromTwoVectors(
+                                 planes->vertical.up, Eigen::Vector3d::UnitZ())
+                                 .toRotationMatrix();
+  planes->vertical.up = Eigen::Vector3d::UnitZ();
+  if (axis == UpAxis::kY) {
+    Eigen::Matrix3d y_from_z;
+    y_from_z << 1, 0, 0, 0, 0, 1, 0, -1, 0;
+    rotation = y_from_z * rotation;
+    planes->vertical.up = Eigen::Vector3d::UnitY();
+  }
+  planes->from_model = rotation * planes->from_model;
+  for (Eigen::Matrix3d& frame : planes->frames) {
+    frame = rotation * frame;
+  }
+  for (ExportedPlane& plane : planes->planes) {
+    PlaneCoordinates& at = plane.coordinates;
+    for (Eigen::Vector3d* vector :
+         {&at.origin, &at.axis_s, &at.axis_t, &at.normal}) {
+      *vector = rotation * *vector;
+    }
+  }
+}
+
+void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes) {
+  planes->in_meters = true;
+  planes->from_model *= meters_per_unit;
+  for (ExportedPlane& plane : planes->planes) {
+    plane.coordinates.origin *= meters_per_unit;
+    // Its rotations are angles.
+    plane.covariance.row(2) *= meters_per_unit;
+    plane.covariance.col(2) *= meters_per_unit;
+    plane.area *= meters_per_unit * meters_per_unit;
+    plane.cell *= meters_per_unit;
+    for (PlanePolygon& polygon : plane.polygons) {
+      Scale(meters_per_unit, &polygon.outline);
+      for (Ring& hole : polygon.holes) {
+        Scale(meters_per_unit, &hole);
+      }
+    }
+  }
 }
 
 }  // namespace tsar

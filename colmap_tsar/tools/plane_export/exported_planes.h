@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/tools/plane_export/plane_polygon.h"
 
 #include <cstdint>
@@ -15,8 +16,15 @@ namespace tsar {
 
 enum class PlaneClass { kFloor, kCeiling, kWall, kOther };
 
-// "floor", "ceiling", "wall" or "other".
-std::string ToString(PlaneClass of_plane);
+inline constexpr EnumNames<PlaneClass, 4> kPlaneClassNames = {
+    {{PlaneClass::kFloor, "floor"},
+     {PlaneClass::kCeiling, "ceiling"},
+     {PlaneClass::kWall, "wall"},
+     {PlaneClass::kOther, "other"}}};
+
+inline std::string ToString(PlaneClass of_plane) {
+  return EnumName(kPlaneClassNames, of_plane);
+}
 
 // The vertical direction and its source.
 struct Vertical {
@@ -29,8 +37,10 @@ struct Vertical {
   Source source = Source::kNone;
 };
 
-// "manhattan_frame", "cameras" or "none".
-std::string ToString(Vertical::Source source);
+inline constexpr EnumNames<Vertical::Source, 3> kVerticalSourceNames = {
+    {{Vertical::Source::kFrame, "manhattan_frame"},
+     {Vertical::Source::kCameras, "cameras"},
+     {Vertical::Source::kNone, "none"}}};
 
 // camera_ups: unit vectors in the world frame (-y of each camera). frames: see
 // SceneModel.
@@ -48,7 +58,7 @@ PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
                          const Vertical& vertical);
 
 // A plane of the scene as it is given to others. Frame and units are those of
-// the sparse model, unless place_planes.h changed them.
+// the sparse model, unless TurnUp() or ScaleToMeters() changed them.
 struct ExportedPlane {
   int id = 0;  // In planes.bin; plane maps hold 1 + id.
   PlaneClass plane_class = PlaneClass::kOther;
@@ -62,8 +72,7 @@ struct ExportedPlane {
   int frame = -1;
   int axis = -1;
   double area = 0.0;  // Area of the polygons.
-  double cell =
-      0.0;  // The resolution of the polygons; 0 if the plane is not visible.
+  double cell = 0.0;  // Resolution of the polygons; 0: the plane is invisible.
   int64_t num_pixels = 0;
   double share_measured = 0.0;
   struct Sighting {
@@ -90,5 +99,22 @@ struct ExportedPlanes {
   Eigen::Matrix3d from_model = Eigen::Matrix3d::Identity();
   bool in_meters = false;  // False: in units of the sparse model.
 };
+
+// The axis of the written coordinates that points up; kModel: whichever it is
+// in the sparse model.
+enum class UpAxis { kModel, kY, kZ };
+
+inline constexpr EnumNames<UpAxis, 3> kUpAxisNames = {
+    {{UpAxis::kModel, "model"}, {UpAxis::kY, "y"}, {UpAxis::kZ, "z"}}};
+
+// Turns planes about the origin until the vertical is this axis: for z the
+// shortest way; for y then (x, y, z) becomes (x, z, -y), as programs convert
+// files with y up, so that all files of a scene have the same heading. Throws
+// Error kUnsupported where there is no vertical.
+void TurnUp(UpAxis axis, ExportedPlanes* planes);
+
+// Makes all lengths meters. meters_per_unit: > 0, of a unit of the sparse
+// model.
+void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes);
 
 }  // namespace tsar

@@ -15,10 +15,11 @@ namespace {
 
 using Loop = std::vector<int>;  // Indices of points, counterclockwise.
 
-double Cross(const Eigen::Vector2d& a,
-             const Eigen::Vector2d& b,
-             const Eigen::Vector2d& c) {
-  return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
+// Positive if a, b, c turn left, 0 if they are collinear.
+double Turn(const Eigen::Vector2d& a,
+            const Eigen::Vector2d& b,
+            const Eigen::Vector2d& c) {
+  return Cross(b - a, c - a);
 }
 
 // Whether a point lies in a triangle or on its border.
@@ -26,8 +27,21 @@ bool IsInTriangle(const Eigen::Vector2d& point,
                   const Eigen::Vector2d& a,
                   const Eigen::Vector2d& b,
                   const Eigen::Vector2d& c) {
-  return Cross(a, b, point) >= 0.0 && Cross(b, c, point) >= 0.0 &&
-         Cross(c, a, point) >= 0.0;
+  return Turn(a, b, point) >= 0.0 && Turn(b, c, point) >= 0.0 &&
+         Turn(c, a, point) >= 0.0;
+}
+
+// Whether a point lies left of both edges of a corner or, if the corner turns
+// right, of one of them.
+bool IsInCorner(const Eigen::Vector2d& before,
+                const Eigen::Vector2d& corner,
+                const Eigen::Vector2d& after,
+                const Eigen::Vector2d& point) {
+  const bool is_left_of_first = Turn(before, corner, point) > 0.0;
+  const bool is_left_of_second = Turn(corner, after, point) > 0.0;
+  return Turn(before, corner, after) < 0.0
+             ? is_left_of_first || is_left_of_second
+             : is_left_of_first && is_left_of_second;
 }
 
 const Eigen::Vector2d& At(const Ring& points, const Loop& loop, size_t i) {
@@ -76,11 +90,8 @@ size_t FindBridge(const Ring& points,
     // whose corner holds the bridge is chosen.
     const Eigen::Vector2d& before = At(points, loop, i + loop.size() - 1);
     const Eigen::Vector2d& after = At(points, loop, i + 1);
-    const bool is_reflex = Cross(before, point, after) < 0.0;
-    const bool is_left_of_before = Cross(before, point, rightmost) > 0.0;
-    const bool is_left_of_after = Cross(point, after, rightmost) > 0.0;
-    const bool is_inside = is_reflex ? is_left_of_before || is_left_of_after
-                                     : is_left_of_before && is_left_of_after;
+    const bool is_inside = IsInCorner(before, point, after, rightmost);
+
     const double width = point.x() - rightmost.x();
     const double height = std::abs(point.y() - rightmost.y());
     const double slope = height == 0.0 ? 0.0 : height / width;
@@ -114,7 +125,7 @@ bool IsEar(const Ring& points, const Loop& loop, size_t i) {
   const Eigen::Vector2d& a = At(points, loop, i + loop.size() - 1);
   const Eigen::Vector2d& b = At(points, loop, i);
   const Eigen::Vector2d& c = At(points, loop, i + 1);
-  if (!(Cross(a, b, c) > 0.0)) {
+  if (!(Turn(a, b, c) > 0.0)) {
     return false;
   }
   return std::ranges::none_of(loop, [&](int number) {
@@ -122,13 +133,6 @@ bool IsEar(const Ring& points, const Loop& loop, size_t i) {
     return point != a && point != b && point != c &&
            IsInTriangle(point, a, b, c);
   });
-}
-
-// Whether a corner's three points are collinear.
-bool IsFlat(const Ring& points, const Loop& loop, size_t i) {
-  return Cross(At(points, loop, i + loop.size() - 1),
-               At(points, loop, i),
-               At(points, loop, i + 1)) == 0.0;
 }
 
 void CutEars(const Ring& points,
@@ -142,11 +146,11 @@ void CutEars(const Ring& points,
     const bool is_stuck = num_tried > loop.size();
     const bool is_lost = num_tried > 2 * loop.size();
     i %= loop.size();
-    const bool is_flat = IsFlat(points, loop, i);
-    const double turn = Cross(At(points, loop, i + loop.size() - 1),
-                              At(points, loop, i),
-                              At(points, loop, i + 1));
-    if (!is_lost && !is_flat && !IsEar(points, loop, i) &&
+
+    const double turn = Turn(At(points, loop, i + loop.size() - 1),
+                             At(points, loop, i),
+                             At(points, loop, i + 1));
+    if (!is_lost && turn != 0.0 && !IsEar(points, loop, i) &&
         !(is_stuck && turn > 0.0)) {
       ++i;
       ++num_tried;

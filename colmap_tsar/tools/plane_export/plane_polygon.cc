@@ -12,10 +12,6 @@
 namespace tsar {
 namespace {
 
-double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
 struct Edge {
   Eigen::Vector2d begin;
   Eigen::Vector2d end;

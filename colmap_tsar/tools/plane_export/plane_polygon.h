@@ -76,6 +76,11 @@ struct PlanePolygon {
   std::vector<Ring> holes;
 };
 
+// The z component of the cross product, positive if b is left of a.
+inline double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
 // The signed area of a ring, positive if counterclockwise.
 double SignedArea(const Ring& ring);
 

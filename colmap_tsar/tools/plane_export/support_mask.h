@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/tools/plane_export/crease.h"
-#include "colmap_tsar/tools/plane_export/plane_statistics.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
 
 #include <cstdint>

@@ -75,9 +75,7 @@ std::vector<Contours> FindContours(const Image<uint8_t>& support) {
 
 std::optional<Eigen::Vector2d> MeetingPoint(const CreaseLine& a,
                                             const CreaseLine& b) {
-  const double sine =
-      a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
-  if (std::abs(sine) < 0.17) {
+  if (std::abs(Cross(a.direction, b.direction)) < kMinSine) {
     return std::nullopt;
   }
   return a.point -

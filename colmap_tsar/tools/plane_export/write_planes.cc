@@ -12,6 +12,7 @@
 #include "colmap_tsar/tools/plane_export/plane_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <filesystem>
 
@@ -148,7 +149,8 @@ void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out) {
   json["vertical"] = planes.vertical.source == Vertical::Source::kNone
                          ? Json()
                          : ToJson(planes.vertical.up);
-  json["vertical_from"] = ToString(planes.vertical.source);
+  json["vertical_from"] =
+      EnumName(kVerticalSourceNames, planes.vertical.source);
   json["frames"] = Json::array();
   for (const Eigen::Matrix3d& frame : planes.frames) {
     // The axes are the columns.
@@ -241,10 +243,8 @@ std::string ExtensionOf(const std::string& path) {
 }
 
 PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path) {
-  std::string wanted = name;
-  if (wanted.empty()) {
-    wanted = ExtensionOf(path);
-  }
+  const std::string wanted = name.empty() ? ExtensionOf(path) : name;
+
   const std::vector<std::string>& names = PlaneFormatNames();
   const auto found = std::ranges::find(names, wanted);
   if (found == names.end()) {
@@ -260,27 +260,21 @@ PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path) {
   return static_cast<PlaneFormat>(found - names.begin());
 }
 
+bool IsWritten(const ExportedPlane& plane, PlaneFormat format) {
+  return format == PlaneFormat::kJson || !plane.polygons.empty();
+}
+
 void WritePlanes(const ContainedPath& path,
                  PlaneFormat format,
                  const ExportedPlanes& planes) {
+  // In the order of PlaneFormat.
+  constexpr std::array kWriters = {&PutPlanesJson,
+                                   &PutPlanesPly,
+                                   &PutPlanesObj,
+                                   &PutPlanesDxf,
+                                   &PutPlanesGlb};
   AtomicFile file(path);
-  switch (format) {
-    case PlaneFormat::kJson:
-      PutPlanesJson(planes, &file.Stream());
-      break;
-    case PlaneFormat::kPly:
-      PutPlanesPly(planes, &file.Stream());
-      break;
-    case PlaneFormat::kObj:
-      PutPlanesObj(planes, &file.Stream());
-      break;
-    case PlaneFormat::kDxf:
-      PutPlanesDxf(planes, &file.Stream());
-      break;
-    case PlaneFormat::kGlb:
-      PutPlanesGlb(planes, &file.Stream());
-      break;
-  }
+  kWriters[static_cast<size_t>(format)](planes, &file.Stream());
   file.Commit();
 }
 

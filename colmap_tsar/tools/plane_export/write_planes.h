@@ -33,6 +33,10 @@ std::string ExtensionOf(const std::string& path);
 // Throws Error kBadOption, which lists the formats.
 PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path);
 
+// Whether the file of a format holds a plane: those without triangles are in
+// JSON alone.
+bool IsWritten(const ExportedPlane& plane, PlaneFormat format);
+
 // Writes the planes atomically; errors as AtomicFile. The same planes give the
 // same bytes.
 void WritePlanes(const ContainedPath& path,

@@ -4,13 +4,19 @@
 #include "colmap_tsar/tools/report/comparison_picture.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/io/gray_png.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/tools/report/colors.h"
 #include "colmap_tsar/tools/report/pictures.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iomanip>
+#include <utility>
 
 #include <opencv2/core/mat.hpp>
 #include <opencv2/imgproc.hpp>
@@ -214,6 +220,39 @@ Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows) {
   }
   DrawLegend(canvas);
   return canvas.Picture();
+}
+
+std::vector<int> PickEvenly(const std::vector<int>& values, int count) {
+  const size_t num_picked =
+      std::min(values.size(), static_cast<size_t>(std::max(0, count)));
+  std::vector<int> picked;
+  for (size_t i = 0; i < num_picked; ++i) {
+    picked.push_back(values[i * values.size() / num_picked]);
+  }
+  return picked;
+}
+
+ComparisonRow ReadComparisonRow(const Workspace& workspace, int image) {
+  const MapType type = workspace.Type();
+  ComparisonRow row;
+  row.name = workspace.Model().images[image].name;
+  DepthNormal original = workspace.ReadOriginalMaps(image, type);
+  row.before = std::move(original.depth);
+  row.normals_before = std::move(original.normal);
+  const MapPaths paths = workspace.Paths(image, type);
+  row.after = RequireSizeOf(
+      row.before, "the map was before", paths.depth, ReadDepthMap(paths.depth));
+  row.normals_after = RequireSizeOf(row.before,
+                                    "the map was before",
+                                    paths.normal,
+                                    ReadNormalMap(paths.normal));
+  row.provenance = RequireSizeOf(row.before,
+                                 "the map was before",
+                                 paths.provenance,
+                                 ReadGrayPng(paths.provenance));
+  row.image =
+      workspace.ReadImage(image, row.before.Width(), row.before.Height());
+  return row;
 }
 
 }  // namespace tsar

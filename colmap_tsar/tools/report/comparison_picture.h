@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/run/store/workspace.h"
 
 #include <cstdint>
 #include <string>
@@ -33,5 +34,12 @@ constexpr int kComparisonColumnWidth = 360;
 // same color scale. Throws Error kMismatch (no rows, an empty raster, maps of
 // different sizes) and those of ColorizeProvenance.
 Image<Rgb> DrawComparison(const std::vector<ComparisonRow>& rows);
+
+// At most `count` evenly spaced elements, including the first.
+std::vector<int> PickEvenly(const std::vector<int>& values, int count);
+
+// Reads the data of one refined image's row. Throws Error: kMismatch (the files
+// differ in size, or the original is lost), and those of the readers.
+ComparisonRow ReadComparisonRow(const Workspace& workspace, int image);
 
 }  // namespace tsar

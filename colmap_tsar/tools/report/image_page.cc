@@ -12,10 +12,10 @@
 #include "colmap_tsar/priors/fit_prior.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/tools/report/colors.h"
+#include "colmap_tsar/tools/report/comparison_picture.h"
 #include "colmap_tsar/tools/report/debug_pictures.h"
 #include "colmap_tsar/tools/report/page_text.h"
 #include "colmap_tsar/tools/report/pictures.h"
-#include "colmap_tsar/tools/report/workspace_comparison.h"
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>

@@ -3,12 +3,20 @@
 
 #include "colmap_tsar/tools/report/point_sample.h"
 
+#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/io/ply.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include <Eigen/Geometry>
 
 namespace tsar {
 namespace {
@@ -36,6 +44,120 @@ std::string EncodeBase64(const std::string& bytes) {
     }
   }
   return text;
+}
+
+// Points and cameras that are looked at; more do not change what is chosen.
+constexpr size_t kMaxPoints = 50000;
+constexpr size_t kMaxCameras = 100;
+// Of the coordinates along each axis, this share at either end may be outliers.
+constexpr double kOutliers = 0.03;
+// Volume elements along the diagonal of the scene.
+constexpr double kElements = 64.0;
+// Each side of an image is divided into as many cells. Points that are farther
+// away than the nearest in their cell, by this factor and two elements, are
+// hidden.
+constexpr int kCells = 32;
+constexpr double kHidden = 1.1;
+
+// The scene as volume elements.
+struct Elements {
+  double size = 0.0;
+  std::vector<Eigen::Vector3d> points;  // One in each, in the world frame.
+};
+
+// The box that holds most points.
+Eigen::AlignedBox3d RobustBox(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::AlignedBox3d box;
+  std::vector<double> values(points.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    std::ranges::transform(
+        points, values.begin(), [axis](const Eigen::Vector3d& p) {
+          return p[axis];
+        });
+    std::ranges::sort(values);
+    const auto last = static_cast<double>(values.size() - 1);
+    box.min()[axis] = values[static_cast<size_t>(kOutliers * last)];
+    box.max()[axis] = values[static_cast<size_t>((1.0 - kOutliers) * last)];
+  }
+  return box;
+}
+
+// The volume elements of the scene that hold points.
+Elements FindElements(const PointSample& sample,
+                      const Eigen::Vector3d& origin) {
+  Elements elements;
+  std::vector<Eigen::Vector3d>& points = elements.points;
+  const size_t step = 1 + sample.NumPoints() / kMaxPoints;
+  for (size_t i = 0; i < sample.NumPoints(); i += step) {
+    const float* position = &sample.positions[3 * i];
+    points.push_back(origin +
+                     Eigen::Vector3d(position[0], position[1], position[2]));
+  }
+  if (points.empty()) {
+    return elements;
+  }
+  const Eigen::AlignedBox3d box = RobustBox(points);
+  const double size = box.diagonal().norm() / kElements;
+  elements.size = size;
+  std::set<std::array<int, 3>> seen;
+  std::erase_if(points, [&](const Eigen::Vector3d& point) {
+    if (!box.contains(point)) {
+      return true;
+    }
+    std::array<int, 3> element = {};
+    for (int axis = 0; axis < 3 && size > 0.0; ++axis) {
+      element[axis] = static_cast<int>((point[axis] - box.min()[axis]) / size);
+    }
+    return !seen.insert(element).second;
+  });
+  return elements;
+}
+
+// The cells within reach of a coordinate in cells: all that an element covers.
+std::pair<int, int> Covered(double at, double reach) {
+  return {static_cast<int>(std::max(0.0, at - reach)),
+          static_cast<int>(std::min(kCells - 1.0, at + reach))};
+}
+
+// The depths of the elements that a camera sees, in any order.
+std::vector<double> VisibleDepths(const Camera& camera,
+                                  const Elements& elements) {
+  struct Seen {
+    int x, y;
+    double depth;
+  };
+  std::vector<Seen> all;
+  Image<double> nearest(
+      kCells, kCells, std::numeric_limits<double>::infinity());
+  const double x_scale = 1.0 * kCells / camera.width;
+  const double y_scale = 1.0 * kCells / camera.height;
+  for (const Eigen::Vector3d& point : elements.points) {
+    const Eigen::Vector3d p = camera.rotation * (point - camera.Center());
+    if (p.z() <= 0.0) {
+      continue;
+    }
+    const double x = (camera.fx * p.x() / p.z() + camera.cx + 0.5) * x_scale;
+    const double y = (camera.fy * p.y() / p.z() + camera.cy + 0.5) * y_scale;
+    if (!(x >= 0.0 && x < kCells && y >= 0.0 && y < kCells)) {
+      continue;
+    }
+    all.push_back({static_cast<int>(x), static_cast<int>(y), p.z()});
+    const double reach = elements.size / p.z();
+    const auto [left, right] = Covered(x, reach * camera.fx * x_scale);
+    const auto [top, bottom] = Covered(y, reach * camera.fy * y_scale);
+    for (int row = top; row <= bottom; ++row) {
+      for (int column = left; column <= right; ++column) {
+        nearest(column, row) = std::min(nearest(column, row), p.z());
+      }
+    }
+  }
+  std::vector<double> depths;
+  for (const Seen& seen : all) {
+    if (seen.depth <= kHidden * nearest(seen.x, seen.y) + 2.0 * elements.size) {
+      depths.push_back(seen.depth);
+    }
+  }
+  return depths;
 }
 
 }  // namespace
@@ -115,6 +237,27 @@ std::string PointScript(const std::string& name, const PointSample& sample) {
                 3 * sample.colors.size());
   }
   return "tsarPoints(\"" + name + "\", \"" + EncodeBase64(bytes) + "\");\n";
+}
+
+std::optional<Viewpoint> ChooseViewpoint(const std::vector<Camera>& cameras,
+                                         const PointSample& sample,
+                                         const Eigen::Vector3d& origin) {
+  const Elements elements = FindElements(sample, origin);
+  std::optional<Viewpoint> best;
+  size_t most = 0;
+  const size_t step = 1 + cameras.size() / kMaxCameras;
+  for (size_t i = 0; i < cameras.size(); i += step) {
+    std::vector<double> depths = VisibleDepths(cameras[i], elements);
+    if (depths.size() > most) {
+      most = depths.size();
+      const auto middle =
+          depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+      std::ranges::nth_element(depths, middle);
+      const Eigen::Vector3d eye = cameras[i].Center() - origin;
+      best = {eye, eye + *middle * cameras[i].rotation.row(2).transpose()};
+    }
+  }
+  return best;
 }
 
 }  // namespace tsar

@@ -15,12 +15,11 @@
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
+#include "colmap_tsar/tools/report/comparison_picture.h"
 #include "colmap_tsar/tools/report/page_data.h"
 #include "colmap_tsar/tools/report/page_files.h"
 #include "colmap_tsar/tools/report/page_text.h"
-#include "colmap_tsar/tools/report/plane_page.h"
-#include "colmap_tsar/tools/report/viewpoint.h"
-#include "colmap_tsar/tools/report/workspace_comparison.h"
+#include "colmap_tsar/tools/report/point_sample.h"
 
 #include <algorithm>
 #include <array>

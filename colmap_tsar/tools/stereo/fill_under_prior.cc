@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/tools/stereo/stereo_views.h"
-#include "colmap_tsar/tools/stereo/update_maps.h"
 
 #include <algorithm>
 
@@ -100,7 +99,7 @@ StereoMaps MatchUnderPrior(const ViewData& reference,
   const DeviceImage<Plane> prior(device, PriorOf(reference, view.intrinsics));
   const DeviceImage<uint8_t> keeps_plane(device,
                                          PixelsThatKeepTheirPlane(reference));
-  PatchMatchInputs inputs{view, source_views, StreamOf(stream, 2000)};
+  PatchMatchInputs inputs{view, source_views, StreamOf(stream, kUnderPrior)};
   inputs.prior = prior.View();
   inputs.keeps_plane = keeps_plane.View();
   PlaneMaps maps = UpdateMaps(reference, inputs, search, device);

@@ -19,11 +19,6 @@
 // more of the scene's planes, does not treat them as measured.
 namespace tsar {
 
-// Whether a run fills its maps, in one pass after the geometric ones.
-inline bool FillsUnderPrior(const StereoOptions& options) {
-  return options.geom_consistency && options.planar_prior;
-}
-
 // Fills pixels without a depth by that of their prior plane, if it lies in the
 // range, and marks them by kUndefinedCost, which no measured pixel has: one
 // without a defined cost has kCostWithoutEvidence. prior: of the maps' size.

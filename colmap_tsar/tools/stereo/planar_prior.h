@@ -3,19 +3,21 @@
 
 #pragma once
 
-// The planar prior (Xu and Tao, "Planar Prior Assisted PatchMatch Multi-View
-// Stereo", AAAI 2020): between reliable depths, a textureless surface is
-// probably planar.
-
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
+#include "colmap_tsar/priors/align_prior.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <cstdint>
 
 namespace tsar {
+
+// The planar prior (Xu and Tao, "Planar Prior Assisted PatchMatch Multi-View
+// Stereo", AAAI 2020): between reliable depths, a textureless surface is
+// probably planar.
 
 // For each pixel, the plane of its triangle in the Delaunay triangulation of at
 // most one depth for each small square of the image: the median of the square's
@@ -30,5 +32,16 @@ DeviceImage<float> FindReliableDepth(const ReferenceView& reference,
                                      const Buffer<SourceView>& sources,
                                      float window_radius,
                                      Device& device);
+
+// Aligns the depth prior of the reference, which must have one, with reliable
+// depths on texture, and replaces planes of the triangulation by those of the
+// prior: where there is none or the prior contradicts it, and only where the
+// prior probably lies on the right surface, as for tsar_refine. Nothing is
+// replaced where the prior is dropped. reliable_depth: of the map's size, 0
+// where there is none. planes: of each pixel, invalid where there is none.
+PriorAssessment UseDepthPrior(const ViewData& reference,
+                              const DeviceImage<float>& reliable_depth,
+                              Device& device,
+                              Image<Plane>* planes);
 
 }  // namespace tsar

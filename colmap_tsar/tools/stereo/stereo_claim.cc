@@ -45,8 +45,7 @@ Error Foreign(const fs::path& path) {
                      path.string(),
                      "is of another program, or was made with other options",
                      "give " + OptionName("overwrite") +
-                         " 1 to replace all maps, or work on a "
-                         "copy");
+                         " 1 to replace all maps, or work on a copy");
 }
 
 // The error for a map that would be removed without a replacement.
@@ -68,42 +67,32 @@ Error Changed(const Workspace& workspace, const StereoChange& change) {
           " 1 to make all maps anew, or work on a copy");
 }
 
-bool HaveRightSize(const MapPaths& paths,
-                   const Camera& camera,
-                   const StereoOptions& options) {
-  const auto [width, height] = MapSizeOf(camera, options.max_image_size);
-  for (const fs::path& path : {paths.depth.Path(), paths.normal.Path()}) {
-    if (!fs::exists(path)) {
-      continue;
-    }
-    try {
-      const MapSize size = ReadMapSize(path);
-      if (size.width != width || size.height != height) {
-        return false;
-      }
-    } catch (const Error&) {
-      return false;  // The file is no map.
-    }
+bool HasSize(const fs::path& path, int width, int height) {
+  try {
+    const MapSize size = ReadMapSize(path);
+    return size.width == width && size.height == height;
+  } catch (const Error&) {
+    return false;  // The file is no map.
   }
-  return true;
 }
 
 // Whether the existing maps have the sizes of this run's; they may have been
 // replaced.
 bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
-  return std::ranges::all_of(
-      workspace.Problems(), [&](const StereoProblem& problem) {
-        const Camera& camera =
-            workspace.Model().images[problem.reference].camera;
-        return HaveRightSize(
-                   workspace.Paths(problem.reference, MapType::kPhotometric),
-                   camera,
-                   options) &&
-               HaveRightSize(
-                   workspace.Paths(problem.reference, MapType::kGeometric),
-                   camera,
-                   options);
-      });
+  for (const StereoProblem& problem : workspace.Problems()) {
+    const auto [width, height] =
+        MapSizeOf(workspace.Model().images[problem.reference].camera,
+                  options.max_image_size);
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      const MapPaths paths = workspace.Paths(problem.reference, type);
+      for (const fs::path& path : {paths.depth.Path(), paths.normal.Path()}) {
+        if (fs::exists(path) && !HasSize(path, width, height)) {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
 }
 
 }  // namespace

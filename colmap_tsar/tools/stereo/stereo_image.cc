@@ -7,11 +7,10 @@
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
-#include "colmap_tsar/tools/stereo/depth_prior_planes.h"
 #include "colmap_tsar/tools/stereo/fill_under_prior.h"
 #include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_views.h"
-#include "colmap_tsar/tools/stereo/update_maps.h"
+#include "colmap_tsar/view/device_views.h"
 
 #include <algorithm>
 #include <utility>
@@ -77,6 +76,26 @@ Image<uint8_t> HolesOf(const Image<float>& depth) {
   return holes;
 }
 
+// Main memory for the alignment of a depth prior, for each pixel of the raster:
+// its images, and lists of samples and of what is predicted of them.
+constexpr int64_t kAlignBytesPerPixel = 100;
+
+// Bytes of the device's memory, including the sources, linear in the pixels.
+// The factors were measured (tests/tools/stereo/stereo_memory_test.cc).
+int64_t MatchingBytes(const StereoOptions& options,
+                      int64_t num_pixels,
+                      int num_sources) {
+  const auto linear = [&](int64_t fixed, int64_t per_source) {
+    constexpr int64_t kFixed = 16384;
+    // Many sources take additional memory for view selection.
+    const int64_t num_more = std::max(0, num_sources - 16);
+    return kFixed + num_pixels * (fixed + per_source * num_sources + num_more);
+  };
+  return options.FillsUnderPrior()  ? linear(74, 8)
+         : options.geom_consistency ? linear(57, 8)
+                                    : linear(50, 5);
+}
+
 }  // namespace
 
 StereoMaps MatchImage(const ViewData& reference,
@@ -99,15 +118,16 @@ StereoMaps MatchImage(const ViewData& reference,
             ? DrawPlanes(view.intrinsics,
                          width,
                          height,
-                         StreamOf(stream, 0),
+                         StreamOf(stream, kFirstPlanes),
                          search,
                          device)
             : ResizePlanes(std::as_const(planes).View(), width, height, device);
-    planes = RunPatchMatch({view, level_sources, StreamOf(stream, 1 + level)},
-                           std::move(planes),
-                           search,
-                           device)
-                 .planes;
+    planes =
+        RunPatchMatch({view, level_sources, StreamOf(stream, kLevels + level)},
+                      std::move(planes),
+                      search,
+                      device)
+            .planes;
   }
   const ReferenceView view = views.Reference(0);
   const PlaneMaps maps =
@@ -130,7 +150,8 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   search.num_past_iterations =
       options.num_iterations - 1 + pass * kGeometricIterations;
   search.num_iterations = kGeometricIterations;
-  PatchMatchInputs inputs{view, level_sources, StreamOf(stream, 1000 + pass)};
+  PatchMatchInputs inputs{
+      view, level_sources, StreamOf(stream, kGeometricPasses + pass)};
   DeviceImage<uint8_t> holes;
   if (keeps_holes) {
     holes = DeviceImage<uint8_t>(device, HolesOf(reference.depth));
@@ -146,7 +167,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
              device,
              &maps);
   StereoMaps host = ToHostWithCosts(view, level_sources, maps, device);
-  if (FillsUnderPrior(options)) {
+  if (options.FillsUnderPrior()) {
     view.depth = std::as_const(maps.depth).View();
     view.normal = std::as_const(maps.normal).View();
     const DeviceImage<float> reliable =
@@ -162,6 +183,33 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
 
 int64_t StereoMapsBytes(int64_t num_pixels) {
   return BytesOf<Vec3f>(num_pixels) + 3 * BytesOf<float>(num_pixels);
+}
+
+MemoryPlan PlanStereo(const StereoOptions& options,
+                      const WorkspaceOverview& overview) {
+  const int64_t num_pixels = overview.max_num_pixels;
+  MemoryPlan plan;
+  plan.num_sources = overview.max_num_sources;
+  // Each image uploads its sources again, so that they count as work.
+  plan.work = MatchingBytes(options, num_pixels, plan.num_sources) +
+              (overview.has_masks ? BytesOf<uint8_t>(num_pixels) : 0);
+  plan.view = ViewBytes(overview);
+  // Costs are copied from and to one array for their file; before that, prior
+  // planes exist besides the maps, or depth and normal besides those they are
+  // merged with.
+  const int64_t costs = 2 * BytesOf<float>(num_pixels);
+  plan.load = std::max(LoadBytes(overview), costs);
+  const int64_t aligning =
+      overview.prior_memory.prior > 0
+          ? kAlignBytesPerPixel * MaxRasterPixels(num_pixels)
+          : 0;
+  const int64_t filling =
+      BytesOf<Plane>(num_pixels) + BytesOf<float>(num_pixels) + aligning;
+  plan.result =
+      StereoMapsBytes(num_pixels) +
+      std::max(options.FillsUnderPrior() ? std::max(costs, filling) : costs,
+               ReadMaskBytes(overview));
+  return plan;
 }
 
 }  // namespace tsar

@@ -6,6 +6,8 @@
 #include "colmap_tsar/compose/depth_interval.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/priors/align_prior.h"
+#include "colmap_tsar/run/memory_plan.h"
+#include "colmap_tsar/run/workspace_check.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
 #include "colmap_tsar/view/view_data.h"
 
@@ -53,5 +55,9 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
 
 // Bytes of main memory.
 int64_t StereoMapsBytes(int64_t num_pixels);
+
+// The memory plan of tsar_stereo. overview: that of the maps to make.
+MemoryPlan PlanStereo(const StereoOptions& options,
+                      const WorkspaceOverview& overview);
 
 }  // namespace tsar

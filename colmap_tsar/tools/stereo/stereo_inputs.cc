@@ -100,8 +100,7 @@ DepthInterval StereoDepths(const Workspace& workspace,
     throw Error::File(
         ErrorCode::kNotFound,
         workspace.ImagePath(image).string(),
-        "sees none of the sparse points, so that its depths "
-        "cannot be guessed",
+        "sees none of the sparse points, so that its depths cannot be guessed",
         "give " + OptionName("depth_min") + " and " + OptionName("depth_max"));
   }
   return *range;

@@ -16,14 +16,13 @@ void StereoOptions::Check() const {
       (has_min && !(depth_min > 0.0 && depth_min < depth_max))) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("depth_min") + " and " + OptionName("depth_max") +
-                    ": give both, "
-                    "with 0 < depth_min < depth_max, or neither");
+                    ": give both, with 0 < depth_min < depth_max, or neither");
   }
   if (max_image_size != -1 && max_image_size < 16) {
-    throw Error(ErrorCode::kBadOption,
-                OptionName("max_image_size") +
-                    ": give at least 16 pixels, or -1 for "
-                    "the size of the images");
+    throw Error(
+        ErrorCode::kBadOption,
+        OptionName("max_image_size") +
+            ": give at least 16 pixels, or -1 for the size of the images");
   }
 }
 

@@ -29,6 +29,9 @@ struct StereoOptions {
   int filter_min_num_consistent = 2;
   double filter_geom_consistency_max_cost = 1.0;
 
+  // Whether the run fills its maps, in one pass after the geometric ones.
+  bool FillsUnderPrior() const { return geom_consistency && planar_prior; }
+
   // Throws kBadOption with the option.
   void Check() const;
 

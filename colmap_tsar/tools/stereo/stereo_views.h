@@ -6,7 +6,10 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/compose/depth_interval.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
+#include "colmap_tsar/matching/filter_hypotheses.h"
 #include "colmap_tsar/matching/patch_match.h"
+#include "colmap_tsar/matching/plane_maps.h"
 #include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
 #include "colmap_tsar/view/view_data.h"
@@ -47,8 +50,32 @@ class StereoViews {
 PatchMatchOptions SearchOptions(const StereoOptions& options,
                                 const DepthInterval& range);
 
-// The key of the random numbers of one use, unique within an image.
-// image_stream: the image's key.
+// The uses of random numbers in an image, each with numbers of its own.
+inline constexpr int kFirstPlanes = 0;
+inline constexpr int kLevels = 1;              // Plus the level.
+inline constexpr int kGeometricPasses = 1000;  // Plus the pass.
+inline constexpr int kUnderPrior = 2000;
+
+// The key of the random numbers of one use. image_stream: the image's key.
 uint32_t StreamOf(uint32_t image_stream, int use);
+
+// Runs PatchMatch from the depth and normal of `view`, those of the previous
+// pass. inputs: those with this view as reference.
+PlaneMaps UpdateMaps(const ViewData& view,
+                     const PatchMatchInputs& inputs,
+                     const PatchMatchOptions& search,
+                     Device& device);
+
+// The options of the filter for an image with num_sources sources.
+HypothesisFilterOptions FilterOptions(const StereoOptions& options,
+                                      int num_sources);
+
+// Filters the depths of the inputs' reference and, with smooth_normals, smooths
+// its normals.
+void FilterMaps(const PatchMatchInputs& inputs,
+                const HypothesisFilterOptions& filter,
+                bool smooth_normals,
+                Device& device,
+                PlaneMaps* maps);
 
 }  // namespace tsar

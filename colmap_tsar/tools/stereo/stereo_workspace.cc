@@ -15,15 +15,13 @@
 #include "colmap_tsar/run/store/links.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/stereo/fill_under_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_claim.h"
-#include "colmap_tsar/tools/stereo/stereo_images.h"
+#include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
-#include "colmap_tsar/tools/stereo/stereo_memory.h"
 #include "colmap_tsar/tools/stereo/stereo_passes.h"
-#include "colmap_tsar/tools/stereo/stereo_task.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -36,19 +34,6 @@ namespace fs = std::filesystem;
 WorkspaceOverview OverviewOf(const Workspace& workspace,
                              const StereoOptions& options) {
   WorkspaceOverview overview;
-  const auto look_at = [&](int image) {
-    const Camera& camera = workspace.Model().images[image].camera;
-    const auto [width, height] = MapSizeOf(camera, options.max_image_size);
-    overview.max_num_pixels =
-        std::max(overview.max_num_pixels, static_cast<int64_t>(width) * height);
-    overview.max_num_image_pixels =
-        std::max(overview.max_num_image_pixels,
-                 static_cast<int64_t>(camera.width) * camera.height);
-    CheckPhotoFile(workspace.ImagePath(image));
-    workspace.CheckMask(image, {width, height});
-    overview.has_masks = overview.has_masks || workspace.HasMask(image);
-    overview.AddPrior(workspace.CheckPrior(image));
-  };
   std::set<int> images;
   for (const StereoProblem& problem : workspace.Problems()) {
     images.insert(problem.reference);
@@ -58,8 +43,19 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
                  std::min(options.num_sources,
                           static_cast<int>(problem.sources.size())));
   }
-  std::ranges::for_each(images, look_at);
-  overview.has_costs = FillsUnderPrior(options);
+  for (const int image : images) {
+    const Camera& camera = workspace.Model().images[image].camera;
+    const auto [width, height] = MapSizeOf(camera, options.max_image_size);
+    overview.max_num_pixels =
+        std::max(overview.max_num_pixels, int64_t{width} * height);
+    overview.max_num_image_pixels = std::max(
+        overview.max_num_image_pixels, int64_t{camera.width} * camera.height);
+    CheckPhotoFile(workspace.ImagePath(image));
+    workspace.CheckMask(image, {width, height});
+    overview.has_masks = overview.has_masks || workspace.HasMask(image);
+    overview.AddPrior(workspace.CheckPrior(image));
+  }
+  overview.has_costs = options.FillsUnderPrior();
   overview.has_maps.assign(workspace.Model().images.size(), true);
   return overview;
 }
@@ -67,7 +63,7 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
 void CheckPriorOptions(const StereoImageFiles& files,
                        const StereoOptions& options) {
   RequirePathOfPriorType(files.prior_path, files.prior_type);
-  if (!files.prior_path.empty() && !FillsUnderPrior(options)) {
+  if (!files.prior_path.empty() && !options.FillsUnderPrior()) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("prior_path") +
                     ": depth priors tell where unmeasured pixels are filled; "
@@ -106,6 +102,38 @@ Workspace OpenForStereo(const fs::path& path, const StereoImageFiles& files) {
   return workspace;
 }
 
+// For each pass, the indices in Problems() of the images to match in it, so
+// that the last pass makes the listed maps as in a run on all images: every
+// other pass includes the sources of the images of the next one.
+std::vector<std::vector<size_t>> FindImagesOfPasses(
+    const Workspace& workspace,
+    const StereoOptions& options,
+    int num_passes,
+    const std::vector<bool>& is_listed) {
+  const std::vector<StereoProblem>& problems = workspace.Problems();
+  std::vector<std::optional<size_t>> index_of(workspace.Model().images.size());
+  for (size_t i = 0; i < problems.size(); ++i) {
+    index_of[problems[i].reference] = i;
+  }
+  std::vector<std::vector<size_t>> images(static_cast<size_t>(num_passes));
+  std::vector<bool> is_needed = is_listed;
+  for (size_t pass = images.size(); pass-- > 0;) {
+    for (size_t i = 0; i < problems.size(); ++i) {
+      if (is_needed[i]) {
+        images[pass].push_back(i);
+      }
+    }
+    for (const size_t i : images[pass]) {
+      for (const int source : StereoSources(problems[i], options)) {
+        if (index_of[source]) {
+          is_needed[*index_of[source]] = true;
+        }
+      }
+    }
+  }
+  return images;
+}
+
 // The relative durations of the passes, measured on two cores: 2.5 : 1 : 0.1
 // for the photometric one, a geometric one and that under the prior.
 std::vector<double> PassCosts(const StereoPasses& passes) {
@@ -116,50 +144,81 @@ std::vector<double> PassCosts(const StereoPasses& passes) {
   return costs;
 }
 
-// Returns the reports of the images.
-std::vector<ImageReport> RunPass(const Workspace& workspace,
-                                 const StereoOptions& options,
-                                 const StereoPasses& passes,
-                                 int pass,
-                                 std::vector<size_t> images,
-                                 int64_t view_bytes,
-                                 RefineDevices& devices,
-                                 Progress& progress,
-                                 const std::function<bool()>& should_stop) {
-  const std::string name =
-      std::to_string(pass + 1) + " of " + std::to_string(passes.NumPasses());
-  StereoTask task(workspace, options, passes, pass, devices.workers);
-  ViewCache cache(devices.cache_num_bytes,
-                  static_cast<size_t>(view_bytes),
-                  [&](int image) { return task.Load(image); });
-  progress.BeginPass();
-  PipelineOutcome outcome = ImagePipeline<StereoMaps>(task,
-                                                      std::move(images),
-                                                      "Pass " + name + ":",
-                                                      cache,
-                                                      devices.sizes,
-                                                      progress,
-                                                      should_stop)
-                                .Run(devices.workers.size());
-  outcome.RethrowFailure();
-  if (!outcome.IsComplete()) {
-    throw Error(ErrorCode::kInterrupted,
-                "interrupted in pass " + name +
-                    "; run the same command again to go on");
-  }
-  return std::move(outcome.reports);
-}
-
-int CountSkipped(const std::vector<ImageReport>& reports) {
-  return static_cast<int>(
-      std::ranges::count_if(reports, [](const ImageReport& report) {
-        return report.outcome == ImageReport::Outcome::kSkipped;
-      }));
-}
-
-const std::string& NameOf(const Workspace& workspace, size_t place) {
-  const StereoProblem& problem = workspace.Problems()[place];
+const std::string& NameOf(const Workspace& workspace, size_t index) {
+  const StereoProblem& problem = workspace.Problems()[index];
   return workspace.Model().images[problem.reference].name;
+}
+
+// The summary of what is known before the first pass. images: those whose maps
+// are made, by their indices in Problems().
+StereoSummary SummarizeInputs(const Workspace& workspace,
+                              const StereoOptions& options,
+                              const std::vector<size_t>& images) {
+  StereoSummary summary;
+  summary.workspace_path = workspace.Root();
+  summary.type =
+      options.geom_consistency ? MapType::kGeometric : MapType::kPhotometric;
+  summary.num_images = static_cast<int>(images.size());
+  const std::vector<int> references = ReferencesOf(workspace, images);
+  summary.num_masks = CountMasks(workspace, references);
+  summary.num_priors = workspace.Priors().Count(references);
+  for (const size_t index : images) {
+    const StereoProblem& problem = workspace.Problems()[index];
+    if (problem.sources.empty()) {
+      summary.without_sources.push_back(
+          {NameOf(workspace, index), problem.without_sources});
+    }
+  }
+  return summary;
+}
+
+// Runs all passes on their images and adds the images skipped in the last one
+// and the dropped priors of listed images to the summary.
+void RunPasses(const Workspace& workspace,
+               const StereoOptions& options,
+               const StereoPasses& passes,
+               const std::vector<std::vector<size_t>>& images,
+               const std::vector<bool>& is_listed,
+               int64_t view_bytes,
+               RefineDevices& devices,
+               Progress& progress,
+               const std::function<bool()>& should_stop,
+               StereoSummary* summary) {
+  progress.PlanPasses(PassCosts(passes));
+  for (int pass = 0; pass < passes.NumPasses(); ++pass) {
+    const std::string name =
+        std::to_string(pass + 1) + " of " + std::to_string(passes.NumPasses());
+    StereoTask task(workspace, options, passes, pass, devices.workers);
+    ViewCache cache(devices.cache_num_bytes,
+                    static_cast<size_t>(view_bytes),
+                    [&](int image) { return task.Load(image); });
+    progress.BeginPass();
+    PipelineOutcome outcome = ImagePipeline<StereoMaps>(task,
+                                                        images[pass],
+                                                        "Pass " + name + ":",
+                                                        cache,
+                                                        devices.sizes,
+                                                        progress,
+                                                        should_stop)
+                                  .Run(devices.workers.size());
+    outcome.RethrowFailure();
+    if (!outcome.IsComplete()) {
+      throw Error(ErrorCode::kInterrupted,
+                  "interrupted in pass " + name +
+                      "; run the same command again to go on");
+    }
+    const auto num_skipped = std::ranges::count(
+        outcome.reports, ImageReport::Outcome::kSkipped, &ImageReport::outcome);
+    summary->num_skipped = static_cast<int>(num_skipped) -
+                           static_cast<int>(summary->without_sources.size());
+    for (size_t i = 0; i < images[pass].size(); ++i) {
+      const PriorAssessment& prior = outcome.reports[i].prior;
+      if (is_listed[images[pass][i]] && prior.IsDropped()) {
+        summary->dropped_priors.push_back(
+            {NameOf(workspace, images[pass][i]), Describe(prior)});
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -180,17 +239,10 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   const std::vector<bool> is_listed =
       FindListedImages(workspace, files.image_list_path);
   const WorkspaceOverview overview = OverviewOf(workspace, options);
-  StereoSummary summary;
-  summary.workspace_path = workspace.Root();
-  summary.type =
-      options.geom_consistency ? MapType::kGeometric : MapType::kPhotometric;
   const StereoPasses passes(workspace, options);
   const std::vector<std::vector<size_t>> images =
       FindImagesOfPasses(workspace, options, passes.NumPasses(), is_listed);
-  summary.num_images = static_cast<int>(images.back().size());
-  const std::vector<int> references = workspace.ReferencesOf(images.back());
-  summary.num_masks = workspace.CountMasks(references);
-  summary.num_priors = workspace.Priors().Count(references);
+  StereoSummary summary = SummarizeInputs(workspace, options, images.back());
   if (overview.max_num_sources == 0) {
     throw Error::File(
         ErrorCode::kNotFound,
@@ -204,44 +256,26 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
       [&](const WorkspaceOverview& maps) { return PlanStereo(options, maps); },
       static_cast<int>(images.front().size()));
   summary.device = devices.description;
-  for (const size_t place : images.back()) {
-    const StereoProblem& problem = workspace.Problems()[place];
-    if (problem.sources.empty()) {
-      summary.without_sources.push_back(
-          {NameOf(workspace, place), problem.without_sources});
-    }
-  }
   ClaimMaps(workspace, options, overwrite, is_listed);
-  const bool is_done = std::ranges::all_of(images.back(), [&](size_t place) {
-    const StereoProblem& problem = workspace.Problems()[place];
+  const bool is_done = std::ranges::all_of(images.back(), [&](size_t index) {
+    const StereoProblem& problem = workspace.Problems()[index];
     return problem.sources.empty() || passes.IsDone(problem.reference);
   });
-  const auto num_without_sources =
-      static_cast<int>(summary.without_sources.size());
   if (is_done) {
     // The intermediate files are gone and need not be made again.
-    summary.num_skipped = summary.num_images - num_without_sources;
+    summary.num_skipped =
+        summary.num_images - static_cast<int>(summary.without_sources.size());
   } else {
-    progress.PlanPasses(PassCosts(passes));
-    for (int pass = 0; pass < passes.NumPasses(); ++pass) {
-      const std::vector<size_t>& places = images[pass];
-      const std::vector<ImageReport> reports = RunPass(workspace,
-                                                       options,
-                                                       passes,
-                                                       pass,
-                                                       places,
-                                                       ViewBytes(overview),
-                                                       devices,
-                                                       progress,
-                                                       should_stop);
-      summary.num_skipped = CountSkipped(reports) - num_without_sources;
-      for (size_t i = 0; i < places.size(); ++i) {
-        if (is_listed[places[i]] && reports[i].prior.IsDropped()) {
-          summary.dropped_priors.push_back(
-              {NameOf(workspace, places[i]), Describe(reports[i].prior)});
-        }
-      }
-    }
+    RunPasses(workspace,
+              options,
+              passes,
+              images,
+              is_listed,
+              ViewBytes(overview),
+              devices,
+              progress,
+              should_stop,
+              &summary);
   }
   passes.RemoveFilesBetween();
   summary.peak_gpu_memory = PeakGpuMemory(devices);

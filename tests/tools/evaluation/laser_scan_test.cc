@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/evaluation/laser_scan.h"
-
 #include "colmap_tsar/base/random.h"
+#include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
 
 #include <cmath>
 #include <numbers>

@@ -4,7 +4,7 @@
 // Reads the folders for trainers as their documents say that these do.
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/tools/export/gaussian_splatting_exporter.h"
+#include "colmap_tsar/tools/export/image_exporter.h"
 
 #include <filesystem>
 

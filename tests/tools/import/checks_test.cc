@@ -1,8 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/import/check_cameras.h"
-#include "colmap_tsar/tools/import/check_scale.h"
+#include "colmap_tsar/tools/import/import_checks.h"
 
 #include "tests/support/test_workspace.h"
 #include <Eigen/Geometry>

@@ -7,7 +7,6 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/tools/import/import_record.h"
-#include "colmap_tsar/tools/import/undo_import.h"
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"

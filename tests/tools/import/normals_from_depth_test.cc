@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/import/normals_from_depth.h"
+#include "colmap_tsar/tools/import/external_maps.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/import/import_summary.h"
+#include "colmap_tsar/tools/import/import_workspace.h"
 
 #include <chrono>
 

@@ -1,11 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/report/plane_page.h"
-
 #include "colmap_tsar/base/label_color.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
+#include "colmap_tsar/tools/report/page_data.h"
 #include "colmap_tsar/tools/report/write_page.h"
 
 #include <cstdio>

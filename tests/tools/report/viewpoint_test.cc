@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/report/viewpoint.h"
+#include "colmap_tsar/tools/report/point_sample.h"
 
 #include <gtest/gtest.h>
 

@@ -1,12 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/report/workspace_comparison.h"
-
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/write_back.h"
+#include "colmap_tsar/tools/report/comparison_picture.h"
 
 #include <filesystem>
 #include <fstream>

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/tools/stereo/depth_prior_planes.h"
+#include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
 
