@@ -22,9 +22,8 @@ struct PointVerdict {
 // The share of good among the counted points at each tolerance, averaged over
 // the occupied voxels of edge length voxel_size, so that densely sampled
 // surfaces do not outweigh others. The mean is taken over two grids that are
-// shifted by half a voxel against each other. A voxel without counted points is
-// left out; without any such voxel the share is 0. points and verdicts have the
-// same size.
+// shifted by half a voxel against each other. Voxels without counted points are
+// left out; the share is 0 without others. points and verdicts have one size.
 std::vector<double> VoxelMeans(const std::vector<Eigen::Vector3d>& points,
                                const std::vector<PointVerdict>& verdicts,
                                int num_tolerances,
@@ -45,9 +44,9 @@ class LaserScan {
   LaserScan(std::vector<Eigen::Vector3d> points, const LaserBeam& beam);
 
   // The verdict of the beams through this point: good from the smallest of the
-  // ascending tolerances that is not below its distance to the end of one of
-  // these beams; bad below that if one of them reaches beyond the point;
-  // otherwise not counted.
+  // ascending tolerances not below its distance to the end of one of these
+  // beams; bad below that if one of them reaches beyond it; otherwise not
+  // counted.
   PointVerdict Judge(const Eigen::Vector3d& point,
                      const std::vector<double>& tolerances) const;
 
@@ -66,14 +65,10 @@ class LaserScan {
 };
 
 struct CloudEvaluationOptions {
-  // Largest distances of a correct point, in units of the points; positive and
-  // ascending.
+  // Largest distances of a correct point, in their units; positive, ascending.
   std::vector<double> tolerances = {0.01, 0.02, 0.05, 0.1};
-
-  // Edge length of the voxels over which scores are averaged, in units of the
-  // points.
+  // Edge length of the voxels to average scores over, in units of the points.
   double voxel_size = 0.01;
-
   LaserBeam beam;
 
   // Throws Error kBadOption.
@@ -83,8 +78,7 @@ struct CloudEvaluationOptions {
 // Scores at one tolerance, shares in [0, 1].
 struct CloudScore {
   double tolerance = 0;
-  // The share of the scanned surface with a reconstructed point within the
-  // tolerance.
+  // The share of the scanned surface with a point within the tolerance.
   double completeness = 0;
   // The share of the reconstructed points in observed space that are within the
   // tolerance of the surface. Unobserved space is not counted.

@@ -9,14 +9,18 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/resize_nearest.h"
+#include "colmap_tsar/fusion/fusion_neighbors.h"
+#include "colmap_tsar/fusion/fusion_run.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/masks_and_labels.h"
 #include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -28,6 +32,11 @@ namespace fs = std::filesystem;
 
 constexpr int kTextureWindow = 11;
 constexpr float kMaxGrayVariance = 16.f;
+
+fs::path GroundTruthFolder(const fs::path& workspace_path,
+                           const fs::path& given) {
+  return given.empty() ? workspace_path / "ground_truth" / "depth" : given;
+}
 
 // The names of all images that have ground truth, in a fixed order.
 std::vector<std::string> ListGroundTruth(const fs::path& folder) {
@@ -51,8 +60,7 @@ std::vector<std::string> ListGroundTruth(const fs::path& folder) {
   return names;
 }
 
-// The mask (1) of textureless pixels of the image at this path, resized to this
-// size.
+// The mask (1) of textureless pixels of the image at this path, resized.
 Image<uint8_t> FindTextureless(const fs::path& path,
                                Image<uint8_t> photo,
                                int width,
@@ -81,9 +89,8 @@ Image<uint8_t> FindTextureless(const fs::path& path,
   return textureless;
 }
 
-// Adds one image's pixels to the scores of one area, which is all or the
-// nonzero pixels of a mask of the ground truth. mask: of the estimate; may be
-// empty.
+// Adds one image's pixels to the scores of one area, all or the nonzero pixels
+// of a mask of the ground truth. mask: of the estimate, or empty.
 void AddPixels(const Image<float>& estimate,
                const Image<float>& truth,
                const Image<uint8_t>& mask,
@@ -128,12 +135,79 @@ std::vector<fs::path> FindMasks(const fs::path& folder,
   return masks;
 }
 
-}  // namespace
-
-fs::path GroundTruthFolder(const fs::path& workspace_path,
-                           const fs::path& given) {
-  return given.empty() ? workspace_path / "ground_truth" / "depth" : given;
+FusedPixelEvaluation EvaluateImage(const FusedImage& fused,
+                                   const Image<float>& truth,
+                                   const std::vector<double>& tolerances) {
+  FusedPixelEvaluation evaluation;
+  evaluation.num_images = 1;
+  const auto truth_at = [&](int x, int y) {
+    const Image<FusionPixel>& pixels = fused.view->pixels;
+    return truth(NearestPixel(x, truth.Width(), pixels.Width()),
+                 NearestPixel(y, truth.Height(), pixels.Height()));
+  };
+  for (int y = 0; y < fused.view->pixels.Height(); ++y) {
+    for (int x = 0; x < fused.view->pixels.Width(); ++x) {
+      evaluation.num_known += truth_at(x, y) > 0.f ? 1 : 0;
+    }
+  }
+  evaluation.num_right.assign(tolerances.size(), 0);
+  for (const FusedPoint& point : fused.points) {
+    const float known = truth_at(point.column, point.row);
+    if (!(known > 0.f)) {
+      continue;
+    }
+    ++evaluation.num_fused;
+    const float depth = fused.view->pixels(point.column, point.row).depth;
+    const float error = std::abs(depth - known);
+    for (size_t t = 0; t < tolerances.size(); ++t) {
+      evaluation.num_right[t] +=
+          error < static_cast<float>(tolerances[t]) ? 1 : 0;
+    }
+  }
+  return evaluation;
 }
+
+void Add(const FusedPixelEvaluation& image, FusedPixelEvaluation* sum) {
+  sum->num_images += image.num_images;
+  sum->num_known += image.num_known;
+  sum->num_fused += image.num_fused;
+  for (size_t t = 0; t < image.num_right.size(); ++t) {
+    sum->num_right[t] += image.num_right[t];
+  }
+}
+
+// The ground truth of each fused image; empty where there is none. Throws Error
+// kNotFound where no image has ground truth.
+std::vector<fs::path> FindTruths(const Workspace& workspace,
+                                 const FusionPlan& plan,
+                                 const fs::path& folder) {
+  std::vector<fs::path> paths;
+  for (const int image : plan.order) {
+    const fs::path path =
+        folder / (workspace.Model().images[image].name + ".bin");
+    paths.push_back(Exists(path) ? path : "");
+  }
+  if (std::ranges::all_of(paths, &fs::path::empty)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "there is no ground truth (NAME.bin) of an image that "
+                      "is fused",
+                      "give its folder as " + OptionName("ground_truth_path"));
+  }
+  return paths;
+}
+
+Image<float> ReadTruth(const fs::path& path, const Image<FusionPixel>& pixels) {
+  Image<float> truth = ReadDepthMap(path);
+  RequireShape(path,
+               {truth.Width(), truth.Height()},
+               {pixels.Width(), pixels.Height()},
+               "the depth map",
+               "give ground truth of this image");
+  return truth;
+}
+
+}  // namespace
 
 double DepthScore::Precision() const {
   return static_cast<double>(num_right) / std::max<int64_t>(num_estimated, 1);
@@ -211,6 +285,43 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
                           OptionName("input_type"));
   }
   return evaluation;
+}
+
+FusedPixelEvaluation EvaluateFusedPixels(
+    const Workspace& workspace,
+    const FusedPixelOptions& options,
+    Progress& progress,
+    const std::function<bool()>& should_stop) {
+  CheckTolerances(options.tolerances);
+  options.fusion.Check();
+  if (options.fusion.point_spacing != 1) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("point_spacing") + " has to be 1 here");
+  }
+  const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
+  const FusionPlan plan = PlanFusion(
+      workspace, ChooseImages(workspace), options.fusion.check_num_images);
+  const std::vector<fs::path> truths = FindTruths(
+      workspace,
+      plan,
+      GroundTruthFolder(workspace.Root(), options.ground_truth_path));
+  FusionRun run(workspace, plan, options.fusion, options.devices);
+  std::vector<FusedPixelEvaluation> of_images(plan.order.size());
+  FusedPixelEvaluation sum;
+  sum.num_right.assign(options.tolerances.size(), 0);
+  run.Run(
+      [&](size_t place, const FusedImage& fused) {
+        if (!truths[place].empty()) {
+          of_images[place] =
+              EvaluateImage(fused,
+                            ReadTruth(truths[place], fused.view->pixels),
+                            options.tolerances);
+        }
+      },
+      [&](size_t place) { Add(of_images[place], &sum); },
+      progress,
+      should_stop);
+  return sum;
 }
 
 }  // namespace tsar

@@ -3,6 +3,11 @@
 
 #pragma once
 
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/fusion/fusion_options.h"
+#include "colmap_tsar/run/device_options.h"
+#include "colmap_tsar/run/store/workspace.h"
+
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -12,30 +17,19 @@
 
 namespace tsar {
 
-// The folder of the ground truth of a workspace: the given folder or, if empty,
-// ground_truth/depth of the workspace.
-std::filesystem::path GroundTruthFolder(
-    const std::filesystem::path& workspace_path,
-    const std::filesystem::path& given);
-
 struct DepthEvaluationOptions {
   // The maps to score: "geometric" or "photometric".
   std::string input_type = "geometric";
-
-  // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown), or
-  // empty; see GroundTruthFolder.
+  // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown);
+  // empty: ground_truth/depth in the workspace.
   std::filesystem::path ground_truth_path;
-
   // The folder with the masks of images, see io/masks_and_labels.h; empty:
   // none. Masked pixels are not scored.
   std::filesystem::path mask_path;
-
   // The path of an image's map by the image's name; if not set, in
   // stereo/depth_maps of the workspace. The file need not exist.
   std::function<std::filesystem::path(const std::string& name)> find_map;
-
-  // Upper bounds of the error of a correct depth, in units of the model;
-  // positive and ascending.
+  // Correct depths are off by less, in units of the model; ascending, > 0.
   std::vector<double> tolerances = {0.02, 0.1};
 };
 
@@ -69,5 +63,36 @@ struct DepthEvaluation {
 // those of ReadDepthMap, ReadGrayPhoto, FindImageMasks and ReadImageMask.
 DepthEvaluation EvaluateDepthMaps(const std::filesystem::path& workspace_path,
                                   const DepthEvaluationOptions& options);
+
+struct FusedPixelOptions {
+  // The options that select the fused pixels; point_spacing has to be 1.
+  FusionOptions fusion = PresetFusionOptions(FusionPreset::kPaper);
+  DeviceOptions devices;
+  // As in DepthEvaluationOptions.
+  std::filesystem::path ground_truth_path;
+  std::vector<double> tolerances = {0.02, 0.1};
+};
+
+struct FusedPixelEvaluation {
+  int num_images = 0;              // Images with ground truth.
+  int64_t num_known = 0;           // Pixels with ground truth.
+  int64_t num_fused = 0;           // Known pixels that became a point.
+  std::vector<int64_t> num_right;  // Right fused pixels, by tolerance.
+};
+
+// The evaluation of the ablation in the TSAR-MVS paper (section 6.3.1): for
+// each point of the fused cloud, the map's depth in the pixel that became the
+// point is compared with the ground truth. The paper does not print the total
+// of its percentages; shares here are of these pixels. Where map and ground
+// truth differ in size, the ground truth is looked up at the map's pixels.
+//
+// Throws Error: kNotFound (no image has maps, or no fused image has ground
+// truth), kMismatch (a ground truth is not of the shape of the map), kBadOption
+// (tolerances, point_spacing), and what FusionRun and ReadDepthMap throw.
+FusedPixelEvaluation EvaluateFusedPixels(
+    const Workspace& workspace,
+    const FusedPixelOptions& options,
+    Progress& progress,
+    const std::function<bool()>& should_stop);
 
 }  // namespace tsar

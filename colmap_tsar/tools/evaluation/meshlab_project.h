@@ -17,10 +17,9 @@ struct MeshlabScan {
 };
 
 // Reads a MeshLab project (.mlp), the form in which ETH3D gives the poses of
-// its laser scans. Relative file names are taken from the project's folder; the
-// files themselves are not read. Throws Error: kNotFound, kIo, kCorrupt (not
-// such a file, or it lists no scan), kUnsupported (a matrix that is not a rigid
-// motion).
+// its laser scans. Relative file names start at the project's folder; the scans
+// are not read. Throws Error: kNotFound, kIo, kCorrupt (not such a file, or it
+// lists no scan), kUnsupported (a matrix is no rigid motion).
 std::vector<MeshlabScan> ReadMeshlabProject(const std::filesystem::path& path);
 
 }  // namespace tsar

@@ -36,8 +36,7 @@ std::vector<double> NearestDistances(
       AsMatrix(targets.data(), targets.size()),
       flann::KDTreeSingleIndexParams());
   index.buildIndex();
-  // FLANN excludes points exactly at the radius, a float; so the radius is
-  // slightly enlarged.
+  // FLANN excludes points at the radius, a float; so it is enlarged slightly.
   const float squared_radius =
       static_cast<float>(max_distance * max_distance) * 1.0001f;
   flann::SearchParams params;

@@ -17,8 +17,7 @@ enum class ExportFormat {
   kGaussianSplatting,  // A training folder of 3D Gaussian splatting.
 };
 
-// The names "npy", "exr", "png16", "nerfstudio" and "3dgs", in the order of
-// ExportFormat.
+// "npy", "exr", "png16", "nerfstudio" and "3dgs", in the order of ExportFormat.
 const std::vector<std::string>& ExportFormatNames();
 
 std::string ToString(ExportFormat format);

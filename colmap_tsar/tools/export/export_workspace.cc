@@ -19,7 +19,6 @@
 #include <memory>
 #include <numeric>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <nlohmann/json.hpp>
@@ -156,8 +155,7 @@ void Check(const ExportOptions& options) {
   }
 }
 
-// Whether the format holds all images of the sparse model, with or without
-// maps.
+// Whether the format holds images without maps, too.
 bool HoldsAllImages(ExportFormat format) {
   return format == ExportFormat::kNerfstudio ||
          format == ExportFormat::kGaussianSplatting;

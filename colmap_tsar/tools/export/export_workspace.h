@@ -22,8 +22,7 @@ struct ExportOptions {
   // The folder with the masks of images, see io/masks_and_labels.h; empty:
   // none. Masked pixels are exported as if they had no depth.
   std::filesystem::path mask_path;
-  // For kNerfstudio: a PLY file in the world of the sparse model that trainers
-  // start from; empty: none.
+  // For kNerfstudio: a PLY file in the sparse model's world, or empty.
   std::filesystem::path cloud_path;
   bool overwrite = false;  // An earlier export alone may be replaced.
   // For kPng16: units of the sparse model per step of depth.

@@ -30,7 +30,8 @@ struct ExportedImage {
   std::map<std::string, std::string> files;
 };
 
-// Writes one format into a folder.
+// Writes one format into a folder. Must not outlive its workspace.
+
 class ImageExporter {
  public:
   virtual ~ImageExporter() = default;
@@ -51,8 +52,7 @@ class ImageExporter {
 // folder for each kind of map, named by the image with its extension.
 // depth_scale: units of the sparse model per step of a depth in 16 bits; depths
 // that do not round to 1 to 65535 steps are left out. Sigmas have steps of a
-// hundredth of that and are clamped to the largest. workspace must outlive the
-// exporter. Errors as RequireExr().
+// hundredth of that and are clamped to the largest. Errors as RequireExr().
 std::unique_ptr<ImageExporter> MakeMapExporter(const Workspace& workspace,
                                                const ContainedPath& folder,
                                                ExportFormat format,
@@ -64,13 +64,13 @@ std::unique_ptr<ImageExporter> MakeMapExporter(const Workspace& workspace,
 // their normals in normals/, as pictures of the size of the image: of red,
 // green and blue, 127.5 + 127.5 n, with n in the frame of the sparse model's
 // camera. An image without maps gets no depth and no normal anywhere, since
-// nerfstudio requires depth for all images or none; depth 0 and normal
-// (0, 0, 0) are none. The cameras are those of the images, with the frame of
-// OpenGL, and the world is that of the sparse model. cloud: a PLY file in that
-// world, which is copied for trainers to start from; empty: none.
+// nerfstudio requires depth for all images or none; depth 0 and normal (0, 0,
+// 0) are none. The cameras are those of the images, with the frame of OpenGL,
+// and the world is that of the sparse model. cloud: a PLY file in that world,
+// which is copied for trainers to start from; empty: none.
 //
-// workspace must outlive the exporter. Throws Error kNotFound where the cloud
-// has no points, and those of ReadPlyCloud() and RequireUtf8Names().
+// Throws Error kNotFound where the cloud has no points, and those of
+// ReadPlyCloud() and RequireUtf8Names().
 std::unique_ptr<ImageExporter> MakeNerfstudioExporter(
     const Workspace& workspace,
     const ContainedPath& folder,
@@ -89,9 +89,8 @@ double InverseDepthScale(const DepthStatistics& depth);
 // depth = level / 65536 * scale + offset. An image without depth gets zeros and
 // the scale 0, which the trainer skips. Pixels without depth are 0; the trainer
 // has no mask for these, so depth_masks/STEM.png (255: depth) is for other
-// programs. Depths nearer than 1 / scale become the largest level. workspace
-// must outlive the exporter. Throws the errors of RequireUtf8Names() and
-// UniqueStems().
+// programs. Depths nearer than 1 / scale become the largest level. Errors as
+// RequireUtf8Names() and UniqueStems().
 std::unique_ptr<ImageExporter> MakeGaussianSplattingExporter(
     const Workspace& workspace,
     const ContainedPath& folder,

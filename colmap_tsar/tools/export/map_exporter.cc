@@ -10,7 +10,6 @@
 #include "colmap_tsar/tools/export/value_files.h"
 #include "colmap_tsar/view/refined_maps.h"
 
-#include <algorithm>
 #include <string>
 #include <type_traits>
 

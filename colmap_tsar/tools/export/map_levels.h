@@ -13,8 +13,7 @@
 
 namespace tsar {
 
-// Conversion of maps to integer levels, for pictures: value = scale * level +
-// offset.
+// Maps as integer levels, for pictures: value = scale * level + offset.
 
 constexpr int kMaxLevel = 65535;
 
@@ -47,8 +46,7 @@ struct DepthStatistics {
 
 DepthStatistics MeasureDepth(const Image<float>& depth);
 
-// Joins the statistics of maps: the nearest and farthest of all, the median of
-// the medians.
+// The nearest and farthest depth of all maps, and the median of their medians.
 DepthStatistics JoinStatistics(const std::vector<DepthStatistics>& maps);
 
 // "17.3 % of the depths", for messages.

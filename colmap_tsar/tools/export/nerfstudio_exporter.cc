@@ -168,8 +168,7 @@ class NerfstudioExporter : public ImageExporter {
     return levels;
   }
 
-  // The size that maps of the camera would have, for masks of images without
-  // maps.
+  // The size that maps of an image without maps would have, for its mask.
   RasterSize MapSizeOfOthers(const Camera& camera) const {
     for (const int image : images_with_maps_) {
       const Camera& other = workspace_.Model().images.at(image).camera;

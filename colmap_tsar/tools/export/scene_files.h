@@ -28,11 +28,9 @@ Eigen::Matrix4d OpenGlCameraToWorld(const Camera& camera);
 // A camera as "model" (PINHOLE), "width", "height", "fx", "fy", "cx" and "cy".
 nlohmann::ordered_json IntrinsicsJson(const Camera& camera);
 
-// Functions common to the training folders, which hold all images of the sparse
-// model under its names.
+// Functions for training folders, which hold all images under their names.
 
-// Throws Error kUnsupported if the name of an image is not UTF-8, which JSON
-// requires.
+// Throws Error kUnsupported if the name of an image is not UTF-8, as in JSON.
 void RequireUtf8Names(const Workspace& workspace);
 
 // Copies an image to images/NAME in the folder, and returns "images/NAME".

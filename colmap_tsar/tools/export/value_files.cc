@@ -9,7 +9,6 @@
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/io/array_files.h"
 
-#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <exception>

@@ -15,9 +15,8 @@ namespace tsar {
 // All functions write atomically and create the folder. Errors as AtomicFile,
 // and kIo if OpenCV cannot encode the picture.
 
-// Write an array in NumPy's format (.npy, version 1.0), little-endian and row
-// by row: float32, uint8 or uint16 of shape (height, width), or float32 of
-// (height, width, 3).
+// Write an array in NumPy's format (.npy, version 1.0), little-endian, by row:
+// float32, uint8 or uint16, (height, width), or float32, (height, width, 3).
 void WriteArray(const ContainedPath& path, const Image<float>& values);
 void WriteArray(const ContainedPath& path, const Image<Vec3f>& values);
 void WriteArray(const ContainedPath& path, const Image<uint8_t>& values);
@@ -29,8 +28,7 @@ void WritePngFile(const ContainedPath& path, const Image<uint16_t>& values);
 void WritePngFile(const ContainedPath& path, const Image<Rgb>& values);
 void WritePngFile(const ContainedPath& path, const Image<Rgb16>& values);
 
-// Write OpenEXR of 32-bit floats, losslessly: one channel Y, or x, y, z as R,
-// G, B.
+// Write OpenEXR of 32-bit floats, losslessly: Y, or x, y, z as R, G, B.
 void WriteExrFile(const ContainedPath& path, const Image<float>& values);
 void WriteExrFile(const ContainedPath& path, const Image<Vec3f>& values);
 

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -91,8 +90,7 @@ void RequireSize(const std::filesystem::path& path,
   }
 }
 
-// The unit normal of a pixel in the camera frame, towards the camera; zero if
-// it has no direction.
+// The unit normal of a pixel in the camera frame, towards it, or zero.
 Vec3f ConvertNormal(const Vec3f& stored,
                     const Eigen::Matrix3d* rotation,
                     const Vec3f& ray) {

@@ -22,8 +22,7 @@ enum class ExternalFormat {
   kDepth,    // Depth images and arrays of any program or sensor.
 };
 
-// The files that another program wrote for one image. Only the first path is
-// required.
+// The files of another program for one image; all but depth may be empty.
 struct ExternalFiles {
   int image = -1;  // Index into SparseModel::images.
   std::filesystem::path depth;
@@ -77,8 +76,8 @@ ImportedMaps ConvertMaps(const ExternalMaps& external,
 Image<float> ScaledDepth(const Image<float>& depth, double scale);
 
 // The number of normals at pixels with depth that face the camera, assuming
-// either frame. With the correct frame it is all of them, or none if they point
-// into the surfaces.
+// either frame. In the correct frame all do, or none if they point into
+// surfaces.
 struct NormalFacing {
   int64_t num_normals = 0;
   int64_t num_facing_in_camera = 0;

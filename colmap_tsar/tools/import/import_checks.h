@@ -7,7 +7,6 @@
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/io/stored_camera.h"
 
-#include <optional>
 #include <vector>
 
 namespace tsar {
@@ -26,8 +25,7 @@ struct AssignedCamera {
 // For closer images, none may match ten times as well as the assigned one.
 //
 // Throws Error kMismatch with a camera's file, the image and the cause: other
-// units of the model (with the scale to use), the camera of another image, or
-// none of the workspace's.
+// units of the model (with the scale), the camera of another image, or of none.
 void CheckCameras(const std::vector<AssignedCamera>& cameras,
                   const SparseModel& model,
                   double scale);

@@ -28,11 +28,9 @@ inline constexpr size_t kCostMaps = 2;
 struct ImportRecord {
   // The maps that imports may have written, for each of kImportFolders.
   std::array<std::vector<WrittenMap>, kImportFolders.size()> written;
-  // The former maps that are kept for them, by their content alone; nothing
-  // where none is kept.
+  // The former maps that are kept for them, by their content alone, if any.
   std::array<std::optional<WrittenMap>, kImportFolders.size()> former;
-  // Whether their undo has begun: a map without a former one may have been
-  // restored already.
+  // Whether undo has begun: a map without a former one may be restored already.
   bool is_being_undone = false;
 };
 
@@ -58,8 +56,7 @@ ImportPaths GetImportPaths(const std::filesystem::path& root,
                            const std::string& image_name,
                            MapType type);
 
-// Returns nullopt if there is no record. Throws Error kCorrupt if it is
-// invalid.
+// Returns nullopt without a record. Throws Error kCorrupt for an invalid one.
 std::optional<ImportRecord> ReadImportRecord(const std::filesystem::path& path);
 
 // Writes a record atomically and creates its folder. Throws Error kIo.

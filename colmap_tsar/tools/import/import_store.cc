@@ -20,9 +20,7 @@
 #include <array>
 #include <optional>
 #include <set>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace tsar {
 namespace {

@@ -14,12 +14,10 @@
 namespace tsar {
 
 // Throws Error kUnsupported if tsar_refine has refined this workspace (its
-// originals would not be those of the imported maps), or if the workspace is an
-// output of tsar_refine.
+// originals would not be those of the imported maps) or made it.
 void RequireUnrefined(const std::filesystem::path& root);
 
-// Throws Error kUnsupported if the image has a depth or normal map of this type
-// that no import wrote.
+// Throws Error kUnsupported for a depth or normal map that no import wrote.
 void RequireNoForeignMaps(const std::filesystem::path& root,
                           const std::string& image_name,
                           MapType type);

@@ -10,13 +10,11 @@
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/import/import_checks.h"
 #include "colmap_tsar/tools/import/import_store.h"
 #include "colmap_tsar/tools/import/target_workspace.h"
 
 #include <algorithm>
 #include <cstdio>
-#include <memory>
 #include <utility>
 
 namespace tsar {

@@ -31,8 +31,7 @@ struct ImportSummary {
   ScaleVerdict scale;
   bool has_own_scales = false;  // With scale_to_sparse.
   // The ranges of the written depths and of the sparse points in the images,
-  // without the nearest and the farthest 5 % of each image; 0 if there are
-  // none.
+  // without the nearest and farthest 5 % of each image; 0 if none.
   float near = 0.f;
   float far = 0.f;
   float sparse_near = 0.f;
@@ -52,17 +51,15 @@ struct ImportOptions {
   std::filesystem::path workspace_path;
   // The files to import; match.type is also the type of the written maps.
   MatchOptions match;
-  // Model units per stored unit of depth. 0: 0.001 for depth images of
-  // integers, otherwise 1.
+  // Model units per stored unit of depth. 0: 0.001 for integers, otherwise 1.
   double depth_scale = 0.0;
   // Whether each image gets a separate scale from its sparse points.
   bool scale_to_sparse = false;
   // Whether to reject depths in other units than the sparse points.
   bool check_scale = true;
   NormalFrame normal_frame = NormalFrame::kAuto;
-  // Whether to import costs. Costs of other programs differ from those of
-  // tsar_refine: they may include geometric terms, and are noise in textureless
-  // areas.
+  // Whether to import costs. Those of other programs may include geometric
+  // terms, and are noise in textureless areas.
   bool import_costs = false;
   // Whether to replace maps that another program wrote, which are kept.
   bool overwrite = false;
@@ -70,8 +67,8 @@ struct ImportOptions {
 
 // Imports the maps of another program into a dense workspace, which needs only
 // images/ and sparse/; the rest is created. Everything is read and checked
-// before the first file is written. The maps' size may differ from the image's,
-// as COLMAP's may.
+// before the first file is written. Maps may have another size than images, as
+// COLMAP's.
 //
 // Throws Error, with nothing written: those of MatchImages, ReadExternalMaps,
 // CheckCameras, RequireUnrefined, RequireNoForeignMaps, ReadSparseModel and
@@ -81,8 +78,7 @@ struct ImportOptions {
 // scale_to_sparse.
 //
 // should_stop: if given, called before each image. Once it returns true,
-// kInterrupted is thrown; imported images remain, and the same call starts
-// over.
+// kInterrupted is thrown; imported maps remain, and a new call starts over.
 ImportSummary ImportWorkspace(const ImportOptions& options,
                               Progress& progress,
                               const std::function<bool()>& should_stop = {});

@@ -38,8 +38,7 @@ void MatchNumberedFolders(const MatchOptions& options,
                           const SparseModel& model,
                           MapCollector* collector);
 
-// MatchDmaps() and MatchDepthImages() return the number of maps of images that
-// are not in the model.
+// Both return the number of maps of images that are not in the model.
 int MatchDmaps(const MatchOptions& options,
                const SparseModel& model,
                MapCollector* collector);

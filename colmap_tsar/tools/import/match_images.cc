@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/image_list.h"
 #include "colmap_tsar/tools/import/match_formats.h"
 
@@ -52,8 +51,7 @@ std::vector<int> ReadNumberedImages(const std::filesystem::path& path,
 std::vector<std::filesystem::path> ListEntries(
     const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> entries;
-  // A path that is no folder has no entries; a folder that cannot be listed is
-  // an error.
+  // Other paths have no entries; a folder that cannot be listed is an error.
   if (IsFolder(folder)) {
     const Folder open({folder, {}});
     for (const Folder::Entry& entry : open.List()) {

@@ -63,8 +63,7 @@ std::vector<NumberedFolder> FindNumberedFolders(const Path& folder) {
   return found;
 }
 
-// Finds numbered folders in the folder itself, or in the subfolder that has
-// them.
+// Finds numbered folders in the folder or in the one subfolder with some.
 std::vector<NumberedFolder> FindProgramFolder(const Path& input) {
   std::vector<NumberedFolder> found = FindNumberedFolders(input);
   if (!found.empty()) {

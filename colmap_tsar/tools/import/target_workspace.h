@@ -11,9 +11,9 @@
 namespace tsar {
 
 // Reads the sparse model of a target workspace, of which only images/ and
-// sparse/ need exist. Throws Error: kNotFound (one of them is missing, or there
-// are no images), kUnsupported (an image's name leaves the folder), and those
-// of ReadSparseModel.
+// sparse/ need exist. Throws Error: kNotFound (one is missing, or there are no
+// images), kUnsupported (an image's name leaves the folder), those of
+// ReadSparseModel.
 SparseModel ReadTargetModel(const std::filesystem::path& root);
 
 // Creates the folder stereo if missing; removes it again if it stays empty.

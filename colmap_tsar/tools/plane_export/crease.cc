@@ -4,7 +4,6 @@
 #include "colmap_tsar/tools/plane_export/crease.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -12,8 +11,7 @@
 namespace tsar {
 namespace {
 
-// The largest distance of the border between two labels from the crease, in
-// pixels.
+// The largest distance of a border of labels from the crease, in pixels.
 constexpr double kMaxDistance = 6.0;
 constexpr int64_t kMinPixels = 8;
 
@@ -34,8 +32,7 @@ Crease Intersect(int first,
   Eigen::Matrix3d normals;
   normals << a.normal.transpose(), b.normal.transpose(),
       crease.direction.transpose();
-  // The point is relative to one of the scene, since the world's origin may be
-  // far away.
+  // The world's origin may be far away: a's is used instead.
   crease.point =
       a.origin +
       normals.inverse() *

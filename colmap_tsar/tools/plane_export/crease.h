@@ -46,16 +46,14 @@ struct CreaseLine {
   double Along(const Eigen::Vector2d& at) const {
     return direction.dot(at - point);
   }
-  // Whether a point's position along the line is in the observed part, extended
-  // by margin.
+  // Whether a point is beside the observed part, extended by margin.
   bool IsBeside(const Eigen::Vector2d& at, double margin) const {
     const double along = Along(at);
     return along >= begin - margin && along <= end + margin;
   }
 };
 
-// Finds the creases of planes whose labels touch in the views, which are added
-// one by one.
+// Finds the creases of planes whose labels touch in the added views.
 class CreaseFinder {
  public:
   explicit CreaseFinder(const std::vector<PlaneCoordinates>& planes)

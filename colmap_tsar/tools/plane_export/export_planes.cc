@@ -13,10 +13,13 @@
 #include "colmap_tsar/tools/plane_export/support_mask.h"
 #include "colmap_tsar/tools/plane_export/trace_polygons.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -63,25 +66,48 @@ void RequirePlanesOfMaps(const Workspace& workspace,
   }
 }
 
-// Reads the plane views of the images and calls function with each.
-template <typename Function>
-void VisitPlaneViews(const Workspace& workspace,
-                     const std::vector<int>& images,
-                     int num_planes,
-                     const std::string& pass,
-                     Progress& progress,
-                     const std::function<bool()>& is_stopped,
-                     Function function) {
-  progress.Start(static_cast<int>(images.size()), pass);
-  for (const int image : images) {
-    if (is_stopped()) {
-      progress.Finish();
-      throw Error(ErrorCode::kInterrupted, "stopped; nothing was written");
+// What the views tell of each plane of the scene model.
+struct PlaneObservations {
+  std::vector<PlaneCoordinates> coordinates;
+  std::vector<PlaneStatistics> statistics;
+  std::vector<SupportGrid> grids;
+  std::vector<Crease> creases;
+};
+
+// Reads the maps of the images twice.
+PlaneObservations ObservePlanes(const Workspace& workspace,
+                                const std::vector<int>& images,
+                                const SceneModel& model,
+                                Progress& progress,
+                                const std::function<bool()>& is_stopped) {
+  const auto visit_views = [&](const char* pass, const auto& function) {
+    progress.Start(static_cast<int>(images.size()), pass);
+    for (const int image : images) {
+      if (is_stopped()) {
+        progress.Finish();
+        throw Error(ErrorCode::kInterrupted, "stopped; nothing was written");
+      }
+      function(ReadPlaneView(
+          workspace, image, static_cast<int>(model.planes.size())));
+      progress.Advance(true);
     }
-    function(ReadPlaneView(workspace, image, num_planes));
-    progress.Advance(true);
-  }
-  progress.Finish();
+    progress.Finish();
+  };
+  PlaneObservations seen;
+  std::ranges::transform(
+      model.planes, std::back_inserter(seen.coordinates), &CoordinatesOf);
+  seen.statistics.resize(model.planes.size());
+  CreaseFinder crease_finder(seen.coordinates);
+  visit_views("Planes, pass 1 of 2:", [&](const PlaneView& view) {
+    AddStatistics(view, seen.coordinates, &seen.statistics);
+    crease_finder.Add(view);
+  });
+  seen.grids = MakeSupportGrids(seen.statistics);
+  visit_views("Planes, pass 2 of 2:", [&](const PlaneView& view) {
+    AddCoverage(view, seen.coordinates, &seen.grids);
+  });
+  seen.creases = crease_finder.Creases();
+  return seen;
 }
 
 Vertical VerticalOf(const Workspace& workspace,
@@ -115,13 +141,28 @@ void Turn(ExportedPlane* plane) {
   }
 }
 
-// Sets all members except the shape, in the coordinates of the model.
+std::vector<Eigen::Vector3d> CentersOf(const PlaneStatistics& statistics,
+                                       const SparseModel& sparse) {
+  std::vector<Eigen::Vector3d> centers;
+  for (const PlaneSighting& sighting : statistics.sightings) {
+    centers.push_back(sparse.images[sighting.image].camera.Center());
+  }
+  return centers;
+}
+
+// Sets what needs neither polygons nor creases, in the coordinates of the
+// model.
 ExportedPlane Describe(const ModelPlane& model_plane,
                        const PlaneStatistics& statistics,
                        const PlaneCoordinates& coordinates,
-                       const SparseModel& sparse) {
+                       const SparseModel& sparse,
+                       const Vertical& vertical) {
   ExportedPlane plane;
   plane.coordinates = coordinates;
+  plane.plane_class = ClassifyPlane(coordinates.normal,
+                                    coordinates.origin,
+                                    CentersOf(statistics, sparse),
+                                    vertical);
   plane.covariance = model_plane.covariance;
   if (coordinates.axis_t.dot(model_plane.axis_t) < 0.0) {
     const Eigen::DiagonalMatrix<double, 3> signs(1.0, -1.0, 1.0);
@@ -143,13 +184,24 @@ ExportedPlane Describe(const ModelPlane& model_plane,
   return plane;
 }
 
-std::vector<Eigen::Vector3d> CentersOf(const PlaneStatistics& statistics,
-                                       const SparseModel& sparse) {
-  std::vector<Eigen::Vector3d> centers;
-  for (const PlaneSighting& sighting : statistics.sightings) {
-    centers.push_back(sparse.images[sighting.image].camera.Center());
+// Sets the creases, polygons and area of plane p, and frees its grid's memory.
+void SetShape(int p, PlaneObservations* seen, ExportedPlane* plane) {
+  for (const Crease& crease : seen->creases) {
+    if (crease.first == p || crease.second == p) {
+      plane->meets.push_back(crease.first == p ? crease.second : crease.first);
+    }
   }
-  return centers;
+  SupportGrid& grid = seen->grids[p];
+  plane->cell = grid.cell;
+  if (plane->num_pixels > 0) {
+    const std::vector<CreaseLine> lines =
+        CreasesOf(p, seen->coordinates[p], seen->creases);
+    plane->polygons = TracePolygons(grid, FindSupport(grid, lines), lines);
+    grid.coverage = {};
+  }
+  for (const PlanePolygon& polygon : plane->polygons) {
+    plane->area += Area(polygon);
+  }
 }
 
 }  // namespace
@@ -171,62 +223,22 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
   const SceneModel model =
       ReadSceneModel(model_path, SceneModelParts::kWithoutLabels);
   RequirePlanesOfMaps(workspace, images, model_path);
-  const int num_planes = static_cast<int>(model.planes.size());
-  std::vector<PlaneCoordinates> coordinates;
-  for (const ModelPlane& plane : model.planes) {
-    coordinates.push_back(CoordinatesOf(plane));
-  }
-  const auto visit_views = [&](const char* pass, const auto& function) {
-    VisitPlaneViews(
-        workspace, images, num_planes, pass, progress, is_stopped, function);
-  };
-
-  std::vector<PlaneStatistics> statistics(model.planes.size());
-  CreaseFinder crease_finder(coordinates);
-  visit_views("Planes, pass 1 of 2:", [&](const PlaneView& view) {
-    AddStatistics(view, coordinates, &statistics);
-    crease_finder.Add(view);
-  });
-  std::vector<SupportGrid> grids = MakeSupportGrids(statistics);
-  visit_views("Planes, pass 2 of 2:", [&](const PlaneView& view) {
-    AddCoverage(view, coordinates, &grids);
-  });
-
-  const std::vector<Crease> creases = crease_finder.Creases();
+  PlaneObservations seen =
+      ObservePlanes(workspace, images, model, progress, is_stopped);
   ExportedPlanes result;
   result.type = ToString(workspace.Type());
   result.num_images = static_cast<int>(images.size());
   result.vertical = VerticalOf(workspace, images, model);
   result.frames = model.frames;
-  for (int p = 0; p < num_planes; ++p) {
-    const auto index = static_cast<size_t>(p);
-    ExportedPlane plane = Describe(model.planes[index],
-                                   statistics[index],
-                                   coordinates[index],
-                                   workspace.Model());
-    plane.id = p;
-    plane.cell = grids[index].cell;
-    plane.plane_class =
-        ClassifyPlane(coordinates[index].normal,
-                      coordinates[index].origin,
-                      CentersOf(statistics[index], workspace.Model()),
-                      result.vertical);
-    for (const Crease& crease : creases) {
-      if (crease.first == p || crease.second == p) {
-        plane.meets.push_back(crease.first == p ? crease.second : crease.first);
-      }
-    }
-    if (plane.num_pixels > 0) {
-      const std::vector<CreaseLine> lines =
-          CreasesOf(p, coordinates[index], creases);
-      plane.polygons =
-          TracePolygons(grids[index], FindSupport(grids[index], lines), lines);
-      grids[index].coverage = {};
-    }
-    for (const PlanePolygon& polygon : plane.polygons) {
-      plane.area += Area(polygon);
-    }
-    if (!statistics[index].IsSeenFromNormalSide()) {
+  for (size_t p = 0; p < model.planes.size(); ++p) {
+    ExportedPlane plane = Describe(model.planes[p],
+                                   seen.statistics[p],
+                                   seen.coordinates[p],
+                                   workspace.Model(),
+                                   result.vertical);
+    plane.id = static_cast<int>(p);
+    SetShape(plane.id, &seen, &plane);
+    if (!seen.statistics[p].IsSeenFromNormalSide()) {
       Turn(&plane);
     }
     if (plane.area >= options.min_area) {

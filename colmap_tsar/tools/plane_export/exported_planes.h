@@ -49,9 +49,8 @@ Vertical FindVertical(const std::vector<Eigen::Vector3d>& camera_ups,
 
 // Classifies a plane. Floor and ceiling: the normal within 15 degrees of the
 // vertical, and most of the cameras that see it above or below. Wall: the
-// normal within 15 degrees of horizontal. All others, and all without a
-// vertical, are `other`. point: on the plane; cameras: the centers of those
-// that see it.
+// normal within 15 degrees of horizontal. Others, and all without a vertical:
+// `other`. point: on the plane; cameras: centers of those that see it.
 PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
                          const Eigen::Vector3d& point,
                          const std::vector<Eigen::Vector3d>& cameras,
@@ -94,8 +93,7 @@ struct ExportedPlanes {
   Vertical vertical;
   std::vector<Eigen::Matrix3d> frames;  // See SceneModel.
   std::vector<ExportedPlane> planes;    // By id.
-  // Coordinates of the sparse model times this are those here: a rotation and a
-  // scale.
+  // A rotation and scale: from the sparse model's coordinates to those here.
   Eigen::Matrix3d from_model = Eigen::Matrix3d::Identity();
   bool in_meters = false;  // False: in units of the sparse model.
 };
@@ -113,8 +111,7 @@ inline constexpr EnumNames<UpAxis, 3> kUpAxisNames = {
 // Error kUnsupported where there is no vertical.
 void TurnUp(UpAxis axis, ExportedPlanes* planes);
 
-// Makes all lengths meters. meters_per_unit: > 0, of a unit of the sparse
-// model.
+// Makes all lengths meters; a unit of the sparse model has meters_per_unit > 0.
 void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes);
 
 }  // namespace tsar

@@ -43,8 +43,7 @@ enum class PlanFormat {
 // The format by the extension of a path. Throws Error kBadOption.
 PlanFormat ParsePlanFormat(const std::string& path);
 
-// Writes the plan atomically; errors as AtomicFile. The same plan gives the
-// same bytes.
+// Writes atomically, the same plan as the same bytes; errors as AtomicFile.
 void WriteFloorPlan(const ContainedPath& path,
                     PlanFormat format,
                     const FloorPlan& plan);

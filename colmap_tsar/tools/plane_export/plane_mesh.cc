@@ -141,8 +141,7 @@ void CutEars(const Ring& points,
   size_t i = 0;
   size_t num_tried = 0;
   while (loop.size() >= 3) {
-    // Rounding may leave no ear: then the next convex corner is cut, or any
-    // corner.
+    // Rounding may leave no ear: the next convex corner is cut, or any.
     const bool is_stuck = num_tried > loop.size();
     const bool is_lost = num_tried > 2 * loop.size();
     i %= loop.size();
@@ -188,8 +187,7 @@ Triangulation Triangulate(const PlanePolygon& polygon) {
     }
     return x;
   };
-  // Holes are inserted from right to left, so that no hole lies between a hole
-  // and the loop.
+  // Right holes go first, so that no hole lies between another and the loop.
   std::ranges::stable_sort(holes, [&](const Loop& a, const Loop& b) {
     return right_end(a) > right_end(b);
   });

@@ -103,8 +103,7 @@ bool PlaneProjection::Intersect(double x, double y, Hit* hit) const {
     return false;
   }
   hit->point = Point(hit->depth * ray);
-  // The footprint follows from the derivatives of depth * ray by x and y on the
-  // plane.
+  // The footprint: derivatives of depth * ray by x and y on the plane.
   const double slope = normal_.dot(ray);
   const double extent_x =
       (Eigen::Vector3d::UnitX() - ray * (normal_.x() / slope)).norm();
@@ -127,8 +126,7 @@ bool PlaneProjection::Intersect(double x,
 
 double SignedArea(const Ring& ring) {
   double twice = 0.0;
-  // Coordinates are relative to a point of the ring, which may be small and far
-  // from the origin.
+  // Points are relative to the first, since they may be far from the origin.
   for (size_t i = 2; i < ring.size(); ++i) {
     twice += Cross(ring[i - 1] - ring[0], ring[i] - ring[0]);
   }

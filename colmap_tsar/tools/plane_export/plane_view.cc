@@ -12,7 +12,6 @@
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <utility>
 

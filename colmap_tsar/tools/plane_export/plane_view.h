@@ -42,15 +42,13 @@ std::vector<int> FindPlaneViews(const Workspace& workspace);
 // those of the readers of the maps.
 PlaneView ReadPlaneView(const Workspace& workspace, int image, int num_planes);
 
-// Calls function(p, x, y, projection, hit) for each pixel whose depth agrees
-// with its plane.
+// Calls function(p, x, y, projection, hit) where depth and plane p agree.
 template <typename Function>
 void ForEachPlanePixel(const PlaneView& view,
                        const std::vector<PlaneCoordinates>& planes,
                        Function function) {
-  // The largest relative gap. In an edited map, or for a kept measurement, a
-  // depth may be off its plane; for rays along the plane a large gap is
-  // meaningless.
+  // The largest relative gap: a depth of an edited map or a kept measurement
+  // may be off its plane, and rays along the plane exaggerate that.
   constexpr double kMaxGap = 0.1;
   std::vector<PlaneProjection> projections;
   projections.reserve(planes.size());
@@ -86,8 +84,7 @@ struct PlaneStatistics {
   // Numbers of pixels by the size of their footprints, in eighths of an octave.
   std::map<int, int64_t> footprints;
 
-  // The median side length of a pixel's footprint; 0 if no pixel sees the
-  // plane.
+  // The median side length of a pixel's footprint; 0 without pixels.
   double MedianFootprint() const;
   // Whether more pixels see the plane from its normal's side than from behind.
   bool IsSeenFromNormalSide() const;

@@ -10,7 +10,6 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
 #include <Eigen/Core>
 #include <nlohmann/json.hpp>
@@ -48,8 +47,7 @@ void AppendChunk(uint32_t type,
   *bytes += content;
 }
 
-// glTF has colors of vertices in linear light, of 16 bits here, which tell all
-// levels of sRGB apart.
+// glTF wants linear light; 16 bits tell all levels of sRGB apart.
 std::array<uint16_t, 4> LinearColor(const Rgb& color) {
   const auto linear = [](uint8_t level) {
     const double value = level / 255.0;
@@ -174,8 +172,7 @@ class GlbWriter {
     return json_["accessors"].size() - 1;
   }
 
-  // Lists of nodes, meshes, accessors and buffer views, one of these for each
-  // accessor.
+  // Lists of glTF; each accessor has a buffer view.
   Json json_ = {{"nodes", Json::array()},
                 {"meshes", Json::array()},
                 {"accessors", Json::array()},

@@ -18,8 +18,7 @@ constexpr double kMaxCells = 1 << 20;
 constexpr double kMaxCellsOfAll = 1 << 26;
 constexpr double kPixelsPerCell = 2.0;  // Per side.
 
-// The largest number of samples per side of a pixel, for pixels larger than
-// half a cell.
+// Most samples per side of a pixel, for those larger than half a cell.
 constexpr int kMaxSamples = 16;
 
 Eigen::Vector2d NumCells(const Eigen::AlignedBox2d& box, double cell) {

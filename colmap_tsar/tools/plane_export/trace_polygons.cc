@@ -111,8 +111,7 @@ Eigen::Vector2d PutOntoCreases(const Eigen::Vector2d& point,
   return near[0]->point + near[0]->Along(point) * near[0]->direction;
 }
 
-// Removes corners that lie on the line between their neighbors, or on one of
-// them.
+// Removes corners between their neighbors on a line, or on one of them.
 void RemoveStraightCorners(double max_distance, Ring* ring) {
   bool has_changed = true;
   while (has_changed && ring->size() >= 3) {
@@ -176,8 +175,7 @@ PlanePolygon ToPolygon(const Contours& contours,
   return polygon;
 }
 
-// The simplest polygon without self-intersections; the unsimplified contour has
-// none.
+// The simplest polygon without crossings; the full contour has none.
 PlanePolygon SimplestPolygon(const Contours& contours,
                              const SupportGrid& grid,
                              const std::vector<CreaseLine>& creases) {

@@ -33,12 +33,10 @@ std::string ExtensionOf(const std::string& path);
 // Throws Error kBadOption, which lists the formats.
 PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path);
 
-// Whether the file of a format holds a plane: those without triangles are in
-// JSON alone.
+// Whether a file holds a plane: JSON alone has those without triangles.
 bool IsWritten(const ExportedPlane& plane, PlaneFormat format);
 
-// Writes the planes atomically; errors as AtomicFile. The same planes give the
-// same bytes.
+// Writes atomically, the same planes as the same bytes; errors as AtomicFile.
 void WritePlanes(const ContainedPath& path,
                  PlaneFormat format,
                  const ExportedPlanes& planes);

@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <numeric>
 
 #include <opencv2/imgproc.hpp>
 
@@ -25,15 +26,14 @@ constexpr float kMinRelativeRange = 0.01f;
 constexpr int kNumDarkColors = 24;
 constexpr int kNumColors = 256 - kNumDarkColors;
 
-std::vector<Rgb> ColorScale() {
-  cv::Mat codes(1, kNumColors, CV_8UC1);
-  for (int i = 0; i < kNumColors; ++i) {
-    codes.at<uint8_t>(0, i) = static_cast<uint8_t>(255 - i);
-  }
+// All 256 colors of one of OpenCV's scales.
+std::vector<Rgb> ColorScale(cv::ColormapTypes type) {
+  cv::Mat codes(1, 256, CV_8UC1);
+  std::iota(codes.begin<uint8_t>(), codes.end<uint8_t>(), uint8_t{0});
   cv::Mat colors;
-  cv::applyColorMap(codes, colors, cv::COLORMAP_TURBO);
+  cv::applyColorMap(codes, colors, type);
   std::vector<Rgb> scale;
-  for (int i = 0; i < kNumColors; ++i) {
+  for (int i = 0; i < 256; ++i) {
     const cv::Vec3b& bgr = colors.at<cv::Vec3b>(0, i);
     scale.push_back({bgr[2], bgr[1], bgr[0]});
   }
@@ -73,7 +73,7 @@ DepthRange RobustDepthRange(const Image<float>& before,
 }
 
 Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range) {
-  const std::vector<Rgb> scale = ColorScale();
+  const std::vector<Rgb> scale = ColorScale(cv::COLORMAP_TURBO);
   Image<Rgb> colors(depth.Width(), depth.Height());
   std::ranges::transform(depth, colors.begin(), [&](float value) {
     if (!(value > 0.f)) {
@@ -81,8 +81,8 @@ Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range) {
     }
     const float position =
         (value - range.nearest) / (range.farthest - range.nearest);
-    return scale[std::lround(std::clamp(position, 0.f, 1.f) *
-                             (kNumColors - 1))];
+    return scale[255 - std::lround(std::clamp(position, 0.f, 1.f) *
+                                   (kNumColors - 1))];
   });
   return colors;
 }
@@ -120,12 +120,8 @@ Image<Rgb> ColorizeNormals(const Image<Vec3f>& normals) {
 Image<Rgb> ColorizeValues(const Image<float>& values,
                           float max,
                           const Image<float>* mask) {
-  cv::Mat codes(1, 256, CV_8UC1);
-  for (int i = 0; i < 256; ++i) {
-    codes.at<uint8_t>(0, i) = static_cast<uint8_t>(i);
-  }
-  cv::Mat scale;
-  cv::applyColorMap(codes, scale, cv::COLORMAP_VIRIDIS);
+  const std::vector<Rgb> scale = ColorScale(cv::COLORMAP_VIRIDIS);
+
   Image<Rgb> colors(values.Width(), values.Height());
   for (size_t i = 0; i < values.NumPixels(); ++i) {
     if (mask != nullptr && mask->Data()[i] == 0.f) {
@@ -133,16 +129,13 @@ Image<Rgb> ColorizeValues(const Image<float>& values,
     }
     // NaN counts as 0.
     const float share = std::max(0.f, std::min(values.Data()[i] / max, 1.f));
-    const auto& bgr =
-        scale.at<cv::Vec3b>(0, static_cast<int>(std::lround(255.f * share)));
-    colors.Data()[i] = {bgr[2], bgr[1], bgr[0]};
+    colors.Data()[i] = scale[std::lround(255.f * share)];
   }
   return colors;
 }
 
 const std::vector<ProvenanceKind>& ProvenanceKinds() {
-  // Colors for color-blind readers (after Okabe and Ito); measured depths are
-  // gray.
+  // Colors for the color-blind (after Okabe and Ito); measured depths are gray.
   constexpr std::array<Rgb, kProvenanceNames.size()> kColors = {{
       {0, 0, 0},
       {190, 190, 190},

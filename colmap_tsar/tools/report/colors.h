@@ -12,8 +12,7 @@
 
 namespace tsar {
 
-// The depths at the two ends of the color scale, in the units of the maps; 0 <
-// nearest < farthest.
+// The depths at the ends of the color scale; 0 < nearest < farthest.
 struct DepthRange {
   float nearest = 0.f;
   float farthest = 0.f;
@@ -25,15 +24,13 @@ struct DepthRange {
 DepthRange RobustDepthRange(const Image<float>& before,
                             const Image<float>& after);
 
-// Colors depths: near is red, far is blue, 0 is black. Depths outside of the
-// range are clamped.
+// Colors depths, clamped to the range: near is red, far is blue, 0 is black.
 Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range);
 
 // Draws each label in its fixed color; negative labels are black.
 Image<Rgb> ColorizeLabels(const Image<int>& labels);
 
-// Draws bright lines along the borders between labels. Both inputs have the
-// same size.
+// Draws bright lines along the borders of labels; both have the same size.
 Image<Rgb> DrawLabelBorders(const Image<int>& labels, Image<Rgb> image);
 
 // Colors unit normals in the camera's frame: red, green and blue increase to

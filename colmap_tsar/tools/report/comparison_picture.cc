@@ -4,7 +4,6 @@
 #include "colmap_tsar/tools/report/comparison_picture.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/io/gray_png.h"
 #include "colmap_tsar/io/map_io.h"
@@ -14,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <iomanip>
 #include <utility>
 
@@ -41,8 +39,7 @@ class Canvas {
             int height,
             Scaling scaling);
   void FillBox(int x, int y, int width, int height, const Rgb& color);
-  // y: the center of the line of text. Only ASCII can be drawn; other
-  // characters become '?'.
+  // y: the center of the line. Characters other than ASCII become '?'.
   void Write(const std::string& text, int x, int y);
 
   Image<Rgb> Picture() const;

@@ -21,8 +21,7 @@
 namespace tsar {
 namespace {
 
-// The number of agreeing sources at which agreement saturates, see
-// ReliabilityOptions.
+// Number of agreeing sources at which agreement saturates (ReliabilityOptions).
 constexpr float kMaxAgreement = 4.f;
 
 float MaxValue(RefineStage stage) {
@@ -50,8 +49,7 @@ std::string FileName(RefineStage stage) {
   return number + RefineStages()[index].name + ".png";
 }
 
-// Whether a file has the name of a picture or of its temporary left by a killed
-// program.
+// Whether this is the name of a picture or of its AtomicFile temporary.
 bool IsPictureName(std::string name) {
   const std::string_view suffix = AtomicFile::kTemporarySuffix;
   if (name.ends_with(suffix)) {
@@ -63,8 +61,7 @@ bool IsPictureName(std::string name) {
   });
 }
 
-// Throws if the folder has other content, which must not be mixed with pictures
-// or replaced.
+// Throws for other content, which must not be replaced or mixed in.
 void RequirePicturesAlone(const std::filesystem::path& folder) {
   for (const TreeEntry& entry : ListTree({folder, {}})) {
     if (!entry.is_folder && !IsPictureName(entry.path.Filename().string())) {

@@ -17,9 +17,8 @@ namespace tsar {
 // name, such as "left/0001.jpg/07_score.png".
 class DebugPictures : public RefineObserver {
  public:
-  // Creates the folder, which may hold pictures of earlier runs; those of the
-  // same names are replaced. Throws Error: kUnsupported (it has other content),
-  // kIo.
+  // Creates the folder; pictures of earlier runs with the same names are
+  // replaced. Throws Error: kUnsupported (it has other content), kIo.
   explicit DebugPictures(const std::filesystem::path& folder);
 
   // Drawing throws Error kIo.

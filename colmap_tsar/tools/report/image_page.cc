@@ -4,14 +4,12 @@
 #include "colmap_tsar/tools/report/image_page.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/priors/fit_prior.h"
 #include "colmap_tsar/run/store/record.h"
-#include "colmap_tsar/tools/report/colors.h"
 #include "colmap_tsar/tools/report/comparison_picture.h"
 #include "colmap_tsar/tools/report/debug_pictures.h"
 #include "colmap_tsar/tools/report/page_text.h"
@@ -22,7 +20,6 @@
 #include <array>
 #include <iterator>
 #include <optional>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -54,8 +51,7 @@ Image<float> ReadConfidence(const Workspace& workspace,
   return confidence;
 }
 
-// The upper end of the color scale of relative sigma; correct depths do not
-// exceed it.
+// The end of the scale of relative sigma; correct depths are below it.
 constexpr float kMaxSigma = 0.01f;
 Image<float> ReadRelativeSigma(const fs::path& path,
                                const Image<float>& depth) {
@@ -78,8 +74,7 @@ Image<Rgb> DrawPlanes(const fs::path& path, const Image<float>& depth) {
 }
 
 // The depth prior in the units of the maps: one function of its values, fitted
-// to the depths before. Empty where it has no values or nothing to be fitted
-// to.
+// to the depths before. Empty without values or depths.
 Image<float> FitToDepths(const DepthPrior& prior, const Image<float>& depth) {
   const int step = 1 + std::max(depth.Width(), depth.Height()) / 256;
   const Image<float>& values = prior.values;

@@ -51,8 +51,7 @@ struct ImagePageOptions {
   int64_t max_num_points = 0;
 };
 
-// The existing pictures of an image from --TsarRefine.debug_path that the page
-// shows.
+// The pictures of an image in debug_path that the page shows.
 std::vector<RefineStage> FindStagePictures(
     const std::filesystem::path& debug_path, const std::string& image_name);
 

@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
 #include "colmap_tsar/tools/evaluation/depth_evaluation.h"
 #include "colmap_tsar/tools/plane_export/exported_planes.h"
@@ -11,7 +10,6 @@
 #include "colmap_tsar/tools/report/point_sample.h"
 
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -60,21 +58,6 @@ struct Gains {
   std::optional<Gain<DepthEvaluation>> depth;
   std::optional<Gain<CloudEvaluation>> clouds;
 };
-
-// Scores the original and the current maps of the workspace's type.
-// ground_truth_path: see DepthEvaluationOptions; not empty. Throws the errors
-// of EvaluateDepthMaps and FindOriginals.
-Gain<DepthEvaluation> EvaluateDepthGain(
-    const Workspace& workspace,
-    const std::filesystem::path& ground_truth_path,
-    const std::vector<double>& tolerances);
-
-// Scores two clouds. Throws the errors of EvaluateCloudFile.
-Gain<CloudEvaluation> EvaluateCloudGain(
-    const std::filesystem::path& before_path,
-    const std::filesystem::path& after_path,
-    const std::filesystem::path& scans_path,
-    const std::vector<double>& tolerances);
 
 // An image that kept its maps.
 struct KeptImage {

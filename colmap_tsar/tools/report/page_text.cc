@@ -17,16 +17,14 @@ bool IsPlain(char c) {
          (c >= 'a' && c <= 'z') || c == '-' || c == '.';
 }
 
-void ReplaceAll(const std::string& from,
-                const std::string& to,
-                std::string* text) {
+}  // namespace
+
+void ReplaceAll(std::string_view from, std::string_view to, std::string* text) {
   for (size_t at = text->find(from); at != std::string::npos;
        at = text->find(from, at + to.size())) {
     text->replace(at, from.size(), to);
   }
 }
-
-}  // namespace
 
 std::string EscapeHtml(const std::string& text) {
   std::string escaped = text;

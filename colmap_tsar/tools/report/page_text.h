@@ -4,15 +4,17 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace tsar {
+
+void ReplaceAll(std::string_view from, std::string_view to, std::string* text);
 
 // The text escaped for HTML, between tags and inside quoted attributes.
 std::string EscapeHtml(const std::string& text);
 
-// JSON escaped for a script: without "<", which could end a <script>, and
-// without the two line separators that JSON allows and older JavaScript does
-// not.
+// JSON escaped for a script: without "<", which could end a <script>, and the
+// two line separators that older JavaScript forbids.
 std::string EscapeScript(const std::string& json);
 
 // A file name for image `index`: the index, which makes it unique, and the

@@ -8,7 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
+#include <iterator>
+#include <string>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -29,6 +30,17 @@ Image<Rgb> ToImage(const cv::Mat& pixels) {
   cv::Mat target(pixels.rows, pixels.cols, CV_8UC3, image.Data());
   pixels.copyTo(target);
   return image;
+}
+
+void Write(const ContainedPath& path,
+           const std::string& extension,
+           const Image<Rgb>& image,
+           const std::vector<int>& parameters) {
+  cv::Mat bgr;
+  cv::cvtColor(AsMat(image), bgr, cv::COLOR_RGB2BGR);
+  AtomicFile file(path);
+  PutPicture(bgr, extension, path, &file, parameters);
+  file.Commit();
 }
 
 }  // namespace
@@ -64,22 +76,11 @@ Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures) {
 }
 
 void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image) {
-  cv::Mat bgr;
-  cv::cvtColor(AsMat(image), bgr, cv::COLOR_RGB2BGR);
-  AtomicFile file(path);
-  PutPicture(
-      bgr, ".jpg", path, &file, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
-  file.Commit();
+  Write(path, ".jpg", image, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality});
 }
 
 void WritePng(const ContainedPath& path, const Image<Rgb>& image) {
-  const cv::Mat rgb(
-      image.Height(), image.Width(), CV_8UC3, const_cast<Rgb*>(image.Data()));
-  cv::Mat bgr;
-  cv::cvtColor(rgb, bgr, cv::COLOR_RGB2BGR);
-  AtomicFile file(path);
-  PutPicture(bgr, ".png", path, &file);
-  file.Commit();
+  Write(path, ".png", image, {});
 }
 
 }  // namespace tsar

@@ -23,8 +23,7 @@ Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures);
 // Writes a photo as JPEG. Replaces the file atomically. Throws Error kIo.
 void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image);
 
-// Writes PNG. Replaces the file atomically; its name should end in ".png".
-// Throws Error kIo.
+// Writes PNG atomically; the name should end in ".png". Throws Error kIo.
 void WritePng(const ContainedPath& path, const Image<Rgb>& image);
 
 }  // namespace tsar

@@ -3,13 +3,11 @@
 
 #include "colmap_tsar/tools/report/point_sample.h"
 
-#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/io/ply.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <limits>
@@ -53,9 +51,8 @@ constexpr size_t kMaxCameras = 100;
 constexpr double kOutliers = 0.03;
 // Volume elements along the diagonal of the scene.
 constexpr double kElements = 64.0;
-// Each side of an image is divided into as many cells. Points that are farther
-// away than the nearest in their cell, by this factor and two elements, are
-// hidden.
+// Each side of an image is divided into as many cells. Points farther than the
+// nearest in their cell, by this factor and two elements, are hidden.
 constexpr int kCells = 32;
 constexpr double kHidden = 1.1;
 

@@ -60,9 +60,8 @@ struct Viewpoint {
 // The pose of the camera that sees most of the scene: the largest part of the
 // volume elements that hold points, behind no other points. Neither a camera
 // that faces a wall at arm's length nor one with a wall before it is chosen,
-// however many points are there. The target lies on the camera's axis at the
-// median depth of what it sees. Nothing where no camera sees a point. origin:
-// of the points.
+// however many points are there. The target is on the camera's axis at the
+// median depth. Nothing where no camera sees a point. origin: of the points.
 std::optional<Viewpoint> ChooseViewpoint(const std::vector<Camera>& cameras,
                                          const PointSample& points,
                                          const Eigen::Vector3d& origin);

@@ -7,15 +7,15 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
-
+#include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/input_folders.h"
+#include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/output_folder.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
-#include "colmap_tsar/tools/report/comparison_picture.h"
 #include "colmap_tsar/tools/report/page_data.h"
 #include "colmap_tsar/tools/report/page_files.h"
 #include "colmap_tsar/tools/report/page_text.h"
@@ -24,7 +24,6 @@
 #include <algorithm>
 #include <array>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <utility>
 
@@ -75,8 +74,7 @@ void Check(const PageOptions& options) {
 // The clouds before (0) and after (1) of a page.
 using Clouds = std::array<fs::path, 2>;
 
-// The clouds of the options. Those that are not given are fused into a folder,
-// if the options say how.
+// The clouds of the options; those not given are fused, if they say how.
 Clouds MakeClouds(const Workspace& workspace,
                   const PageOptions& options,
                   const fs::path& folder,
@@ -114,10 +112,8 @@ void WritePoints(const fs::path& folder,
 void WriteStaticFiles(const std::string& title, const fs::path& folder) {
   for (const PageFile& file : PageFiles()) {
     std::string content(file.content);
-    for (size_t at = content.find(kTitle); at != std::string::npos;
-         at = content.find(kTitle, at + title.size())) {
-      content.replace(at, kTitle.size(), title);
-    }
+    ReplaceAll(kTitle, title, &content);
+
     WriteText({folder, file.name}, content);
   }
 }
@@ -201,29 +197,18 @@ void CheckStages(const Workspace& workspace,
 std::vector<ImagePage> WriteImages(const Workspace& workspace,
                                    const std::vector<int>& refined,
                                    const fs::path& folder,
-                                   const PageOptions& options,
-                                   const Eigen::Vector3d& origin,
-                                   bool has_planes,
-                                   bool needs_points,
+                                   const ImagePageOptions& options,
+                                   int num_threads,
                                    Progress& progress,
                                    const std::function<bool()>& should_stop) {
-  ImagePageOptions image_options;
-  image_options.max_picture_size = options.max_picture_size;
-  image_options.debug_path = options.debug_path;
-  image_options.origin = origin;
-  image_options.show_planes = has_planes;
-  if (needs_points) {
-    image_options.max_num_points = std::max<int64_t>(
-        1, options.max_num_points / static_cast<int64_t>(refined.size()));
-  }
   std::vector<ImagePage> pages(refined.size());
   progress.Start(static_cast<int>(refined.size()));
-  ForEachImage(workspace, refined, options.num_threads, [&](size_t i) {
+  ForEachImage(workspace, refined, num_threads, [&](size_t i) {
     if (should_stop()) {
       throw Error(ErrorCode::kInterrupted, "interrupted; no page was written");
     }
     pages[i] = WriteImagePage(
-        workspace, refined[i], static_cast<int>(i), folder, image_options);
+        workspace, refined[i], static_cast<int>(i), folder, options);
     progress.Advance(true);
   });
   progress.Finish();
@@ -240,17 +225,38 @@ std::vector<PointSample> TakePoints(std::vector<ImagePage>* pages) {
   return samples;
 }
 
+// Scores the original and the current maps of the workspace's type.
+Gain<DepthEvaluation> EvaluateDepthGain(const Workspace& workspace,
+                                        const PageOptions& options) {
+  const MapType type = workspace.Type();
+  DepthEvaluationOptions evaluation;
+  evaluation.input_type = ToString(type);
+  evaluation.ground_truth_path = options.ground_truth_path;
+  evaluation.tolerances = options.tolerances;
+  Gain<DepthEvaluation> gain;
+  gain.after = EvaluateDepthMaps(workspace.Root(), evaluation);
+  evaluation.find_map = [&](const std::string& name) {
+    const int image = workspace.Model().IndexOf(name);
+    return image < 0 ? GetMapPaths(workspace.Root(), name, type).depth
+                     : FindOriginals(workspace.SourcePaths(image, type)).depth;
+  };
+  gain.before = EvaluateDepthMaps(workspace.Root(), evaluation);
+  return gain;
+}
+
 Gains Evaluate(const Workspace& workspace,
                const PageOptions& options,
                const Clouds& clouds) {
   Gains gains;
   if (!options.ground_truth_path.empty()) {
-    gains.depth = EvaluateDepthGain(
-        workspace, options.ground_truth_path, options.tolerances);
+    gains.depth = EvaluateDepthGain(workspace, options);
   }
   if (!options.scans_path.empty()) {
-    gains.clouds = EvaluateCloudGain(
-        clouds[0], clouds[1], options.scans_path, options.tolerances);
+    CloudEvaluationOptions evaluation;
+    evaluation.tolerances = options.tolerances;
+    gains.clouds = {
+        EvaluateCloudFile(clouds[0], options.scans_path, evaluation),
+        EvaluateCloudFile(clouds[1], options.scans_path, evaluation)};
   }
   return gains;
 }
@@ -283,8 +289,7 @@ int WritePage(const Workspace& workspace,
   OutputFolder folder(kPageFolder, options.report_path, options.overwrite);
   const fs::path& root = folder.Temporary();
   const Eigen::Vector3d origin = MeanCenter(workspace, refined);
-  // The files of these options are read first, so that errors appear before the
-  // long work on the images.
+  // These files are read before the long work on images, for early errors.
   PageData data;
   const fs::path fused = root / "fused";
   const Clouds clouds =
@@ -316,13 +321,19 @@ int WritePage(const Workspace& workspace,
   data.version = TSAR_VERSION;
   data.workspace = WorkspaceName(workspace);
   data.type = ToString(workspace.Type());
+  ImagePageOptions of_images = {.max_picture_size = options.max_picture_size,
+                                .debug_path = options.debug_path,
+                                .show_planes = data.planes.has_value(),
+                                .origin = origin};
+  if (clouds[0].empty()) {
+    of_images.max_num_points = std::max<int64_t>(
+        1, options.max_num_points / static_cast<int64_t>(refined.size()));
+  }
   data.images = WriteImages(workspace,
                             refined,
                             root / "images",
-                            options,
-                            origin,
-                            data.planes.has_value(),
-                            clouds[0].empty(),
+                            of_images,
+                            options.num_threads,
                             progress,
                             should_stop);
   data.kept = ListKept(workspace, refined);

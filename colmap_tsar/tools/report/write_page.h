@@ -43,16 +43,15 @@ struct PageOptions {
   int num_threads = -1;             // -1: one for each core.
 };
 
-// Writes the page of a refined workspace: one folder with index.html, which a
-// browser opens from the disk. The folder appears only when complete. Returns
-// the number of images on the page.
+// Writes the page of a refined workspace: a folder with index.html, which a
+// browser opens from the disk. It appears only when complete. Returns the
+// number of images.
 //
 // Throws Error: kNotFound (nothing was refined; no image has pictures in
 // debug_path), kBadOption (a cloud before without one after; scans without
-// clouds; nothing for fuse to do),
-// kInterrupted once should_stop returned true, and those of
-// RequireOutsideInputs, WorkspaceLock (shared: a program is changing the
-// workspace), OutputFolder, WriteImagePage, SampleCloud, ExportPlanes, fuse
+// clouds; nothing to fuse), kInterrupted once should_stop returned true, and
+// those of RequireOutsideInputs, WorkspaceLock (shared: a program is changing
+// the workspace), OutputFolder, WriteImagePage, SampleCloud, ExportPlanes, fuse
 // and the evaluations.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,

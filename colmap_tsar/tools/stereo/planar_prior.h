@@ -6,12 +6,17 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
+#include "colmap_tsar/compose/depth_interval.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/priors/align_prior.h"
+#include "colmap_tsar/tools/stereo/stereo_image.h"
+#include "colmap_tsar/tools/stereo/stereo_options.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace tsar {
 
@@ -43,5 +48,28 @@ PriorAssessment UseDepthPrior(const ViewData& reference,
                               const DeviceImage<float>& reliable_depth,
                               Device& device,
                               Image<Plane>* planes);
+
+// Filling of textureless surfaces without measurements under the planar prior.
+// Measured depths stay bit-identical, and filled ones have no evidence
+// (kCostWithoutEvidence in the final maps), so that a refinement, which knows
+// more of the scene's planes, does not treat them as measured.
+
+// Fills pixels without a depth by that of their prior plane, if it lies in the
+// range, and marks them by kUndefinedCost, which no measured pixel has: one
+// without a defined cost has kCostWithoutEvidence. prior: of the maps' size.
+void FillWithPrior(const Image<Plane>& prior,
+                   const Intrinsics& intrinsics,
+                   const DepthInterval& range,
+                   StereoMaps* maps);
+
+// Matches the pixels that FillWithPrior filled, with their depth and normal as
+// prior, and keeps the depths that the sources' depths, including filled ones,
+// confirm. Filled pixels have the min_cost kUndefinedCost.
+StereoMaps MatchUnderPrior(const ViewData& reference,
+                           const std::vector<const ViewData*>& sources,
+                           const DepthInterval& range,
+                           uint32_t stream,
+                           const StereoOptions& options,
+                           Device& device);
 
 }  // namespace tsar

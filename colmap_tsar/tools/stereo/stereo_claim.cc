@@ -12,11 +12,9 @@
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
 
-#include <algorithm>
 #include <iterator>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace tsar {
 namespace {
@@ -76,8 +74,7 @@ bool HasSize(const fs::path& path, int width, int height) {
   }
 }
 
-// Whether the existing maps have the sizes of this run's; they may have been
-// replaced.
+// Whether existing maps, perhaps replaced ones, have the sizes of the run's.
 bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
   for (const StereoProblem& problem : workspace.Problems()) {
     const auto [width, height] =
@@ -145,8 +142,7 @@ void ClaimMaps(const Workspace& workspace,
     RemoveFile(path);
   }
   if (goes_on) {
-    // Inputs of images that are no longer matched describe their maps, which
-    // still exist.
+    // Maps of images that are no longer matched still exist, with their inputs.
     const size_t num_known = known->size();
     known->insert(inputs.begin(), inputs.end());
     if (known->size() > num_known) {

@@ -10,8 +10,7 @@
 
 namespace tsar {
 
-// The folder stereo/tsar_stereo, the state of MatchWorkspace between passes and
-// runs.
+// stereo/tsar_stereo, the state of MatchWorkspace between passes and runs.
 ContainedPath GetStereoFolder(const Workspace& workspace);
 
 // Makes sure that all existing maps of the images to match are those of a run

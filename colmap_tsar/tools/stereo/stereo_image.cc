@@ -7,7 +7,6 @@
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
-#include "colmap_tsar/tools/stereo/fill_under_prior.h"
 #include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_views.h"
 #include "colmap_tsar/view/device_views.h"
@@ -56,8 +55,7 @@ StereoMaps ToHostWithCosts(ReferenceView reference,
   return host;
 }
 
-// The number of levels at which the smaller side of the image still holds a
-// window.
+// The number of levels whose smaller side still holds a window.
 int NumLevels(const StereoOptions& options, const Image<Rgb>& color) {
   int num_levels = 1;
   const int side = std::min(color.Width(), color.Height());
@@ -194,9 +192,8 @@ MemoryPlan PlanStereo(const StereoOptions& options,
   plan.work = MatchingBytes(options, num_pixels, plan.num_sources) +
               (overview.has_masks ? BytesOf<uint8_t>(num_pixels) : 0);
   plan.view = ViewBytes(overview);
-  // Costs are copied from and to one array for their file; before that, prior
-  // planes exist besides the maps, or depth and normal besides those they are
-  // merged with.
+  // Costs are copied from and to one array for their file; before, there are
+  // prior planes or the merged depth and normal besides the maps.
   const int64_t costs = 2 * BytesOf<float>(num_pixels);
   plan.load = std::max(LoadBytes(overview), costs);
   const int64_t aligning =

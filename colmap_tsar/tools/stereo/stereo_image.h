@@ -27,9 +27,8 @@ struct StereoMaps {
   PriorAssessment prior{};  // Of the pass that fills.
 };
 
-// Matches an image with its sources, coarse to fine. Only color and camera of
-// the views are used. Every pixel gets a depth. stream: key of the random
-// numbers.
+// Matches an image with its sources, coarse to fine. Of the views, it uses
+// color and camera. Every pixel gets a depth. stream: key of random numbers.
 StereoMaps MatchImage(const ViewData& reference,
                       const std::vector<const ViewData*>& sources,
                       const DepthInterval& range,

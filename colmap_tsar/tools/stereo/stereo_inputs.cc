@@ -16,13 +16,11 @@
 #include <cmath>
 #include <cstddef>
 #include <string_view>
-#include <utility>
 
 namespace tsar {
 namespace {
 
-// The inputs in the order of the words of a line, whose last word is the
-// image's name.
+// The inputs by the words of a line, which ends in the image's name.
 constexpr std::array<const char*, 4> kWords = {
     "camera", "photo", "sources", "depths"};
 // The inputs that stand behind the word of another one, after a plus sign, and

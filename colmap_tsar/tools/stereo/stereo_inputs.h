@@ -21,14 +21,12 @@ namespace tsar {
 std::vector<int> StereoSources(const StereoProblem& problem,
                                const StereoOptions& options);
 
-// The depth range of an image. Throws kNotFound if neither options nor sparse
-// points determine it.
+// The depth range by options or sparse points; throws kNotFound without them.
 DepthInterval StereoDepths(const Workspace& workspace,
                            int image,
                            const StereoOptions& options);
 
-// Width and height of the maps that are made for an image. max_image_size: as
-// in StereoOptions.
+// Width and height of an image's maps. max_image_size: see StereoOptions.
 std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size);
 
 // The inputs by the names of reference and source images: "camera", "photo",
@@ -40,9 +38,8 @@ using StereoInputs = std::map<std::string, InputState>;
 StereoInputs FindStereoInputs(const Workspace& workspace,
                               const StereoOptions& options);
 
-// Reads the inputs from a text file. Returns nullopt if there is no such file,
-// it is incomplete, or its hashes are not comparable with those of this
-// version.
+// Reads the inputs from a text file. Returns nullopt if there is none, it is
+// incomplete, or has hashes of another kind.
 std::optional<StereoInputs> ReadStereoInputs(const std::filesystem::path& path);
 void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs);
 

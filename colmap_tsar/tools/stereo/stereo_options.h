@@ -16,8 +16,7 @@ struct StereoOptions {
   int num_sources = 20;  // At most; the first in patch-match.cfg.
   int window_radius = 5;
   int num_iterations = 4;
-  // The number of sizes at which an image is matched, each half the previous
-  // one.
+  // The sizes at which images are matched, each half the previous one.
   int num_levels = 2;
   bool geom_consistency = true;
   int num_geometric_passes = 2;  // Passes over all images.

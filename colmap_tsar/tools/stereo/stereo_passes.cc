@@ -9,12 +9,11 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/run/load_view.h"
-#include "colmap_tsar/tools/stereo/fill_under_prior.h"
+#include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_claim.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
 
 #include <algorithm>
-#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>

@@ -28,8 +28,7 @@ struct StereoMapFiles {
 // Writes each file atomically, the depth map last; creates the folders.
 void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps);
 
-// Reads the view's maps and, if with_cost, its costs, which files must then
-// name.
+// Reads the view's maps and, with_costs, its costs, which files then name.
 void ReadStereoMaps(const StereoMapFiles& files,
                     bool with_costs,
                     ViewData* view);
@@ -82,8 +81,7 @@ class StereoTask : public ImageTasks<StereoMaps> {
                      size_t worker,
                      ViewCache::Lease* views,
                      ImageReport* report) override;
-  // Results are still written after an interruption: on a CPU an image takes
-  // minutes.
+  // An interruption loses no result: on a CPU an image takes minutes.
   bool WritesAfterStop() const override { return true; }
   // Clears the maps where the image is masked and writes them.
   void Write(size_t index, StereoMaps maps, ImageReport* report) override;

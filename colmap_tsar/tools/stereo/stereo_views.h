@@ -70,8 +70,7 @@ PlaneMaps UpdateMaps(const ViewData& view,
 HypothesisFilterOptions FilterOptions(const StereoOptions& options,
                                       int num_sources);
 
-// Filters the depths of the inputs' reference and, with smooth_normals, smooths
-// its normals.
+// Filters the depths of the reference and, with smooth_normals, its normals.
 void FilterMaps(const PatchMatchInputs& inputs,
                 const HypothesisFilterOptions& filter,
                 bool smooth_normals,

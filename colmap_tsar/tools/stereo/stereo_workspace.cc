@@ -21,9 +21,7 @@
 #include "colmap_tsar/tools/stereo/stereo_passes.h"
 
 #include <algorithm>
-#include <optional>
 #include <set>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -87,8 +85,7 @@ Workspace OpenForStereo(const fs::path& path, const StereoImageFiles& files) {
         "make the maps of that one");
   }
   RequireFoldersInside(path);
-  // image_undistorter creates these folders, but they may have been deleted
-  // with their maps.
+  // image_undistorter makes them, but they may have been deleted with maps.
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     if (fs::is_directory(path / "stereo")) {
       CreateFolders({path, fs::path("stereo") / folder});

@@ -1,9 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/stereo/fill_under_prior.h"
-
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/tools/stereo/planar_prior.h"
 
 #include <cstring>
 #include <limits>

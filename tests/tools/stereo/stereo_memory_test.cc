@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/tools/stereo/fill_under_prior.h"
+#include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 
 #include <algorithm>
