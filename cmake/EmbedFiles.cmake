@@ -1,4 +1,4 @@
-# Writes the C++ source OUTPUT, which defines PageFiles() of tools/report/page_files.h
+# Writes the C++ source OUTPUT, which defines PageFiles() of tools/report/page_text.h
 # with the content of FILES (separated by commas):
 #
 #   cmake -DOUTPUT=page_files.cc -DFILES=a.html,b.js -P EmbedFiles.cmake
@@ -19,7 +19,7 @@ foreach(file IN LISTS files)
   math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE "${OUTPUT}" "// Made by cmake/EmbedFiles.cmake.
-#include \"colmap_tsar/tools/report/page_files.h\"
+#include \"colmap_tsar/tools/report/page_text.h\"
 
 namespace tsar {
 namespace {

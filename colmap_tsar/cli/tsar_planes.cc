@@ -12,7 +12,6 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
-#include "colmap_tsar/tools/plane_export/exported_planes.h"
 #include "colmap_tsar/tools/plane_export/floor_plan.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"

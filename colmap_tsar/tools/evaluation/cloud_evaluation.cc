@@ -66,8 +66,7 @@ void AddVoxel(const PointInVoxel* begin,
 
 constexpr double kCellsPerUnit = 256;
 
-// Beyond this sine of the angle between point and beam, testing all points is
-// cheaper than testing all cells.
+// Beyond this sine of the angle of a beam, all points are tested sooner.
 constexpr double kMaxSineForCells = 0.05;
 
 int CellCoordinate(double value) {

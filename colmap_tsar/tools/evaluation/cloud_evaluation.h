@@ -45,8 +45,7 @@ class LaserScan {
 
   // The verdict of the beams through this point: good from the smallest of the
   // ascending tolerances not below its distance to the end of one of these
-  // beams; bad below that if one of them reaches beyond it; otherwise not
-  // counted.
+  // beams; bad below that if one reaches beyond it; else not counted.
   PointVerdict Judge(const Eigen::Vector3d& point,
                      const std::vector<double>& tolerances) const;
 

@@ -114,8 +114,40 @@ void AddPixels(const Image<float>& estimate,
   }
 }
 
-// Finds the masks of the named images. It is no error if only other images of
-// the workspace have masks.
+// Adds one image to the scores. mask_path: empty without a mask.
+void ScoreImage(const fs::path& photo_path,
+                const fs::path& map_path,
+                const fs::path& truth_path,
+                const fs::path& mask_path,
+                DepthEvaluation* evaluation) {
+  ++evaluation->num_images;
+  const Image<float> estimate = ReadDepthMap(map_path);
+  const Image<float> truth = ReadDepthMap(truth_path);
+  const RasterSize size{estimate.Width(), estimate.Height()};
+  RequireShape(map_path,
+               size,
+               {truth.Width(), truth.Height()},
+               "its ground truth",
+               "give ground truth of this image");
+  Image<uint8_t> photo = ReadGrayPhoto(photo_path);
+  const RasterSize photo_size{photo.Width(), photo.Height()};
+  const Image<uint8_t> textureless = FindTextureless(
+      photo_path, std::move(photo), truth.Width(), truth.Height());
+  Image<uint8_t> mask;
+  if (!mask_path.empty()) {
+    mask = ResizeMask(ReadImageMask(mask_path, {photo_size, size}), size);
+    ++*evaluation->num_masks;
+  }
+  for (DepthScore& score : evaluation->scores) {
+    AddPixels(estimate,
+              truth,
+              mask,
+              score.area == "all" ? nullptr : &textureless,
+              &score);
+  }
+}
+
+// The masks of the named images; it is no error if only others have some.
 std::vector<fs::path> FindMasks(const fs::path& folder,
                                 const fs::path& images,
                                 std::vector<std::string> names) {
@@ -249,32 +281,11 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
       ++evaluation.num_images_without_map;
       continue;
     }
-    ++evaluation.num_images;
-    const Image<float> estimate = ReadDepthMap(map_path);
-    const Image<float> truth = ReadDepthMap(truth_folder / (name + ".bin"));
-    RequireShape(map_path,
-                 {estimate.Width(), estimate.Height()},
-                 {truth.Width(), truth.Height()},
-                 "its ground truth",
-                 "give ground truth of this image");
-    const fs::path photo_path = workspace_path / "images" / name;
-    Image<uint8_t> photo = ReadGrayPhoto(photo_path);
-    const RasterSize photo_size{photo.Width(), photo.Height()};
-    const Image<uint8_t> textureless = FindTextureless(
-        photo_path, std::move(photo), truth.Width(), truth.Height());
-    Image<uint8_t> mask;
-    if (!masks[i].empty()) {
-      const RasterSize size{estimate.Width(), estimate.Height()};
-      mask = ResizeMask(ReadImageMask(masks[i], {photo_size, size}), size);
-      ++*evaluation.num_masks;
-    }
-    for (DepthScore& score : evaluation.scores) {
-      AddPixels(estimate,
-                truth,
-                mask,
-                score.area == "all" ? nullptr : &textureless,
-                &score);
-    }
+    ScoreImage(workspace_path / "images" / name,
+               map_path,
+               truth_folder / (name + ".bin"),
+               masks[i],
+               &evaluation);
   }
   if (evaluation.num_images == 0) {
     throw Error::File(ErrorCode::kNotFound,

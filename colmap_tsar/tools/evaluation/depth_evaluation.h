@@ -23,8 +23,7 @@ struct DepthEvaluationOptions {
   // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown);
   // empty: ground_truth/depth in the workspace.
   std::filesystem::path ground_truth_path;
-  // The folder with the masks of images, see io/masks_and_labels.h; empty:
-  // none. Masked pixels are not scored.
+  // Folder of masks (io/masks_and_labels.h), or empty. Masked pixels do not count.
   std::filesystem::path mask_path;
   // The path of an image's map by the image's name; if not set, in
   // stereo/depth_maps of the workspace. The file need not exist.

@@ -13,9 +13,8 @@ namespace tsar {
 // (TSAR_CLOUD_EVALUATION). To be called before inputs are read.
 void RequireNearestDistances();
 
-// For each query, the exact distance to its nearest target, or infinity if no
-// target lies within max_distance. Uses all CPU cores. Errors as
-// RequireNearestDistances().
+// The exact distance of each query to its nearest target; infinity beyond
+// max_distance. Uses all CPU cores. Errors as RequireNearestDistances().
 std::vector<double> NearestDistances(
     const std::vector<Eigen::Vector3d>& queries,
     const std::vector<Eigen::Vector3d>& targets,

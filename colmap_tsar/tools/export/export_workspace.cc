@@ -65,8 +65,8 @@ Json ImageJson(const Workspace& workspace,
 }
 
 // The content of an export's manifest.json (docs/export.md): conventions, the
-// exporter's description of maps, and each image with its camera at the size of
-// its maps, pose and files.
+// description of maps, and each image with its camera at the size of its maps,
+// pose, files.
 Json MakeExportManifest(const Workspace& workspace,
                         ExportFormat format,
                         const Json& maps,

@@ -54,10 +54,7 @@ class GaussianSplattingExporter : public ImageExporter {
     const Image<float> depth = has_maps
                                    ? ReadImageDepth(workspace_, image)
                                    : Image<float>(camera.width, camera.height);
-    ExportedImage exported;
-    exported.width = depth.Width();
-    exported.height = depth.Height();
-    exported.depth = MeasureDepth(depth);
+    ExportedImage exported = Describe(depth);
     exported.files["photo"] = CopyPhoto(workspace_, image, folder_);
     const std::string path = "depths/" + stems_[index] + ".png";
     WritePngFile(folder_ / path, Levels(depth, &exported.num_out_of_range));

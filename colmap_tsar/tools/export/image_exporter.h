@@ -30,6 +30,11 @@ struct ExportedImage {
   std::map<std::string, std::string> files;
 };
 
+// The description of an image with this depth map, still without files.
+inline ExportedImage Describe(const Image<float>& depth) {
+  return {depth.Width(), depth.Height(), MeasureDepth(depth), 0, {}};
+}
+
 // Writes one format into a folder. Must not outlive its workspace.
 
 class ImageExporter {

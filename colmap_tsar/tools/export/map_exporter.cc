@@ -69,11 +69,8 @@ class MapExporter : public ImageExporter {
         IsPng() ? "uint16" : floats,
         IsPng() ? kSigmaStep * step_ : 1.0);
     maps["provenance"] = MapJson("where the depth comes from", "uint8");
-    Json& values = maps["provenance"]["values"];
-    values = Json::array();
-    for (const char* name : kProvenanceNames) {
-      values.push_back(name);
-    }
+    maps["provenance"]["values"] = kProvenanceNames;
+
     maps["planes"] = MapJson(
         "1 + the id of the plane that tsar_planes writes; 0: none", "uint16");
     return maps;
@@ -82,10 +79,7 @@ class MapExporter : public ImageExporter {
   ExportedImage Export(int image) const override {
     const std::string& name = workspace_.Model().images.at(image).name;
     const ImageMaps maps = ReadImageMaps(workspace_, image);
-    ExportedImage exported;
-    exported.width = maps.depth.Width();
-    exported.height = maps.depth.Height();
-    exported.depth = MeasureDepth(maps.depth);
+    ExportedImage exported = Describe(maps.depth);
     const auto write = [&](const auto& values, const std::string& kind) {
       exported.files[kind] = Write(values, kind + "/" + name);
     };

@@ -88,29 +88,26 @@ class NerfstudioExporter : public ImageExporter {
     const Image<Vec3f> normals = has_maps
                                      ? ReadImageNormal(workspace_, image, depth)
                                      : Image<Vec3f>(width, height);
-    ExportedImage exported;
-    exported.width = depth.Width();
-    exported.height = depth.Height();
-    exported.depth = MeasureDepth(depth);
+    ExportedImage exported = Describe(depth);
     exported.files["photo"] = CopyPhoto(workspace_, image, folder_);
-    const std::string path = "depths/" + model_image.name + ".npy";
+    const auto new_file = [&](const std::string& kind,
+                              const std::string& path) {
+      exported.files[kind] = path;
+      return folder_ / path;
+    };
     for (float& z : depth) {
       z *= kLevelsPerUnit;
     }
-    WriteArray(folder_ / path, depth);
-    exported.files["depth"] = path;
-    const std::string normal_path = "normals/" + model_image.name + ".png";
-    WritePngFile(folder_ / normal_path,
+    WriteArray(new_file("depth", "depths/" + model_image.name + ".npy"), depth);
+    WritePngFile(new_file("normals", "normals/" + model_image.name + ".png"),
                  ResizeNearest<Rgb>(NormalColors(normals), width, height));
-    exported.files["normals"] = normal_path;
+
     if (has_masks_) {
-      const std::string mask_path = "masks/" + model_image.name + ".png";
       WritePngFile(
-          folder_ / mask_path,
+          new_file("mask", "masks/" + model_image.name + ".png"),
           MaskLevels(image,
                      has_maps ? RasterSize{depth.Width(), depth.Height()}
                               : MapSizeOfOthers(model_image.camera)));
-      exported.files["mask"] = mask_path;
     }
     return exported;
   }
@@ -150,17 +147,14 @@ class NerfstudioExporter : public ImageExporter {
 
  private:
   static bool HasAnyMask(const Workspace& workspace) {
-    const int num_images = static_cast<int>(workspace.Model().images.size());
-    for (int image = 0; image < num_images; ++image) {
-      if (workspace.HasMask(image)) {
-        return true;
-      }
+    bool has_any = false;
+    for (size_t image = 0; image < workspace.Model().images.size(); ++image) {
+      has_any |= workspace.HasMask(static_cast<int>(image));
     }
-    return false;
+    return has_any;
   }
 
-  // The mask at the photo's size, which is required for all images or none,
-  // also for images without a mask.
+  // The mask at the photo's size, which all images need if one has a mask.
   Image<uint8_t> MaskLevels(int image, const RasterSize& maps) const {
     const Camera& camera = workspace_.Model().images.at(image).camera;
     Image<uint8_t> levels(camera.width, camera.height, 255);

@@ -53,15 +53,13 @@ Eigen::Matrix4d OpenGlCameraToWorld(const Camera& camera) {
 }
 
 nlohmann::ordered_json IntrinsicsJson(const Camera& camera) {
-  nlohmann::ordered_json json;
-  json["model"] = "PINHOLE";
-  json["width"] = camera.width;
-  json["height"] = camera.height;
-  json["fx"] = camera.fx;
-  json["fy"] = camera.fy;
-  json["cx"] = camera.cx;
-  json["cy"] = camera.cy;
-  return json;
+  return {{"model", "PINHOLE"},
+          {"width", camera.width},
+          {"height", camera.height},
+          {"fx", camera.fx},
+          {"fy", camera.fy},
+          {"cx", camera.cx},
+          {"cy", camera.cy}};
 }
 
 void RequireUtf8Names(const Workspace& workspace) {

@@ -33,8 +33,7 @@ nlohmann::ordered_json IntrinsicsJson(const Camera& camera);
 // Throws Error kUnsupported if the name of an image is not UTF-8, as in JSON.
 void RequireUtf8Names(const Workspace& workspace);
 
-// Copies an image to images/NAME in the folder, and returns "images/NAME".
-// Throws what CheckPhotoFile throws.
+// Copies an image to "images/NAME", which it returns. Errors as CheckPhotoFile.
 std::string CopyPhoto(const Workspace& workspace,
                       int image,
                       const ContainedPath& folder);

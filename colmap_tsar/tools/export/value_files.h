@@ -32,8 +32,7 @@ void WritePngFile(const ContainedPath& path, const Image<Rgb16>& values);
 void WriteExrFile(const ContainedPath& path, const Image<float>& values);
 void WriteExrFile(const ContainedPath& path, const Image<Vec3f>& values);
 
-// Throws Error kUnsupported if this build of OpenCV cannot write EXR. Must be
-// called before threads write EXR.
+// Throws Error kUnsupported if OpenCV cannot write EXR. Call before threads.
 void RequireExr();
 
 }  // namespace tsar

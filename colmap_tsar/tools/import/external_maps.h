@@ -49,8 +49,7 @@ ExternalMaps ReadExternalMaps(const ExternalFiles& files,
 struct ImportedMaps {
   Image<float> depth;
   Image<Vec3f> normal;
-  // Two channels, the smallest and the second smallest cost in [0, 2]; 2 is "no
-  // evidence". Empty without costs.
+  // The two smallest costs in [0, 2]; 2: no evidence. Empty without costs.
   PlanarMap cost;
 };
 
@@ -75,9 +74,8 @@ ImportedMaps ConvertMaps(const ExternalMaps& external,
 // Depths times a scale; those that overflow become 0.
 Image<float> ScaledDepth(const Image<float>& depth, double scale);
 
-// The number of normals at pixels with depth that face the camera, assuming
-// either frame. In the correct frame all do, or none if they point into
-// surfaces.
+// The number of normals at pixels with depth that face the camera in either
+// frame. In the correct one all do, or none if they point into surfaces.
 struct NormalFacing {
   int64_t num_normals = 0;
   int64_t num_facing_in_camera = 0;
@@ -92,8 +90,8 @@ NormalFacing CountFacing(const ExternalMaps& external, const Camera& camera);
 // give the exact normal. Central differences are used along each axis; a
 // one-sided difference if the other neighbor has no depth, differs by more than
 // 5 % of the depth, or has more than twice the other difference beyond noise,
-// as at creases and occlusion boundaries. A pixel without a neighbor along one
-// of the axes has no normal.
+// as at creases and occlusion boundaries. Without a neighbor along an axis:
+// none.
 Image<Vec3f> NormalsFromDepth(const Image<float>& depth,
                               const Intrinsics& intrinsics);
 

@@ -23,8 +23,7 @@ inline constexpr size_t kDepthMaps = 0;
 inline constexpr size_t kNormalMaps = 1;
 inline constexpr size_t kCostMaps = 2;
 
-// The record of imports of one image's maps of one type, stored as
-// stereo/tsar_import/records/KEY.json.
+// The imports of one image's maps of one type, in tsar_import/records/KEY.json.
 struct ImportRecord {
   // The maps that imports may have written, for each of kImportFolders.
   std::array<std::vector<WrittenMap>, kImportFolders.size()> written;
@@ -34,9 +33,8 @@ struct ImportRecord {
   bool is_being_undone = false;
 };
 
-// The folder stereo/tsar_import with the maps that imports replaced and records
-// of those they wrote. It is separate from stereo/tsar, since tsar_refine
-// treats imported maps as originals.
+// stereo/tsar_import: the maps that imports replaced and records of those they
+// wrote. tsar_refine, with stereo/tsar, treats imported maps as originals.
 ContainedPath GetImportFolder(const std::filesystem::path& root);
 
 // The folders of former maps of a kind, and of records.

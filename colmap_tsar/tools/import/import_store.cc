@@ -48,9 +48,8 @@ std::optional<MapState> InspectKept(const ImportPaths& paths,
       paths.maps[kind], paths.former[kind], &record.written[kind]);
 }
 
-// Keeps the maps that an import is about to replace, unless imports wrote them,
-// and describes those in the record. Throws kMismatch if their source is
-// unknown.
+// Keeps the maps that an import will replace, unless imports wrote them, and
+// describes them in the record. Throws kMismatch if their source is unknown.
 void KeepFormer(const ImportPaths& paths,
                 const ImportRecord& record,
                 ImportRecord* next) {
@@ -105,8 +104,7 @@ void RemoveEmptyFoldersUpTo(ContainedPath folder, const ContainedPath& top) {
   }
 }
 
-// Whether an import was killed during a write: its temporary is all that it
-// leaves before its first map.
+// Whether an import was killed in a write: it leaves its temporary.
 bool HasTemporaries(const std::filesystem::path& root) {
   return std::ranges::any_of(kImportFolders, [&](const char* folder) {
     return !ListFileNames({root, std::filesystem::path("stereo") / folder},

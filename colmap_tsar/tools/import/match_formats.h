@@ -38,10 +38,7 @@ void MatchNumberedFolders(const MatchOptions& options,
                           const SparseModel& model,
                           MapCollector* collector);
 
-// Both return the number of maps of images that are not in the model.
-int MatchDmaps(const MatchOptions& options,
-               const SparseModel& model,
-               MapCollector* collector);
+// Returns the number of maps of images that are not in the model.
 int MatchDepthImages(const MatchOptions& options,
                      const SparseModel& model,
                      MapCollector* collector);
@@ -52,9 +49,8 @@ std::vector<std::filesystem::path> ListEntries(
 
 bool IsFolder(const std::filesystem::path& path);
 
-// Throws Error kUnsupported if the path of an image's map is no regular file
-// but a folder, a FIFO, a device or a dangling link. If skipped, the image
-// would count as one without a map.
+// Throws Error kUnsupported if a map is no regular file but a folder, a FIFO, a
+// device or a dangling link: its image would count as one without a map.
 void RequireFile(const std::filesystem::path& path);
 
 // Throws Error kNotFound with the option if it is no folder.
@@ -70,8 +66,7 @@ std::optional<int> TrailingNumber(const std::string& name);
 std::vector<int> OrderImages(const MatchOptions& options,
                              const SparseModel& model);
 
-// The image at this index. Throws Error kMismatch with the path that has the
-// index if there are fewer images.
+// The image of this index. Throws Error kMismatch with its path if too large.
 int ImageOfNumber(const std::vector<int>& order,
                   int number,
                   const std::filesystem::path& path);

@@ -20,8 +20,7 @@ enum class IndexOrder {
 
 struct MatchOptions {
   ExternalFormat format = ExternalFormat::kAcm;
-  // The folder with the maps or, for kAcm and kApd, its parent, which holds
-  // cams/ and the program's folder.
+  // The folder with the maps or, for kAcm and kApd, its parent with cams/.
   std::filesystem::path input_path;
   // The folder of normals, only for kDepth; empty if there are none.
   std::filesystem::path normal_path;

@@ -11,9 +11,8 @@
 namespace tsar {
 
 // Reads the sparse model of a target workspace, of which only images/ and
-// sparse/ need exist. Throws Error: kNotFound (one is missing, or there are no
-// images), kUnsupported (an image's name leaves the folder), those of
-// ReadSparseModel.
+// sparse/ need exist. Throws Error: kNotFound (one is missing or empty),
+// kUnsupported (an image's name leaves the folder), those of ReadSparseModel.
 SparseModel ReadTargetModel(const std::filesystem::path& root);
 
 // Creates the folder stereo if missing; removes it again if it stays empty.
@@ -29,8 +28,7 @@ class StereoFolder {
   bool is_new_ = false;
 };
 
-// Writes patch-match.cfg and fusion.cfg if missing, as image_undistorter does:
-// all images, `__auto__, 20`.
+// Writes missing patch-match.cfg and fusion.cfg: all images, `__auto__, 20`.
 void WriteMissingConfigs(const std::filesystem::path& root,
                          const SparseModel& model);
 

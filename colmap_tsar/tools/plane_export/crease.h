@@ -38,8 +38,7 @@ struct CreaseLine {
   double begin = 0.0;
   double end = 0.0;
 
-  // The signed distance of a point from the line, positive on its left, and its
-  // position along the line.
+  // Signed distance from the line, positive on its left; position along it.
   double Height(const Eigen::Vector2d& at) const {
     return Cross(direction, at - point);
   }

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/contained_path.h"
-#include "colmap_tsar/tools/plane_export/exported_planes.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
 
 #include <array>
 #include <ostream>
@@ -31,8 +31,8 @@ struct FloorPlan {
 // Planes lean less than this, in degrees, to be walls of a plan.
 inline constexpr double kMaxLean = 5.0;
 
-// Throws Error kUnsupported where there is no vertical, and kNotFound where no
-// plane with an outline is a wall.
+// Throws Error kUnsupported without a vertical, kNotFound without outlined
+// walls.
 FloorPlan MakeFloorPlan(const ExportedPlanes& planes);
 
 enum class PlanFormat {

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -31,8 +32,7 @@ bool IsInTriangle(const Eigen::Vector2d& point,
          Turn(c, a, point) >= 0.0;
 }
 
-// Whether a point lies left of both edges of a corner or, if the corner turns
-// right, of one of them.
+// Whether a point lies left of both edges or, in a right turn, of either.
 bool IsInCorner(const Eigen::Vector2d& before,
                 const Eigen::Vector2d& corner,
                 const Eigen::Vector2d& after,
@@ -53,8 +53,7 @@ const Eigen::Vector2d& At(const Ring& points, const Loop& loop, size_t i) {
 size_t FindBridge(const Ring& points,
                   const Loop& loop,
                   const Eigen::Vector2d& rightmost) {
-  // The edge that a ray to the right hits first: the loop encloses the hole, so
-  // that it runs upwards there.
+  // The edge that a ray to the right hits first; it runs upwards there.
   double nearest = std::numeric_limits<double>::infinity();
   size_t bridge = 0;
   for (size_t i = 0; i < loop.size(); ++i) {
@@ -106,9 +105,13 @@ size_t FindBridge(const Ring& points,
   return bridge;
 }
 
+Loop::const_iterator Rightmost(const Ring& points, const Loop& hole) {
+  return std::ranges::max_element(
+      hole, {}, [&](int i) { return points[i].x(); });
+}
+
 void JoinHole(const Ring& points, const Loop& hole, Loop* loop) {
-  const auto rightmost = std::ranges::max_element(
-      hole, [&](int i, int j) { return points[i].x() < points[j].x(); });
+  const auto rightmost = Rightmost(points, hole);
   const size_t bridge =
       FindBridge(points, *loop, points[static_cast<size_t>(*rightmost)]);
   // Along the bridge, around the hole, and back.
@@ -180,16 +183,10 @@ Triangulation Triangulate(const PlanePolygon& polygon) {
     std::iota(hole.begin(), hole.end(), static_cast<int>(result.points.size()));
     result.points.insert(result.points.end(), ring.begin(), ring.end());
   }
-  const auto right_end = [&](const Loop& hole) {
-    double x = -std::numeric_limits<double>::infinity();
-    for (const int i : hole) {
-      x = std::max(x, result.points[i].x());
-    }
-    return x;
-  };
+
   // Right holes go first, so that no hole lies between another and the loop.
-  std::ranges::stable_sort(holes, [&](const Loop& a, const Loop& b) {
-    return right_end(a) > right_end(b);
+  std::ranges::stable_sort(holes, std::greater(), [&](const Loop& hole) {
+    return result.points[*Rightmost(result.points, hole)].x();
   });
   for (const Loop& hole : holes) {
     JoinHole(result.points, hole, &loop);

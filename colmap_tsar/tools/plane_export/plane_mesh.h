@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/tools/plane_export/exported_planes.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
 #include "colmap_tsar/tools/plane_export/plane_polygon.h"
 
 #include <array>
@@ -24,8 +24,7 @@ struct Triangulation {
 // to the outline by bridges, then ears are clipped.
 Triangulation Triangulate(const PlanePolygon& polygon);
 
-// The polygons of a plane as triangles in the world frame, counterclockwise if
-// its normal points to the viewer.
+// Triangles in the world frame, counterclockwise against the normal.
 struct PlaneMesh {
   std::vector<Eigen::Vector3d> points;
   std::vector<std::array<int, 3>> triangles;  // Indices of points.

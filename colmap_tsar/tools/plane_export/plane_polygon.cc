@@ -152,8 +152,7 @@ bool IsSimple(const PlanePolygon& polygon) {
   if (*std::ranges::min_element(sizes) < 3) {
     return false;
   }
-  std::ranges::sort(
-      edges, [](const Edge& a, const Edge& b) { return a.MinX() < b.MinX(); });
+  std::ranges::sort(edges, {}, &Edge::MinX);
   for (size_t i = 0; i < edges.size(); ++i) {
     const Edge& a = edges[i];
     for (size_t j = i + 1; j < edges.size() && edges[j].MinX() <= a.MaxX();

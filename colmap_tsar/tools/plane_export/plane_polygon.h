@@ -27,8 +27,7 @@ struct PlaneCoordinates {
   }
 };
 
-// Coordinates with the plane's normal and first axis, whose origin is the point
-// of the plane nearest to its center.
+// The plane's normal and first axis, and the point of it nearest to its center.
 PlaneCoordinates CoordinatesOf(const ModelPlane& plane);
 
 // The intersections of a view's pixels with a plane.

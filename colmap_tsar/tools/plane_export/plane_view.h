@@ -20,9 +20,8 @@
 
 namespace tsar {
 
-// Opens the workspace whose planes are exported. type: that of the maps; if not
-// given, geometric, or photometric if only those have planes. Errors as
-// Workspace.
+// Opens a workspace to export its planes. type: of the maps; nullopt:
+// geometric, or photometric if only those have planes. Errors as Workspace.
 Workspace OpenWorkspaceWithPlanes(const std::filesystem::path& root,
                                   std::optional<MapType> type);
 
@@ -38,8 +37,7 @@ struct PlaneView {
 // The images that have a plane map of the workspace's type, ascending.
 std::vector<int> FindPlaneViews(const Workspace& workspace);
 
-// Throws Error: kMismatch (maps of different sizes, a nonexistent plane), and
-// those of the readers of the maps.
+// Throws kMismatch (sizes differ, nonexistent plane) and errors of the readers.
 PlaneView ReadPlaneView(const Workspace& workspace, int image, int num_planes);
 
 // Calls function(p, x, y, projection, hit) where depth and plane p agree.

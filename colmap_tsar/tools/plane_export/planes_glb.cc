@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/label_color.h"
-#include "colmap_tsar/tools/plane_export/exported_planes.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
 #include "colmap_tsar/tools/plane_export/plane_mesh.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 

@@ -14,8 +14,7 @@
 
 namespace tsar {
 
-// The coverage of a plane by views, in square cells of its coordinates. The
-// outermost cells are empty.
+// The coverage of a plane by views, in square cells; the outermost are empty.
 struct SupportGrid {
   static constexpr int kPadding = 4;
 
@@ -40,9 +39,9 @@ void AddCoverage(const PlaneView& view,
 
 // The support of a plane: 255 in its cells, 0 in the others. Cells of the
 // support have at least half the coverage of their neighbors and a tenth of the
-// median. Gaps, holes and islands of a few cells are removed, and so are cells
-// beyond creases on whose other side nearly all of the support lies. No cells
-// touch only in a corner.
+// median. Gaps, holes and islands of a few cells are removed, and cells beyond
+// creases on whose other side nearly all of it lies. No two touch in a corner
+// only.
 Image<uint8_t> FindSupport(const SupportGrid& grid,
                            const std::vector<CreaseLine>& creases);
 

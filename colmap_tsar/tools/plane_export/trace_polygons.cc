@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 
 #include <opencv2/core.hpp>
@@ -98,9 +99,7 @@ Eigen::Vector2d PutOntoCreases(const Eigen::Vector2d& point,
   if (near.empty()) {
     return point;
   }
-  std::ranges::stable_sort(near, [&](const auto* a, const auto* b) {
-    return distance(a) < distance(b);
-  });
+  std::ranges::stable_sort(near, {}, distance);
   for (size_t i = 1; i < near.size(); ++i) {
     const std::optional<Eigen::Vector2d> corner =
         MeetingPoint(*near[0], *near[i]);
@@ -201,10 +200,7 @@ std::vector<PlanePolygon> TracePolygons(
   for (const Contours& contours : FindContours(support)) {
     polygons.push_back(SimplestPolygon(contours, grid, creases));
   }
-  std::ranges::stable_sort(polygons,
-                           [](const PlanePolygon& a, const PlanePolygon& b) {
-                             return Area(a) > Area(b);
-                           });
+  std::ranges::stable_sort(polygons, std::greater(), &Area);
   return polygons;
 }
 

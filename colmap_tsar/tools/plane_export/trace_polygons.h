@@ -15,7 +15,7 @@ namespace tsar {
 // Traces the outlines and holes of a support (FindSupport) as simple polygons
 // within about 1.5 cells of the borders of its cells. Corners within 2 cells of
 // a crease are snapped to it, or to the intersection of two creases nearby. The
-// largest polygon is the first.
+// largest is first.
 std::vector<PlanePolygon> TracePolygons(const SupportGrid& grid,
                                         const Image<uint8_t>& support,
                                         const std::vector<CreaseLine>& creases);

@@ -21,8 +21,7 @@ namespace {
 constexpr double kIgnoredShare = 0.02;
 // The least relative range, for maps of equal depths.
 constexpr float kMinRelativeRange = 0.01f;
-// The number of skipped colors: OpenCV's scale begins with a violet that is
-// nearly black, like holes.
+// Skipped colors: OpenCV's scale begins with a violet as dark as holes.
 constexpr int kNumDarkColors = 24;
 constexpr int kNumColors = 256 - kNumDarkColors;
 

@@ -22,7 +22,7 @@ struct ComparisonRow {
   Image<float> after;   // Depth; 0 = none.
   Image<Vec3f> normals_before;
   Image<Vec3f> normals_after;
-  Image<uint8_t> provenance;  // See provenance_colors.h.
+  Image<uint8_t> provenance;  // See refined_maps.h.
 };
 
 // Width of one of the six columns, in pixels of the picture.

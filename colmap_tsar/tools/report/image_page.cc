@@ -99,6 +99,54 @@ Image<float> FitToDepths(const DepthPrior& prior, const Image<float>& depth) {
   return fitted;
 }
 
+void WriteMap(const ContainedPath& pictures,
+              const std::string& name,
+              const Image<Rgb>& picture,
+              const ImagePageOptions& options) {
+  WritePng(pictures / (name + ".png"),
+           FitPicture(picture, options.max_picture_size, Scaling::kPick));
+}
+
+// Writes the pictures of what only some images have, and notes which exist.
+void WriteOptionalPictures(const Workspace& workspace,
+                           int image,
+                           const ComparisonRow& row,
+                           const ImagePageOptions& options,
+                           const ContainedPath& pictures,
+                           ImagePage* page) {
+  const auto write = [&](const std::string& name, const Image<Rgb>& picture) {
+    WriteMap(pictures, name, picture, options);
+  };
+  const fs::path sigma_map = workspace.SigmaPath(image, workspace.Type());
+  if (Exists(sigma_map)) {
+    write("sigma",
+          ColorizeValues(
+              ReadRelativeSigma(sigma_map, row.after), kMaxSigma, &row.after));
+    page->has_sigma = true;
+  }
+  const fs::path plane_map = workspace.PlanesPath(image, workspace.Type());
+  if (options.show_planes && Exists(plane_map)) {
+    write("planes", DrawPlanes(plane_map, row.after));
+    page->has_planes = true;
+  }
+  if (const auto prior = workspace.ReadPrior(image)) {
+    const Image<float> fitted = FitToDepths(*prior, row.before);
+    if (!fitted.Empty()) {
+      write("prior", ColorizeDepth(fitted, page->range));
+      page->has_prior = true;
+    }
+  }
+  if (!options.debug_path.empty()) {
+    for (const RefineStage stage :
+         FindStagePictures(options.debug_path, row.name)) {
+      const std::string& name = RefineStages()[static_cast<size_t>(stage)].name;
+      CopyFile(DebugPicturePath(options.debug_path, row.name, stage),
+               pictures / (name + ".png"));
+      page->stages.push_back(name);
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<RefineStage> FindStagePictures(const fs::path& debug_path,
@@ -142,8 +190,7 @@ ImagePage WriteImagePage(const Workspace& workspace,
   const ContainedPath pictures(folder, page.folder);
   CreateFolders(pictures);
   const auto write = [&](const std::string& name, const Image<Rgb>& picture) {
-    WritePng(pictures / (name + ".png"),
-             FitPicture(picture, options.max_picture_size, Scaling::kPick));
+    WriteMap(pictures, name, picture, options);
   };
   page.range = RobustDepthRange(row.before, row.after);
   const Image<Rgb> before = ColorizeDepth(row.before, page.range);
@@ -159,40 +206,12 @@ ImagePage WriteImagePage(const Workspace& workspace,
   write("normals_after", ColorizeNormals(row.normals_after));
   write("provenance", provenance);
   write("confidence", ColorizeValues(confidence, 1.f, &row.after));
-  const fs::path sigma_map = workspace.Paths(image, workspace.Type()).sigma;
-  if (Exists(sigma_map)) {
-    write("sigma",
-          ColorizeValues(
-              ReadRelativeSigma(sigma_map, row.after), kMaxSigma, &row.after));
-    page.has_sigma = true;
-  }
-  const fs::path plane_map = workspace.Paths(image, workspace.Type()).planes;
-  if (options.show_planes && Exists(plane_map)) {
-    write("planes", DrawPlanes(plane_map, row.after));
-    page.has_planes = true;
-  }
-  if (const auto prior = workspace.ReadPrior(image)) {
-    const Image<float> fitted = FitToDepths(*prior, row.before);
-    if (!fitted.Empty()) {
-      write("prior", ColorizeDepth(fitted, page.range));
-      page.has_prior = true;
-    }
-  }
+  WriteOptionalPictures(workspace, image, row, options, pictures, &page);
   WriteJpeg(
       pictures / "preview.jpg",
       JoinPictures({FitPicture(row.image, kPreviewSize, Scaling::kAverage),
                     FitPicture(before, kPreviewSize, Scaling::kPick),
                     FitPicture(after, kPreviewSize, Scaling::kPick)}));
-  if (!options.debug_path.empty()) {
-    for (const RefineStage stage :
-         FindStagePictures(options.debug_path, row.name)) {
-      const std::string& name = RefineStages()[static_cast<size_t>(stage)].name;
-      CopyFile(DebugPicturePath(options.debug_path, row.name, stage),
-               pictures / (name + ".png"));
-      page.stages.push_back(name);
-    }
-  }
-
   if (options.max_num_points > 0) {
     const Camera camera =
         workspace.Model().images[image].camera.Resized(page.width, page.height);

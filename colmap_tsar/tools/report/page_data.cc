@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -183,9 +184,8 @@ PlanePage MakePlanePage(const ExportedPlanes& planes,
     plane.num_vertices = AddMesh(exported, origin, &page.mesh);
     page.planes.push_back(plane);
   }
-  std::ranges::stable_sort(page.planes, [](const auto& a, const auto& b) {
-    return a.area > b.area;
-  });
+  std::ranges::stable_sort(
+      page.planes, std::greater(), &PlanePage::Plane::area);
   return page;
 }
 

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
 #include "colmap_tsar/tools/evaluation/depth_evaluation.h"
-#include "colmap_tsar/tools/plane_export/exported_planes.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
 #include "colmap_tsar/tools/report/image_page.h"
 #include "colmap_tsar/tools/report/point_sample.h"
 
@@ -18,15 +18,13 @@
 
 namespace tsar {
 
-// The scene planes on the page; its pictures and tsar_planes use the same color
-// for each, LabelColor() of its id.
+// The scene planes on the page, each in the LabelColor() of its id.
 struct PlanePage {
   struct Plane {
     int id = 0;
     PlaneClass plane_class = PlaneClass::kOther;
     double area = 0.0;  // In square units of the sparse model.
-    // The angle to horizontal or vertical, whichever is nearer, in degrees;
-    // unknown without a vertical.
+    // The degrees to horizontal or vertical, the nearer one, if known.
     std::optional<double> tilt;
     int64_t num_images = 0;
     double share_measured = 0.0;
@@ -93,13 +91,12 @@ struct PageData {
   Gains gains;
 };
 
-// The script that passes the data to the page: window.tsarReport = {...}. It is
-// one statement for any names.
+// The script window.tsarReport = {...}, one statement for any names.
 std::string PageDataScript(const PageData& data);
 
 // The numbers of each refined image as a table (CSV, RFC 4180): its name, the
-// pixels of its maps, those with a depth before and after, those of each
-// origin, and seconds in all.
+// pixels of its maps, those with depth before and after, those of each origin,
+// seconds.
 std::string ImageTable(const PageData& data);
 
 }  // namespace tsar

@@ -5,8 +5,18 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tsar {
+
+// One of the files of page/, which the build embeds in the program.
+struct PageFile {
+  std::string_view name;
+  std::string_view content;
+};
+
+// All embedded files.
+const std::vector<PageFile>& PageFiles();
 
 void ReplaceAll(std::string_view from, std::string_view to, std::string* text);
 

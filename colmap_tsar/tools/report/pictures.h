@@ -10,8 +10,7 @@
 
 namespace tsar {
 
-// The way of resizing: averaging for photos; nearest pixels for maps, whose
-// values must not be mixed.
+// Resizing: averages for photos, nearest pixels for maps, which must not mix.
 enum class Scaling { kAverage, kPick };
 
 // The picture with a long side of at most max_size pixels; never enlarged.

@@ -34,21 +34,18 @@ PointSample SampleCloud(const std::filesystem::path& path,
                         const Eigen::Vector3d& origin,
                         int64_t max_num_points);
 
-// The distance between the pixels of a square grid of which a map of this size
-// has at most max_num_points.
+// The step of a square grid with at most max_num_points in a map of this size.
 int GridStep(int width, int height, int64_t max_num_points);
 
-// The points of a map at the pixels of such a grid that have a depth. camera,
-// colors: of the map's size.
+// The points of a map on such a grid. camera, colors: of the map's size.
 PointSample SampleMap(const Image<float>& depth,
                       const Image<Rgb>& colors,
                       const Camera& camera,
                       const Eigen::Vector3d& origin,
                       int step);
 
-// Points as a script, since a page may not read files: a call
-// tsarPoints("NAME", "BASE64") with the positions as float32, little-endian,
-// followed by the colors as bytes.
+// Points as a script, since a page may not read files: tsarPoints("NAME",
+// "BASE64") of positions as float32, little-endian, then colors as bytes.
 std::string PointScript(const std::string& name, const PointSample& sample);
 
 // A pose of the 3D view, relative to the points' origin.

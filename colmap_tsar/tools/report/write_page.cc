@@ -17,7 +17,6 @@
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
 #include "colmap_tsar/tools/report/page_data.h"
-#include "colmap_tsar/tools/report/page_files.h"
 #include "colmap_tsar/tools/report/page_text.h"
 #include "colmap_tsar/tools/report/point_sample.h"
 
@@ -69,6 +68,17 @@ void Check(const PageOptions& options) {
                     OptionName("before_path") + " and " +
                     OptionName("after_path") + ", too");
   }
+}
+
+std::vector<int> RequireRefinedImages(const Workspace& workspace) {
+  const std::vector<int> refined = FindRefinedImages(workspace);
+  if (refined.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      workspace.Root().string(),
+                      "has no refined " + ToString(workspace.Type()) + " maps",
+                      "run tsar_refine on it first");
+  }
+  return refined;
 }
 
 // The clouds before (0) and after (1) of a page.
@@ -216,8 +226,8 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
 }
 
 // The points of the maps before (0) and after (1), moved out of the pages.
-std::vector<PointSample> TakePoints(std::vector<ImagePage>* pages) {
-  std::vector<PointSample> samples(2);
+std::array<PointSample, 2> TakePoints(std::vector<ImagePage>* pages) {
+  std::array<PointSample, 2> samples;
   for (ImagePage& page : *pages) {
     samples[0].Append(std::exchange(page.points_before, {}));
     samples[1].Append(std::exchange(page.points_after, {}));
@@ -277,14 +287,9 @@ int WritePage(const Workspace& workspace,
     input_lock.emplace(workspace.SourceRoot(),
                        WorkspaceLock::Mode::kSharedIfThere);
   }
-  const std::vector<int> refined = FindRefinedImages(workspace);
-  if (refined.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      workspace.Root().string(),
-                      "has no refined " + ToString(workspace.Type()) + " maps",
-                      "run tsar_refine on it first");
-  }
+  const std::vector<int> refined = RequireRefinedImages(workspace);
   WarnOfChangedResults(workspace);
+
   CheckStages(workspace, refined, options.debug_path);
   OutputFolder folder(kPageFolder, options.report_path, options.overwrite);
   const fs::path& root = folder.Temporary();
@@ -295,18 +300,15 @@ int WritePage(const Workspace& workspace,
   const Clouds clouds =
       MakeClouds(workspace, options, fused, progress, should_stop);
   data.points.fusion = options.fusion;
+
+  data.points.from_clouds = !clouds[1].empty();
+  data.points.before_from_maps = data.points.from_clouds && clouds[0].empty();
+  std::array<PointSample, 2> samples;
   for (size_t i = 0; i < clouds.size(); ++i) {
     data.points.fused[i] = clouds[i].parent_path() == fused;
-  }
-  data.points.from_clouds = !clouds[1].empty();
-  std::vector<PointSample> samples;
-  if (data.points.from_clouds) {
-    data.points.before_from_maps = clouds[0].empty();
-    samples.resize(2);
-    if (!data.points.before_from_maps) {
-      samples[0] = SampleCloud(clouds[0], origin, options.max_num_points);
+    if (!clouds[i].empty()) {
+      samples[i] = SampleCloud(clouds[i], origin, options.max_num_points);
     }
-    samples[1] = SampleCloud(clouds[1], origin, options.max_num_points);
   }
   data.gains = Evaluate(workspace, options, clouds);
   if (options.fuse) {
@@ -321,14 +323,18 @@ int WritePage(const Workspace& workspace,
   data.version = TSAR_VERSION;
   data.workspace = WorkspaceName(workspace);
   data.type = ToString(workspace.Type());
-  ImagePageOptions of_images = {.max_picture_size = options.max_picture_size,
-                                .debug_path = options.debug_path,
-                                .show_planes = data.planes.has_value(),
-                                .origin = origin};
-  if (clouds[0].empty()) {
-    of_images.max_num_points = std::max<int64_t>(
-        1, options.max_num_points / static_cast<int64_t>(refined.size()));
-  }
+  const ImagePageOptions of_images = {
+      .max_picture_size = options.max_picture_size,
+      .debug_path = options.debug_path,
+      .show_planes = data.planes.has_value(),
+      .origin = origin,
+      .max_num_points =
+          clouds[0].empty()
+              ? std::max<int64_t>(1,
+                                  options.max_num_points /
+                                      static_cast<int64_t>(refined.size()))
+              : 0};
+
   data.images = WriteImages(workspace,
                             refined,
                             root / "images",
@@ -337,10 +343,11 @@ int WritePage(const Workspace& workspace,
                             progress,
                             should_stop);
   data.kept = ListKept(workspace, refined);
-  if (!data.points.from_clouds) {
-    samples = TakePoints(&data.images);
-  } else if (data.points.before_from_maps) {
-    samples[0] = std::move(TakePoints(&data.images)[0]);
+  std::array<PointSample, 2> from_maps = TakePoints(&data.images);
+  for (size_t i = 0; i < clouds.size(); ++i) {
+    if (clouds[i].empty()) {
+      samples[i] = std::move(from_maps[i]);
+    }
   }
   SetViewpoint(workspace, refined, samples[1], origin, &data.points);
   for (size_t i = 0; i < samples.size(); ++i) {

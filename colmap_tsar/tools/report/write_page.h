@@ -43,9 +43,8 @@ struct PageOptions {
   int num_threads = -1;             // -1: one for each core.
 };
 
-// Writes the page of a refined workspace: a folder with index.html, which a
-// browser opens from the disk. It appears only when complete. Returns the
-// number of images.
+// Writes the page of a refined workspace: a folder with index.html for
+// browsers. It appears only when complete. Returns the number of images.
 //
 // Throws Error: kNotFound (nothing was refined; no image has pictures in
 // debug_path), kBadOption (a cloud before without one after; scans without

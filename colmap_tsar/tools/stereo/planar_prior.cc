@@ -175,7 +175,7 @@ Image<RayDepth> SampleTexturedDepths(const ViewData& reference,
 // A second one changes the clouds by 0.003 at most.
 constexpr int kNumIterations = 1;
 // One confirming view suffices here; fusion requires more.
-constexpr int kMinNumConsistent = 1;
+constexpr int kMinNumConfirming = 1;
 
 bool IsFilled(const ViewData& view, size_t pixel) {
   return view.depth.Data()[pixel] > 0.f &&
@@ -289,8 +289,7 @@ PriorAssessment UseDepthPrior(const ViewData& reference,
       if (!(at.depth > 0.f) || ProbabilityOfSurface(at) < min_probability) {
         continue;
       }
-      // A plane that the prior does not contradict is the more exact one, since
-      // its corners were measured.
+      // A plane that the prior does not contradict is more exact: measured.
       Plane& plane = (*planes)(x, y);
       const Vec3f ray = intrinsics.Ray(x, y);
       if (plane.Valid() && LogLikelihoodRatio(at, plane.Depth(ray)) >= 0.f) {
@@ -345,7 +344,7 @@ StereoMaps MatchUnderPrior(const ViewData& reference,
   HypothesisFilterOptions filter =
       FilterOptions(options, static_cast<int>(sources.size()));
   filter.min_num_consistent =
-      std::min(filter.min_num_consistent, kMinNumConsistent);
+      std::min(filter.min_num_consistent, kMinNumConfirming);
   FilterMaps(inputs, filter, options.smooth_normals, device, &maps);
   return Merge(reference, maps.depth.ToHost(), maps.normal.ToHost());
 }

@@ -25,9 +25,9 @@ namespace tsar {
 // probably planar.
 
 // For each pixel, the plane of its triangle in the Delaunay triangulation of at
-// most one depth for each small square of the image: the median of the square's
-// depths, if it has enough. Invalid outside of all triangles. depth: z in the
-// camera frame, 0 if unreliable.
+// most one depth for each small square of the image: the median, if there are
+// enough. Invalid outside of all triangles. depth: z in the camera frame, 0 if
+// unreliable.
 Image<Plane> TriangulatePlanes(const Image<float>& depth,
                                const Intrinsics& intrinsics);
 

@@ -3,15 +3,13 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/compose/depth_interval.h"
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
 
-#include <filesystem>
-#include <map>
-#include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -29,27 +27,19 @@ DepthInterval StereoDepths(const Workspace& workspace,
 // Width and height of an image's maps. max_image_size: see StereoOptions.
 std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size);
 
-// The inputs by the names of reference and source images: "camera", "photo",
-// "mask" and, for references, "sources", "depths" and "prior". Over the passes,
-// every map depends on all of them.
-using StereoInputs = std::map<std::string, InputState>;
+// stereo/tsar_stereo, the state of MatchWorkspace between passes and runs.
+ContainedPath GetStereoFolder(const Workspace& workspace);
 
-// Throws the errors of StereoDepths.
-StereoInputs FindStereoInputs(const Workspace& workspace,
-                              const StereoOptions& options);
-
-// Reads the inputs from a text file. Returns nullopt if there is none, it is
-// incomplete, or has hashes of another kind.
-std::optional<StereoInputs> ReadStereoInputs(const std::filesystem::path& path);
-void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs);
-
-// The first image of both that differs, the input that differs, and the number
-// of other such images, for an error; nullopt if none differs.
-struct StereoChange {
-  std::string image;
-  std::string text;
-};
-std::optional<StereoChange> FindStereoChange(const StereoInputs& before,
-                                             const StereoInputs& now);
+// Makes sure that all existing maps of the images to match are those of a run
+// with these options and inputs, of which an earlier run may have completed a
+// part. overwrite: whether other maps may be removed. is_listed: by index in
+// Problems(), whether the run makes the image's maps. Throws Error
+// kUnsupported, before a file is changed, if there are other maps and overwrite
+// is false or their image is not listed, or if the workspace has been refined;
+// and those of StereoDepths, removing and writing.
+void ClaimMaps(const Workspace& workspace,
+               const StereoOptions& options,
+               bool overwrite,
+               const std::vector<bool>& is_listed);
 
 }  // namespace tsar

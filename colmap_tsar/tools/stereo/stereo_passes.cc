@@ -10,7 +10,6 @@
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/tools/stereo/planar_prior.h"
-#include "colmap_tsar/tools/stereo/stereo_claim.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
 
 #include <algorithm>

@@ -58,9 +58,8 @@ class StereoPasses {
   const int num_prior_;
 };
 
-// One pass of tsar_stereo over the images of a workspace, by their indices in
-// Workspace::Problems(). Images done before and those without sources are
-// skipped.
+// One pass of tsar_stereo over images by their indices in Problems(). Those
+// done before and those without sources are skipped.
 class StereoTask : public ImageTasks<StereoMaps> {
  public:
   // All references must outlive this object.
@@ -71,8 +70,7 @@ class StereoTask : public ImageTasks<StereoMaps> {
              std::vector<RefineWorker>& workers);
 
   // Loads the image, after the first pass its current maps, and for the pass
-  // that fills its depth prior. Maps of images that are not to be matched are
-  // of earlier runs and ignored.
+  // that fills its depth prior. Maps of unmatched images are older and ignored.
   ViewCache::View Load(int image) const;
 
   ImageReport Begin(size_t index) override;

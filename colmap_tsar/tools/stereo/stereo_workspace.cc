@@ -15,7 +15,6 @@
 #include "colmap_tsar/run/store/links.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/stereo/stereo_claim.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
 #include "colmap_tsar/tools/stereo/stereo_passes.h"

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/tools/plane_export/floor_plan.h"
 
-#include "colmap_tsar/tools/plane_export/exported_planes.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
 
 #include <cmath>
 #include <numbers>

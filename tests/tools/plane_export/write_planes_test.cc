@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/label_color.h"
 #include "colmap_tsar/io/ply.h"
-#include "colmap_tsar/tools/plane_export/exported_planes.h"
+#include "colmap_tsar/tools/plane_export/export_planes.h"
 
 #include <algorithm>
 #include <cmath>

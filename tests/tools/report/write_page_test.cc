@@ -9,7 +9,7 @@
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/run/store/write_back.h"
 #include "colmap_tsar/tools/report/colors.h"
-#include "colmap_tsar/tools/report/page_files.h"
+#include "colmap_tsar/tools/report/page_text.h"
 
 #include <algorithm>
 #include <sstream>
