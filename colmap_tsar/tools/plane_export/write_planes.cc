@@ -218,8 +218,7 @@ void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out) {
   json["vertical"] = planes.vertical.source == Vertical::Source::kNone
                          ? Json()
                          : ToJson(planes.vertical.up);
-  json["vertical_from"] =
-      EnumName(kVerticalSourceNames, planes.vertical.source);
+  json["vertical_from"] = ToString(planes.vertical.source);
   json["frames"] = Json::array();
   for (const Eigen::Matrix3d& frame : planes.frames) {
     // The axes are the columns.
