@@ -195,7 +195,7 @@ void Study(const std::string& root) {
     const ViewData& view = views[problem.reference];
     const std::string& name = workspace.Model().images[problem.reference].name;
     CollectView(view.depth,
-                DeviceViews(view, sources, *device),
+                DeviceViews(view, UploadViews(sources, *device), *device),
                 ReadDepthMap(workspace.Root() / "ground_truth" / "depth" /
                              (name + ".bin")),
                 *device,

@@ -148,8 +148,8 @@ class Comparison {
     const auto quantile = [&](double q) {
       return differences_.empty()
                  ? 0.
-                 : differences_[static_cast<size_t>(
-                       q * static_cast<double>(differences_.size() - 1))];
+                 : differences_[q *
+                                static_cast<double>(differences_.size() - 1)];
     };
     std::printf("%-28s %9zu %8.4f %8.4f %8.4f %8.4f %8.3f %9ld %9ld\n",
                 name.c_str(),
@@ -217,7 +217,7 @@ void CompareFullWindows(const StereoProblem& problem,
   const Plane plane = Plane::FromPoint(
       reference.intrinsics.Ray(x, y), view.depth(x, y), view.normal(x, y));
   const auto colmap_sampler = [&](int image) {
-    return [gray = grays[static_cast<size_t>(image)].View()](float u, float v) {
+    return [gray = grays[image].View()](float u, float v) {
       return SampleInBlack(gray, u, v);
     };
   };
@@ -255,7 +255,7 @@ void CompareView(const StereoProblem& problem,
   for (const int source : problem.sources) {
     sources.push_back(&views[source]);
   }
-  const DeviceViews on_device(view, sources, device);
+  const DeviceViews on_device(view, UploadViews(sources, device), device);
   const MatchingCosts costs =
       ComputeMatchingCosts(on_device.Reference(), on_device.Sources(), device);
   const Image<float> first = costs.min_cost.ToHost();

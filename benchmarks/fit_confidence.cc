@@ -132,8 +132,8 @@ void PrintCalibration(const char* name,
   for (const Sample& sample : scene) {
     const double confidence =
         1.0 / (1.0 + std::exp(-RowOf(sample).dot(weights)));
-    Class& of_sample = classes[static_cast<size_t>(
-        std::clamp(static_cast<int>(10.0 * confidence), 0, 9))];
+    Class& of_sample =
+        classes[std::clamp(static_cast<int>(10.0 * confidence), 0, 9)];
     of_sample.count += 1.0;
     of_sample.confidence += confidence;
     of_sample.right += sample.is_right ? 1.0 : 0.0;

@@ -143,8 +143,7 @@ DepthResolution ResolutionOf(const Workspace& workspace,
   for (const StereoProblem& problem : workspace.Problems()) {
     if (problem.reference == image) {
       for (const int source : problem.sources) {
-        sources.push_back(
-            workspace.Model().images[static_cast<size_t>(source)].camera);
+        sources.push_back(workspace.Model().images[source].camera);
       }
     }
   }
@@ -152,8 +151,7 @@ DepthResolution ResolutionOf(const Workspace& workspace,
 }
 
 void CollectView(const Workspace& workspace, int image, Scene* scene) {
-  const SparseModel::ModelImage& model_image =
-      workspace.Model().images[static_cast<size_t>(image)];
+  const SparseModel::ModelImage& model_image = workspace.Model().images[image];
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const Image<float> depths = ReadDepthMap(paths.depth);
   const auto require_size = [&](const ContainedPath& path, auto map) {

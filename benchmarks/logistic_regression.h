@@ -32,7 +32,7 @@ inline Eigen::VectorXd SolveLogisticRegression(const std::vector<Case>& cases) {
   Eigen::VectorXd outcomes(num_rows);
   Eigen::VectorXd weights(num_rows);
   for (Eigen::Index i = 0; i < num_rows; ++i) {
-    const Case& one = cases[static_cast<size_t>(i)];
+    const Case& one = cases[i];
     rows.row(i) = one.row;
     outcomes(i) = one.outcome ? 1.0 : 0.0;
     weights(i) = one.weight;

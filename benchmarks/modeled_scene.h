@@ -148,13 +148,12 @@ class ModeledScene {
 
  private:
   const std::string& Name(int image) const {
-    return workspace_.Model().images[static_cast<size_t>(image)].name;
+    return workspace_.Model().images[image].name;
   }
 
   ObservedView Observed(int image) const {
-    return MakeObservedView(
-        evidence_.at(image),
-        workspace_.Model().images[static_cast<size_t>(image)].camera);
+    return MakeObservedView(evidence_.at(image),
+                            workspace_.Model().images[image].camera);
   }
 
   const Workspace workspace_;

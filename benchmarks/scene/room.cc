@@ -220,8 +220,7 @@ RoomHit Room::Cast(const Ray& ray) const {
 Vector3d Room::Shade(const Ray& ray,
                      const RoomHit& hit,
                      double footprint) const {
-  const Material& material =
-      surfaces_[static_cast<size_t>(hit.surface)].material;
+  const Material& material = surfaces_[hit.surface].material;
   Vector3d color = material.base;
   if (!material.IsBare()) {
     // Shifted, so that no two surfaces look the same.

@@ -101,7 +101,7 @@ class Room {
                         double footprint) const;
 
   bool IsBare(const RoomHit& hit) const {
-    return surfaces_[static_cast<size_t>(hit.surface)].material.IsBare();
+    return surfaces_[hit.surface].material.IsBare();
   }
 
  private:

@@ -28,8 +28,7 @@ LatticeNoise::LatticeNoise(uint32_t seed) : lattice_(kSide * kSide) {
 }
 
 double LatticeNoise::At(int64_t x, int64_t y) const {
-  return lattice_[static_cast<size_t>((y & (kSide - 1)) * kSide +
-                                      (x & (kSide - 1)))];
+  return lattice_[(y & (kSide - 1)) * kSide + (x & (kSide - 1))];
 }
 
 double LatticeNoise::Value(double x, double y) const {

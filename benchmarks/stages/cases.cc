@@ -3,15 +3,13 @@
 
 #include "benchmarks/stages/cases.h"
 
-#include "colmap_tsar/device/pixel_groups.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
-#include "colmap_tsar/view/filter/confidence.h"
 #include "colmap_tsar/view/filter/discontinuity.h"
 #include "colmap_tsar/view/filter/reliability.h"
 #include "colmap_tsar/view/regions/assign_region_planes.h"
-#include "colmap_tsar/view/regions/hough.h"
-#include "colmap_tsar/view/regions/roberts.h"
+#include "colmap_tsar/view/regions/edges.h"
 
 #include <cmath>
 #include <memory>
@@ -55,7 +53,9 @@ std::vector<StageCase> TransferCases(const StageInputs& in) {
        (23.0 + 8.0 * in.NumSources()) * pixels,
        [&in] {
          const DeviceViews views(
-             in.view_set.reference, in.view_set.SourcePointers(), in.device);
+             in.view_set.reference,
+             UploadViews(in.view_set.SourcePointers(), in.device),
+             in.device);
        }},
       // Depth 4, normal 12, confidence 4, provenance 1.
       {"Download",

@@ -11,6 +11,10 @@
 
 namespace tsar {
 
+// Whether a value is neither NaN nor infinite: x - x is 0 for finite values
+// alone. There are no branches, so that loops over maps are vectorized.
+inline bool IsFinite(float value) { return value - value == 0.f; }
+
 // Functions of floats that give the same bits on CPU and GPU.
 
 // 1.5 * 2^23: floats of this size have no fractional bits, so that adding it

@@ -4,7 +4,6 @@
 #include "colmap_tsar/cli/process_setup.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/failure.h"
 #include "colmap_tsar/base/printable.h"
 
 #include <atomic>

@@ -7,8 +7,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
-#include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/priors/depth_prior.h"
+#include "colmap_tsar/run/store/input_folders.h"
 
 #include <algorithm>
 #include <iostream>

@@ -10,7 +10,6 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
 #include "colmap_tsar/tools/evaluation/depth_evaluation.h"
-#include "colmap_tsar/tools/evaluation/fused_pixel_evaluation.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
 #include <algorithm>

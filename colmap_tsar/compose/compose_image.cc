@@ -113,16 +113,15 @@ std::vector<ComposedSuperpixel> DescribeSuperpixels(
     const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
     const int label = labeled.labels[k];
     const LabelQuality& quality = labeled.qualities[k];
-    result.push_back({curved.evidence[k],
-                      {quality.strength.Value(),
-                       quality.confirmed.Value(),
-                       quality.uncertainty.Value(),
-                       quality.margin.Value()},
-                      label >= 0
-                          ? found.plane_errors[static_cast<size_t>(label)]
-                          : InverseDepthError{},
-                      is_curved,
-                      prior_normals.empty() ? Vec3f{} : prior_normals[k]});
+    result.push_back(
+        {curved.evidence[k],
+         {quality.strength.Value(),
+          quality.confirmed.Value(),
+          quality.uncertainty.Value(),
+          quality.margin.Value()},
+         label >= 0 ? found.plane_errors[label] : InverseDepthError{},
+         is_curved,
+         prior_normals.empty() ? Vec3f{} : prior_normals[k]});
   }
   return result;
 }

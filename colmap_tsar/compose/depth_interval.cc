@@ -12,13 +12,11 @@ std::optional<DepthInterval> SparseDepthInterval(const SparseModel& model,
                                                  int image) {
   constexpr double kPercentile = 0.01;
   constexpr double kStretch = 0.25;
-  const SparseModel::ModelImage& view =
-      model.images[static_cast<size_t>(image)];
+  const SparseModel::ModelImage& view = model.images[image];
   std::vector<double> depths;
   for (const int point : view.point_indices) {
     const double depth =
-        (view.camera.rotation * model.points[static_cast<size_t>(point)] +
-         view.camera.translation)
+        (view.camera.rotation * model.points[point] + view.camera.translation)
             .z();
     if (depth > 0.0) {
       depths.push_back(depth);
@@ -29,10 +27,8 @@ std::optional<DepthInterval> SparseDepthInterval(const SparseModel& model,
   }
   std::sort(depths.begin(), depths.end());
   const double last = static_cast<double>(depths.size() - 1);
-  return DepthInterval{
-      depths[static_cast<size_t>(kPercentile * last)] * (1.0 - kStretch),
-      depths[static_cast<size_t>((1.0 - kPercentile) * last)] *
-          (1.0 + kStretch)};
+  return DepthInterval{depths[kPercentile * last] * (1.0 - kStretch),
+                       depths[(1.0 - kPercentile) * last] * (1.0 + kStretch)};
 }
 
 }  // namespace tsar

@@ -194,7 +194,6 @@ void MakeEvidence(const RefineOptions& options,
                                inputs.num_superpixels,
                                PatchRadius(measured.gray, measured.camera));
   }
-  EvidenceOptions evidence_options;
   if (measured.prior != nullptr) {
     const Image<RayDepth> samples =
         SamplesToAlignBy(measured.inputs.samples,
@@ -206,11 +205,11 @@ void MakeEvidence(const RefineOptions& options,
                  measured.inputs.superpixel_planes,
                  samples,
                  &measured.inputs.prior);
-    evidence_options.tolerance = static_cast<float>(
+    measured.inputs.tolerance = static_cast<float>(
         ScenePlaneTolerance(options, MeasureNoise(measured.inputs)));
     timer.Finish("prior");
   }
-  GatheredEvidence gathered = GatherEvidence(measured.inputs, evidence_options);
+  GatheredEvidence gathered = GatherEvidence(measured.inputs);
   gathered.evidence.color = std::move(measured.color);
   gathered.evidence.flags = std::move(measured.flags);
   timer.Finish("evidence");

@@ -60,7 +60,7 @@ FuseSummary FuseWorkspace(Workspace workspace,
   FusedCloudWriter writer(UserPath(options.output_path));
   std::vector<EncodedPoints> encoded(plan.order.size());
   const auto place_in_file = [&](int image) {
-    return workspace.Model().images[static_cast<size_t>(image)].index_in_file;
+    return workspace.Model().images[image].index_in_file;
   };
   run.Run(
       [&](size_t place, const FusedImage& fused) {

@@ -92,8 +92,8 @@ EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
     Append(point.color, &encoded.points);
     images.assign(1, static_cast<uint32_t>(place_in_file));
     for (uint64_t rest = point.sources; rest != 0; rest &= rest - 1) {
-      images.push_back(static_cast<uint32_t>(
-          source_places_in_file[static_cast<size_t>(std::countr_zero(rest))]));
+      images.push_back(
+          static_cast<uint32_t>(source_places_in_file[std::countr_zero(rest)]));
     }
     std::sort(images.begin(), images.end());
     Append(static_cast<uint32_t>(images.size()), &encoded.visibility);

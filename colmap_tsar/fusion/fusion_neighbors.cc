@@ -26,8 +26,8 @@ std::vector<int> AllInOrder(const Workspace& workspace) {
   std::vector<int> order;
   std::vector<bool> is_there(workspace.Model().images.size(), false);
   const auto add = [&](int image) {
-    if (!is_there[static_cast<size_t>(image)]) {
-      is_there[static_cast<size_t>(image)] = true;
+    if (!is_there[image]) {
+      is_there[image] = true;
       order.push_back(image);
     }
   };
@@ -49,7 +49,7 @@ std::vector<bool> ReadListed(const Workspace& workspace,
   if (!list.empty()) {
     for (const ListedImage& image :
          ReadImageList(list, workspace.Model(), option)) {
-      listed[static_cast<size_t>(image.image)] = true;
+      listed[image.image] = true;
     }
   }
   return listed;
@@ -102,7 +102,7 @@ FusionPlan PlanFusion(const Workspace& workspace,
   }
   std::vector<std::vector<int>> matched(model.images.size());
   for (const StereoProblem& problem : workspace.Problems()) {
-    matched[static_cast<size_t>(problem.reference)] = problem.sources;
+    matched[problem.reference] = problem.sources;
   }
   const SourceSelector selector(model, kMinTriangulationAngle);
   plan.sources.resize(model.images.size());
@@ -114,7 +114,7 @@ FusionPlan PlanFusion(const Workspace& workspace,
     std::vector<int>& sources = plan.sources[i];
     const auto add = [&](const std::vector<int>& others) {
       for (const int other : others) {
-        if (other != image && is_usable[static_cast<size_t>(other)] &&
+        if (other != image && is_usable[other] &&
             static_cast<int>(sources.size()) < check_num_images &&
             std::find(sources.begin(), sources.end(), other) == sources.end()) {
           sources.push_back(other);

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/main_memory_division.h"
+#include "colmap_tsar/run/store/image_maps.h"
 
 #include <algorithm>
 #include <atomic>
@@ -54,16 +54,16 @@ void FusionRun::Run(const UsePoints& use,
     std::atomic<size_t> next = group.begin;
     ThreadPool threads(
         static_cast<int>(std::min(devices_.size(), group.end - group.begin)));
-    threads.Run(
-        static_cast<int64_t>(devices_.size()), [&](int64_t begin, int64_t end) {
-          for (int64_t d = begin; d < end; ++d) {
-            for (size_t i = next++; i < group.end; i = next++) {
-              StopIfAsked(should_stop);
-              use(i, Fuse(plan_.order[i], &devices_[static_cast<size_t>(d)]));
-              progress.Advance(/*was_work=*/true);
-            }
-          }
-        });
+    threads.Run(static_cast<int64_t>(devices_.size()),
+                [&](int64_t begin, int64_t end) {
+                  for (int64_t d = begin; d < end; ++d) {
+                    for (size_t i = next++; i < group.end; i = next++) {
+                      StopIfAsked(should_stop);
+                      use(i, Fuse(plan_.order[i], &devices_[d]));
+                      progress.Advance(/*was_work=*/true);
+                    }
+                  }
+                });
     for (size_t i = group.begin; i < group.end; ++i) {
       finish(i);
     }
@@ -90,7 +90,7 @@ void FusionRun::MeasureImages() {
   num_pixels_.assign(workspace_.Model().images.size(), 0);
   for (const int image : plan_.order) {
     for (const int needed : ImagesOf(image)) {
-      int64_t& num_pixels = num_pixels_[static_cast<size_t>(needed)];
+      int64_t& num_pixels = num_pixels_[needed];
       if (num_pixels == 0) {
         const MapSize size =
             ReadMapSize(workspace_.Paths(needed, workspace_.Type()).depth);
@@ -149,7 +149,7 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
     std::vector<int> added;
     int64_t num_new_bytes = ResultBytes(plan_.order[i]);
     for (const int image : ImagesOf(plan_.order[i])) {
-      if (!is_needed[static_cast<size_t>(image)]) {
+      if (!is_needed[image]) {
         added.push_back(image);
         num_new_bytes += kPixelBytes * NumPixels(image);
       }
@@ -158,7 +158,7 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
       break;
     }
     for (const int image : added) {
-      is_needed[static_cast<size_t>(image)] = true;
+      is_needed[image] = true;
       group.needed.push_back(image);
     }
     num_bytes += num_new_bytes;
@@ -187,7 +187,7 @@ FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
   for (size_t i = 1; i < inputs.size(); ++i) {
     const int source = SourcesOf(image)[i - 1];
     const std::vector<int>& asked = SourcesOf(source);
-    const int place = plan_.places[static_cast<size_t>(source)];
+    const int place = plan_.places[source];
     sources.push_back(
         {inputs[i],
          place >= 0 &&
@@ -197,7 +197,7 @@ FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
   return {image,
           &cache_.Get(image),
           FuseView(inputs[0],
-                   plan_.places[static_cast<size_t>(image)],
+                   plan_.places[image],
                    sources,
                    fusion_,
                    device->GetDevice()),

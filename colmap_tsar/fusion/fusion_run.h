@@ -61,11 +61,9 @@ class FusionRun {
   std::vector<RunSummary::GpuMemory> PeakGpuMemory() const;
 
  private:
-  int64_t NumPixels(int image) const {
-    return num_pixels_[static_cast<size_t>(image)];
-  }
+  int64_t NumPixels(int image) const { return num_pixels_[image]; }
   const std::vector<int>& SourcesOf(int image) const {
-    return plan_.sources[static_cast<size_t>(image)];
+    return plan_.sources[image];
   }
   // The image and its sources.
   std::vector<int> ImagesOf(int image) const;

@@ -55,7 +55,7 @@ FusionView LoadFusionView(const Workspace& workspace,
   const int height = maps.depth.Height();
   const Image<Rgb> color = workspace.ReadImage(image, width, height);
   const auto camera_of = [&](int i) -> const Camera& {
-    return workspace.Model().images[static_cast<size_t>(i)].camera;
+    return workspace.Model().images[i].camera;
   };
   FusionView view{camera_of(image).Resized(width, height), {width, height}};
   std::vector<Camera> cameras;
@@ -92,8 +92,8 @@ std::vector<int> FusionViewCache::Use(const std::vector<int>& images,
   for (const int image : images) {
     if (views_.Use(image) == nullptr) {
       missing.push_back(image);
-      num_new_bytes += num_pixels[static_cast<size_t>(image)] *
-                       static_cast<int64_t>(sizeof(FusionPixel));
+      num_new_bytes +=
+          num_pixels[image] * static_cast<int64_t>(sizeof(FusionPixel));
     }
   }
   // The images in use are the most recent ones.

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/io/map_io.h"
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 
@@ -41,10 +42,6 @@ int ReadHeaderNumber(std::istream& stream) {
   }
   return -1;
 }
-
-// Whether a value is neither NaN nor infinite: x - x is 0 for finite values
-// alone. There are no branches, so that loops over maps are vectorized.
-bool IsFinite(float value) { return value - value == 0.f; }
 
 template <typename Reader, typename T>
 Image<T> ReadMap(const std::filesystem::path& path, int64_t* num_not_finite) {

@@ -276,9 +276,7 @@ class PlyFile {
       for (double& value : values) {
         value = NextNumber();
       }
-      Take(i, indices, [&](int property) {
-        return values[static_cast<size_t>(property)];
-      });
+      Take(i, indices, [&](int property) { return values[property]; });
     }
   }
 

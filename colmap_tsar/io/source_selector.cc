@@ -64,7 +64,7 @@ SourceSelector::SourceSelector(const SparseModel& model,
   std::vector<size_t> ends = track_begins_;
   for (size_t i = 0; i < model.images.size(); ++i) {
     for (const int point : model.images[i].point_indices) {
-      track_images_[ends[static_cast<size_t>(point)]++] = static_cast<int>(i);
+      track_images_[ends[point]++] = static_cast<int>(i);
     }
   }
 }
@@ -77,14 +77,14 @@ std::vector<int> SourceSelector::SelectSources(int reference,
   std::vector<int> candidates;
   for (const int point : image.point_indices) {
     for (const int other : TrackOf(point)) {
-      if (other != reference && num_shared[static_cast<size_t>(other)]++ == 0) {
+      if (other != reference && num_shared[other]++ == 0) {
         candidates.push_back(other);
       }
     }
   }
   std::ranges::sort(candidates, [&](int a, int b) {
-    const int64_t shared_a = num_shared[static_cast<size_t>(a)];
-    const int64_t shared_b = num_shared[static_cast<size_t>(b)];
+    const int64_t shared_a = num_shared[a];
+    const int64_t shared_b = num_shared[b];
     return shared_a != shared_b ? shared_a > shared_b : a < b;
   });
 
@@ -119,8 +119,7 @@ std::vector<int> SourceSelector::SelectIndependent(
 }
 
 bool SourceSelector::HasOverlap(int reference) const {
-  const std::vector<int>& points =
-      model_.images[static_cast<size_t>(reference)].point_indices;
+  const std::vector<int>& points = model_.images[reference].point_indices;
   return std::ranges::any_of(points, [&](int point) {
     return std::ranges::any_of(TrackOf(point),
                                [&](int image) { return image != reference; });
@@ -134,14 +133,11 @@ std::span<const int> SourceSelector::TrackOf(int point) const {
 }
 
 std::vector<Eigen::Vector3d> SourceSelector::PointsOf(int reference) const {
-  const std::vector<int>& indices =
-      model_.images[static_cast<size_t>(reference)].point_indices;
+  const std::vector<int>& indices = model_.images[reference].point_indices;
   const size_t count = std::min(indices.size(), kMaxNumPoints);
   std::vector<Eigen::Vector3d> points;
   for (size_t i = 0; i < count; ++i) {
-    points.push_back(
-        model_
-            .points[static_cast<size_t>(indices[i * indices.size() / count])]);
+    points.push_back(model_.points[indices[i * indices.size() / count]]);
   }
   return points;
 }
@@ -150,8 +146,8 @@ bool SourceSelector::ReachAngle(const std::vector<Eigen::Vector3d>& points,
                                 int image_a,
                                 int image_b,
                                 double min_tangent) const {
-  const Eigen::Vector3d& center_a = centers_[static_cast<size_t>(image_a)];
-  const Eigen::Vector3d& center_b = centers_[static_cast<size_t>(image_b)];
+  const Eigen::Vector3d& center_a = centers_[image_a];
+  const Eigen::Vector3d& center_b = centers_[image_b];
   const auto num_small =
       std::ranges::count_if(points, [&](const Eigen::Vector3d& point) {
         return !HasAngle(center_a, center_b, point, min_tangent);
@@ -184,12 +180,10 @@ bool SourceSelector::HasTriangulationAngle(int reference, int source) const {
     }
     for (auto it = run; it != points_b.end() && *it == point; ++it) {
       ++num_angles;
-      num_small += HasAngle(centers_[a],
-                            centers_[b],
-                            model_.points[static_cast<size_t>(point)],
-                            min_tangent_)
-                       ? 0
-                       : 1;
+      num_small +=
+          HasAngle(centers_[a], centers_[b], model_.points[point], min_tangent_)
+              ? 0
+              : 1;
     }
   }
   return ReachesPercentile(num_small, num_angles);

@@ -155,8 +155,7 @@ void AddPoints(SparseModelFiles* files, SparseModel* model) {
                                std::to_string(files->track_image_ids[i]) +
                                ", which does not exist");
       }
-      model->images[static_cast<size_t>(image->second)].point_indices.push_back(
-          index);
+      model->images[image->second].point_indices.push_back(index);
     }
   }
 }
@@ -223,8 +222,7 @@ double RoundingPixels(const SparseModel& model,
   const Eigen::Vector3d axis = camera.rotation.row(2).transpose();
   std::vector<double> depths;
   for (const int point : image.point_indices) {
-    depths.push_back(axis.dot(model.points[static_cast<size_t>(point)]) +
-                     camera.translation.z());
+    depths.push_back(axis.dot(model.points[point]) + camera.translation.z());
   }
   if (depths.empty()) {
     return 0.0;
@@ -240,7 +238,7 @@ double RoundingPixels(const SparseModel& model,
 const SparseModel::ModelImage* SparseModel::Find(
     const std::string& name) const {
   const int index = IndexOf(name);
-  return index < 0 ? nullptr : &images[static_cast<size_t>(index)];
+  return index < 0 ? nullptr : &images[index];
 }
 
 int SparseModel::IndexOf(const std::string& name) const {

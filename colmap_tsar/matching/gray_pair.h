@@ -12,11 +12,6 @@
 
 namespace tsar {
 
-// The brightness of a color, 0-255, as matching uses it.
-TSAR_HD inline float GrayLevel(const Rgb& c) {
-  return 0.299f * c.r + 0.587f * c.g + 0.114f * c.b;
-}
-
 // An element of a gray image in the form for interpolation: the gray levels of
 // a pixel and of its right neighbor, so that a bilinear sample takes two loads
 // instead of four. The last pixel of a row is its own neighbor.

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/base/exponential.h"
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/random.h"

@@ -57,8 +57,7 @@ std::vector<bool> AreMeasured(const Image<int>& superpixels,
                               size_t num_superpixels) {
   std::vector<int> balance(num_superpixels);
   for (size_t i = 0; i < samples.NumPixels(); ++i) {
-    balance[static_cast<size_t>(superpixels.Data()[i])] +=
-        samples.Data()[i].z > 0.f ? 1 : -1;
+    balance[superpixels.Data()[i]] += samples.Data()[i].z > 0.f ? 1 : -1;
   }
   std::vector<bool> are_measured;
   for (const int difference : balance) {

@@ -64,7 +64,7 @@ Image<float> Resample(const Image<float>& values, int width, int height) {
     const float* const top = &values(0, row.first);
     const float* const bottom = &values(0, row.second);
     for (int x = 0; x < width; ++x) {
-      const AxisSample& column = columns[static_cast<size_t>(x)];
+      const AxisSample& column = columns[x];
       const auto [x0, x1, share] = column;
       if (IsValue(top[x0]) && IsValue(top[x1]) && IsValue(bottom[x0]) &&
           IsValue(bottom[x1])) {

@@ -86,7 +86,7 @@ class CorrectionField {
     const std::vector<AxisSample> columns = AxisSamples(width_, width);
     Eigen::ArrayXf right(width);  // The share of the cells on the right.
     for (int x = 0; x < width; ++x) {
-      right[x] = columns[static_cast<size_t>(x)].share;
+      right[x] = columns[x].share;
     }
     std::array<CellsOfPixels, 4> cells;
     int row_of_cells = -1;

@@ -83,7 +83,7 @@ class NameMatcher {
   }
 
   const std::string& Name(const Match& match) const {
-    return names_[static_cast<size_t>(match.image)];
+    return names_[match.image];
   }
 
   const std::vector<std::string>& names_;
@@ -266,16 +266,15 @@ PriorFolder::PriorFolder(const Path& folder,
       }
       continue;
     }
-    PriorFiles& files = files_[static_cast<size_t>(match.image)];
+    PriorFiles& files = files_[match.image];
     Path& place = match.is_normals ? files.normals : files.depth;
     if (!place.empty()) {
       throw Error::File(
           ErrorCode::kMismatch,
           path.string(),
           std::string(match.is_normals ? "are normals" : "is depth") +
-              " of the image " + image_names[static_cast<size_t>(match.image)] +
-              ", and so " + (match.is_normals ? "are those in " : "is ") +
-              place.string(),
+              " of the image " + image_names[match.image] + ", and so " +
+              (match.is_normals ? "are those in " : "is ") + place.string(),
           "take one of the two away");
     }
     place = path;

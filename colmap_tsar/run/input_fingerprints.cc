@@ -128,9 +128,8 @@ InputFingerprints::InputFingerprints(const Workspace& workspace)
     for (const int source : problem.sources) {
       names += workspace_.Name(source) + "\n";  // Names have no line breaks.
     }
-    problems_[static_cast<size_t>(problem.reference)] = &problem;
-    source_lists_[static_cast<size_t>(problem.reference)] =
-        FingerprintOf(names);
+    problems_[problem.reference] = &problem;
+    source_lists_[problem.reference] = FingerprintOf(names);
   }
 }
 
@@ -146,9 +145,9 @@ const std::string& InputFingerprints::StateOfScene() {
   std::call_once(scene_flag_, [&] {
     std::vector<bool> is_used(views_.size());
     for (const StereoProblem& problem : workspace_.Problems()) {
-      is_used[static_cast<size_t>(problem.reference)] = true;
+      is_used[problem.reference] = true;
       for (const int source : problem.sources) {
-        is_used[static_cast<size_t>(source)] = true;
+        is_used[source] = true;
       }
     }
     std::string text;
@@ -166,7 +165,7 @@ const std::string& InputFingerprints::StateOfScene() {
 InputState InputFingerprints::OfResult(int reference,
                                        const std::string& planes) {
   InputState state = OfView(reference);
-  state[kSources] = source_lists_[static_cast<size_t>(reference)];
+  state[kSources] = source_lists_[reference];
   state[kScene] = StateOfScene();
   state[ImageRecord::kPlanes] = planes;
   return state;
@@ -190,12 +189,12 @@ void InputFingerprints::Expect(std::map<int, InputState> views,
                                const std::vector<int>& own) {
   expected_ = std::move(views);
   for (const int image : own) {
-    is_own_[static_cast<size_t>(image)] = true;
+    is_own_[image] = true;
   }
 }
 
 const InputFingerprints::View& InputFingerprints::Find(int image) {
-  View& view = views_[static_cast<size_t>(image)];
+  View& view = views_[image];
   std::call_once(view.flag, [&] {
     view.state = Read(image);
     std::string text = workspace_.Name(image);
@@ -209,8 +208,7 @@ const InputFingerprints::View& InputFingerprints::Find(int image) {
 
 InputState InputFingerprints::Read(int image) const {
   const auto expected = expected_.find(image);
-  const bool reads_maps =
-      expected == expected_.end() || is_own_[static_cast<size_t>(image)];
+  const bool reads_maps = expected == expected_.end() || is_own_[image];
   InputState state = {
       {kMaps, reads_maps ? MapsOf(image) : Get(expected->second, kMaps)}};
   if (state[kMaps] != kNoMaps) {

@@ -48,9 +48,7 @@ class InputFingerprints {
   explicit InputFingerprints(const Workspace& workspace);
 
   // Null where the image is no reference.
-  const StereoProblem* Problem(int image) const {
-    return problems_[static_cast<size_t>(image)];
-  }
+  const StereoProblem* Problem(int image) const { return problems_[image]; }
 
   // The state of the inputs of an image's view: "camera", "photo", "mask" and
   // "prior" where it has one, "regions" where it has a label image, "maps" (the

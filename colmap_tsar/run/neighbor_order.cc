@@ -17,15 +17,15 @@ std::vector<std::vector<size_t>> FindNeighbors(const Workspace& workspace) {
   const std::vector<StereoProblem>& problems = workspace.Problems();
   std::vector<int> index_of(workspace.Model().images.size(), -1);
   for (size_t i = 0; i < problems.size(); ++i) {
-    index_of[static_cast<size_t>(problems[i].reference)] = static_cast<int>(i);
+    index_of[problems[i].reference] = static_cast<int>(i);
   }
   std::vector<std::vector<size_t>> neighbors(problems.size());
   for (size_t i = 0; i < problems.size(); ++i) {
     for (const int source : problems[i].sources) {
-      const int other = index_of[static_cast<size_t>(source)];
+      const int other = index_of[source];
       if (other >= 0 && other != static_cast<int>(i)) {
         neighbors[i].push_back(static_cast<size_t>(other));
-        neighbors[static_cast<size_t>(other)].push_back(i);
+        neighbors[other].push_back(i);
       }
     }
   }

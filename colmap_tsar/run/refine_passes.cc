@@ -8,8 +8,8 @@
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/compose/photometric_detail.h"
-#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/compose/refine_image.h"
+#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/view/reduce_view.h"
@@ -338,7 +338,7 @@ RefineResult ComposePass::Compose(size_t index,
 
 std::vector<int> ComposePass::ComparedSources(size_t index) const {
   const auto is_judged_as_it_is = [&](int image) {
-    const int side = run_.overview.map_sides[static_cast<size_t>(image)];
+    const int side = run_.overview.map_sides[image];
     return ReductionFactor(side, side) == 1;
   };
   std::vector<int> sources;

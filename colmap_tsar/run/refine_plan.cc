@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/io/image_list.h"
+#include "colmap_tsar/io/image_lists.h"
 #include "colmap_tsar/run/store/write_back.h"
 
 #include <algorithm>
@@ -77,7 +77,7 @@ RefinePlan::RefinePlan(const Workspace& workspace,
   for (size_t index = 0; index < NumImages(); ++index) {
     if (CanRefine(index)) {
       for (const int view : SourcesAndReference(index)) {
-        users_[static_cast<size_t>(view)].push_back(index);
+        users_[view].push_back(index);
       }
     }
   }
@@ -124,8 +124,7 @@ bool RefinePlan::IsToBeRefined(size_t index) {
 }
 
 bool RefinePlan::IsNeeded(size_t index) {
-  const std::vector<size_t>& users =
-      users_[static_cast<size_t>(Reference(index))];
+  const std::vector<size_t>& users = users_[Reference(index)];
   return std::ranges::any_of(
       users, [&](size_t other) { return IsToBeRefined(other); });
 }

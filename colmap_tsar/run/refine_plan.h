@@ -53,9 +53,7 @@ class RefinePlan {
   const std::string& Name(size_t index) const {
     return workspace_.Name(Reference(index));
   }
-  bool HasMaps(int image) const {
-    return has_maps_[static_cast<size_t>(image)];
-  }
+  bool HasMaps(int image) const { return has_maps_[image]; }
   // The sources that have maps.
   std::vector<int> Sources(size_t index) const;
   // The views that single-view stages need.

@@ -41,7 +41,7 @@ struct RefineRun {
   RefineObserver* observer = nullptr;
 
   const std::vector<size_t>& Images() const {
-    return shards[static_cast<size_t>(options.shard.index)];
+    return shards[options.shard.index];
   }
   // Whether some image of the run has yet to be refined and can be.
   bool IsAnyNeeded() const {

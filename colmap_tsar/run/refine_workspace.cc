@@ -9,7 +9,7 @@
 #include "colmap_tsar/base/raster_memory.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/io/fusion_obstacles.h"
+#include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/model_pass.h"
 #include "colmap_tsar/run/refine_passes.h"
 #include "colmap_tsar/run/run_account.h"
@@ -53,7 +53,7 @@ class RefineController {
  private:
   bool IsShard() const { return options_.pass != RefinePass::kAll; }
   const std::vector<size_t>& Images() const {
-    return shards_[static_cast<size_t>(options_.shard.index)];
+    return shards_[options_.shard.index];
   }
   void Lock();
   // Checks the inputs before anything is written.

@@ -30,7 +30,7 @@ class ViewLoader {
   // reads its originals while another renames its refined maps could take these
   // for maps that COLMAP wrote anew.
   std::unique_lock<std::mutex> Lock(int image) {
-    return std::unique_lock(mutexes_[static_cast<size_t>(image)]);
+    return std::unique_lock(mutexes_[image]);
   }
 
  private:

@@ -183,7 +183,7 @@ bool CheckImage(const Workspace& workspace,
   }
   const Camera& camera = workspace.CameraOf(image);
   const int side = std::max(size->width, size->height);
-  overview->map_sides[static_cast<size_t>(image)] = side;
+  overview->map_sides[image] = side;
   overview->max_side = std::max(overview->max_side, side);
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
@@ -299,19 +299,16 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   overview.has_maps.resize(workspace.Model().images.size());
   overview.map_sides.resize(workspace.Model().images.size());
   for (const int image : images) {
-    overview.has_maps[static_cast<size_t>(image)] =
-        CheckImage(workspace, image, &overview);
+    overview.has_maps[image] = CheckImage(workspace, image, &overview);
   }
   bool any_reference = false;
   for (const StereoProblem& problem : workspace.Problems()) {
-    if (!overview.has_maps[static_cast<size_t>(problem.reference)]) {
+    if (!overview.has_maps[problem.reference]) {
       continue;
     }
     any_reference = true;
-    const auto num_sources =
-        std::ranges::count_if(problem.sources, [&](int source) {
-          return overview.has_maps[static_cast<size_t>(source)];
-        });
+    const auto num_sources = std::ranges::count_if(
+        problem.sources, [&](int source) { return overview.has_maps[source]; });
     overview.max_num_sources =
         std::max(overview.max_num_sources, static_cast<int>(num_sources));
   }

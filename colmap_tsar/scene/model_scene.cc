@@ -263,8 +263,7 @@ class SceneModeler {
       cameras.push_back(inputs_.views[view].camera);
       labels.push_back(&sweeps->PlanesOf(view));
     }
-    const std::vector<int> copies =
-        FindPlaneCopies(model_, cameras, labels);
+    const std::vector<int> copies = FindPlaneCopies(model_, cameras, labels);
     std::vector<std::vector<PlaneLine>> of_views(inputs_.views.size());
     ForEachFullView("lines", [&](size_t view, const ObservedView& observed) {
       of_views[view] =

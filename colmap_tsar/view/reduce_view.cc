@@ -38,7 +38,7 @@ class SquareFinder {
         other_(squares.factor),
         rays_(static_cast<size_t>(squares.depth.width)) {
     for (int x = 0; x < squares.depth.width; ++x) {
-      rays_[static_cast<size_t>(x)] = squares.RayOf(x, 0).x;
+      rays_[x] = squares.RayOf(x, 0).x;
     }
   }
 
@@ -103,9 +103,8 @@ class SquareFinder {
     const Plane plane = squares_.PlaneOf(pixel);
     int count = 0;
     for (size_t i = 0; i < static_cast<size_t>(depths.count); ++i) {
-      const Vec3f ray = {rays_[static_cast<size_t>(depths.column[i])],
-                         squares_.RayOf(0, depths.row[i]).y,
-                         1.f};
+      const Vec3f ray = {
+          rays_[depths.column[i]], squares_.RayOf(0, depths.row[i]).y, 1.f};
       count += SquareHypothesis::IsOnPlane(
                    depths.depth[i], ray, plane, depths.depth[median])
                    ? 1
@@ -118,11 +117,11 @@ class SquareFinder {
   static int Median(const Depths& depths) {
     const int rank = (depths.count - 1) / 2;
     for (int i = 0; i < depths.count; ++i) {
-      const float one = depths.depth[static_cast<size_t>(i)];
+      const float one = depths.depth[i];
       int num_nearer = 0;
       int num_as_near = 0;
       for (int j = 0; j < depths.count; ++j) {
-        const float other = depths.depth[static_cast<size_t>(j)];
+        const float other = depths.depth[j];
         num_nearer += other < one ? 1 : 0;
         num_as_near += other == one ? 1 : 0;
       }
@@ -157,14 +156,14 @@ Image<Rgb> MeanColors(const Image<Rgb>& color,
     for (int j = begin_y; j < end_y; ++j) {
       const Rgb* row = &color(0, j);
       for (int x = 0; x < width; ++x) {
-        Sum sum = sums[static_cast<size_t>(x)];
+        Sum sum = sums[x];
         const int end_x = std::min((x + 1) * factor, color.Width());
         for (int i = x * factor; i < end_x; ++i) {
           sum.r += row[i].r;
           sum.g += row[i].g;
           sum.b += row[i].b;
         }
-        sums[static_cast<size_t>(x)] = sum;
+        sums[x] = sum;
       }
     }
     for (int x = 0; x < width; ++x) {
@@ -173,7 +172,7 @@ Image<Rgb> MeanColors(const Image<Rgb>& color,
       const auto mean = [count](uint32_t sum) {
         return static_cast<uint8_t>((sum + count / 2) / count);
       };
-      const Sum& sum = sums[static_cast<size_t>(x)];
+      const Sum& sum = sums[x];
       reduced(x, y) = {mean(sum.r), mean(sum.g), mean(sum.b)};
     }
   }

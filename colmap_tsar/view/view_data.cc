@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/view_data.h"
 
-#include "colmap_tsar/device/working_bytes.h"
+#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/gray_pair.h"
 
 #include <algorithm>

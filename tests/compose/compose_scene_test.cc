@@ -194,8 +194,7 @@ TEST_F(ComposeSceneTest, NothingIsMadeOfNothing) {
 TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   for (int x = 0; x < 4; ++x) {
     scene_(x, 0) = PlaneAt(kScene);
-    of_superpixel_[static_cast<size_t>(x)] = {static_cast<LabelEvidence>(x),
-                                              {.margin = 0.1f * x}};
+    of_superpixel_[x] = {static_cast<LabelEvidence>(x), {.margin = 0.1f * x}};
   }
   // As good as on the plane, and not trusted.
   Measure(3, 0, 5.03f);

@@ -42,7 +42,7 @@ class DepthSigmaTest : public testing::Test {
            LabelEvidence evidence = LabelEvidence::kMeasured) {
     depth_(x, 0) = depth;
     provenance_(x, 0) = static_cast<uint8_t>(provenance);
-    of_superpixel_[static_cast<size_t>(x)].evidence = evidence;
+    of_superpixel_[x].evidence = evidence;
   }
   // In shares of the depth.
   std::vector<float> Compute(bool is_of_scene = true) const {
@@ -133,8 +133,8 @@ TEST_F(DepthSigmaTest, AddsTheErrorOfThePlane) {
   for (const int x : {0, 5}) {
     Set(x, kScene, Provenance::kMeasured);
     // Of 1/z: 0.006 on the axis, more beside it.
-    of_superpixel_[static_cast<size_t>(x)].error.zz = 0.006f * 0.006f;
-    of_superpixel_[static_cast<size_t>(x)].error.xx = 0.01f * 0.01f;
+    of_superpixel_[x].error.zz = 0.006f * 0.006f;
+    of_superpixel_[x].error.xx = 0.01f * 0.01f;
   }
   const std::vector<float> sigma = Compute();
   EXPECT_NEAR(sigma[0], std::hypot(0.006f * kScene, 0.01f), 1e-4f);
@@ -176,7 +176,7 @@ TEST_F(DepthSigmaTest, GoesByProvenanceInAViewAlone) {
   Set(4, kScene, Provenance::kInterpolated);
   const std::vector<float> sigma = Compute(false);
   for (int x = 0; x <= 4; ++x) {
-    EXPECT_NEAR(sigma[static_cast<size_t>(x)], 0.01f * x, 1e-5f);
+    EXPECT_NEAR(sigma[x], 0.01f * x, 1e-5f);
   }
 }
 

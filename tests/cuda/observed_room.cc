@@ -41,7 +41,7 @@ ViewEvidence ObserveView(const SyntheticRoom& room, size_t view) {
     for (int x = 0; x < camera.width; ++x) {
       const int superpixel = y / kSize * kNumColumns + x / kSize;
       inputs.superpixels(x, y) = superpixel;
-      const uint32_t choice = choices[static_cast<size_t>(superpixel)];
+      const uint32_t choice = choices[superpixel];
       const Vec3f ray = inputs.intrinsics.Ray(x, y);
       const auto [surface, distance] = room.Hit(camera, {ray.x, ray.y, 1.0});
       const auto depth = static_cast<float>(distance);

@@ -211,7 +211,7 @@ TEST_F(CudaTest, ApplyCylindersAndSetTheirConfidence) {
         // Upright, seen in every other eighth, in two sizes.
         std::vector<SeenCylinder> cylinders(2);
         for (int k = 0; k < 2; ++k) {
-          SeenCylinder& seen = cylinders[static_cast<size_t>(k)];
+          SeenCylinder& seen = cylinders[k];
           const float distance = inputs.drawn.wall.offset * (0.5f + 0.2f * k);
           seen.cylinder = {{0.1f * k * distance, -distance, distance},
                            {0.f, 1.f, 0.f},

@@ -142,11 +142,10 @@ TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
     std::vector<DeviceViewCache::View> sources;
     for (int i = 0; i < num_views; ++i) {
       if (i != reference) {
-        sources.push_back(
-            cache.Get(i, drawn.views[static_cast<size_t>(i)], gpu));
+        sources.push_back(cache.Get(i, drawn.views[i], gpu));
       }
     }
-    return RefineImage(drawn.views[static_cast<size_t>(reference)],
+    return RefineImage(drawn.views[reference],
                        sources,
                        static_cast<uint32_t>(reference),
                        {},
@@ -172,7 +171,7 @@ TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
         for (int i = 0; i < 4 * num_views; ++i) {
           const int reference = (i + 2 * worker) % num_views;
           EXPECT_TRUE(HaveSameBytes(refine(reference, cache, *gpus[worker]),
-                                    expected[static_cast<size_t>(reference)]));
+                                    expected[reference]));
         }
       });
     }

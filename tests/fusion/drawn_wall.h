@@ -52,10 +52,10 @@ struct DrawnWall {
     std::vector<FusionSourceInput> sources;
     for (int i = 0; i < static_cast<int>(views.size()); ++i) {
       if (i != place) {
-        sources.push_back({InputOf(views[static_cast<size_t>(i)]), true, i});
+        sources.push_back({InputOf(views[i]), true, i});
       }
     }
-    return FuseView(InputOf(views[static_cast<size_t>(place)]),
+    return FuseView(InputOf(views[place]),
                     place,
                     sources,
                     options,

@@ -127,14 +127,14 @@ TEST(FuseViewTest, APointThatMoreCertainImagesSeeThroughIsLeftOut) {
     views.push_back(Wall::View(0.5 * i));
   }
   for (int i = 0; i < 2; ++i) {
-    for (FusionPixel& pixel : views[static_cast<size_t>(i)].pixels) {
+    for (FusionPixel& pixel : views[i].pixels) {
       pixel.depth = 3.f;
       pixel.confidence = 100;
     }
   }
   const auto count = [&](uint8_t confidence, bool reject) {
     for (int i = 2; i < 4; ++i) {
-      for (FusionPixel& pixel : views[static_cast<size_t>(i)].pixels) {
+      for (FusionPixel& pixel : views[i].pixels) {
         pixel.confidence = confidence;
       }
     }
@@ -232,7 +232,7 @@ TEST(FuseViewTest, NoiseDoesNotChooseTheNearestDepth) {
   for (int i = 0; i < 5; ++i) {
     for (const FusedPoint& point :
          Wall::Fuse(views, i, Wall::DensestOptions())) {
-      const FusionView& view = views[static_cast<size_t>(i)];
+      const FusionView& view = views[i];
       sum += view.pixels(point.column, point.row).depth;
       ++count;
     }

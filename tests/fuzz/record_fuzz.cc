@@ -27,7 +27,7 @@ std::vector<std::string> MakeRecordSeeds() {
   record.options_hash = "0123456789abcdef";
   record.inputs.emplace("photo", "fedcba9876543210");
   record.depth.written = {{1, 2, {0, ~uint32_t{0}}}, {~uint64_t{0}, -1, {}}};
-  record.written_normal = {{2, 0, {}}};
+  record.normal.written = {{2, 0, {}}};
   record.counts["measured"] = 12;
   record.seconds["read"] = 0.5;
   WriteRecord(UserPath(FuzzFolder() / "record.json"), record);

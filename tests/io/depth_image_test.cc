@@ -138,7 +138,7 @@ TEST(DepthImage, RefusesTiffHeadersThatNoFileCanHold) {
                                         std::pair(1, 77),  // "IM".
                                         std::pair(2, 7)}) {
     files.push_back(header(3, 2));
-    files.back()[static_cast<size_t>(position)] = static_cast<char>(value);
+    files.back()[position] = static_cast<char>(value);
   }
   for (const std::string& bytes : files) {
     ExpectError(ErrorCode::kCorrupt,

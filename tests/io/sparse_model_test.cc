@@ -125,8 +125,7 @@ TEST(SparseModelTest, PosesTakeTheWorldToTheCamera) {
     const Camera& camera = image.camera;
     for (const int index : image.point_indices) {
       const Eigen::Vector3d point =
-          camera.rotation * model.points[static_cast<size_t>(index)] +
-          camera.translation;
+          camera.rotation * model.points[index] + camera.translation;
       ASSERT_GT(point.z(), 0.0);
       const double x = camera.fx * point.x() / point.z() + camera.cx;
       const double y = camera.fy * point.y() / point.z() + camera.cy;

@@ -34,7 +34,7 @@ class AlignNormalsTest : public testing::Test {
     }
     for (int k = 0; k < kNumSuperpixels; ++k) {
       if (k % 2 == 0) {
-        planes_[static_cast<size_t>(k)] = {Truth(k), 2.f};
+        planes_[k] = {Truth(k), 2.f};
       }
     }
   }
@@ -60,7 +60,7 @@ class AlignNormalsTest : public testing::Test {
     }
     for (int y = 0; y < normals_.Height(); ++y) {
       for (int x = 0; x < normals_.Width(); ++x) {
-        normals_(x, y) = drawn[static_cast<size_t>(superpixels_(x, y))];
+        normals_(x, y) = drawn[superpixels_(x, y)];
       }
     }
   }
@@ -163,7 +163,7 @@ TEST_F(AlignNormalsTest, PlanesOfFewSamplesAreNotComparedWith) {
   Draw(0.1f, 0.f);
   const float sigma = Align().assessment.normal_sigma;
   for (int k = 0; k < kNumSuperpixels; k += 4) {
-    planes_[static_cast<size_t>(k)].normal = {0.6f, 0.8f, 0.f};
+    planes_[k].normal = {0.6f, 0.8f, 0.f};
     const int column = k % kNumColumns;
     const int row = k / kNumColumns;
     for (int i = 0; i < kSize * kSize / 2 + 1; ++i) {

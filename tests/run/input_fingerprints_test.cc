@@ -60,7 +60,7 @@ class InputFingerprintsTest : public testing::Test {
     const Workspace workspace(root_, kGeometric);
     InputFingerprints inputs(workspace);
     for (const int reference : {0, 1, 2}) {
-      const InputState& recorded = before[static_cast<size_t>(reference)];
+      const InputState& recorded = before[reference];
       changes.push_back(inputs.ChangesOfResult(reference, recorded));
       EXPECT_EQ(changes.back().empty(), inputs.OfResult(reference) == recorded);
     }

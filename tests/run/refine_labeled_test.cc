@@ -83,8 +83,7 @@ TEST_F(RefineLabeledTest, ImagesOfTheWorkspaceHaveTheirSegments) {
   workspace.UseLabelImages(regions_);
   for (int image = 0; image < 4; ++image) {
     const bool has_labels = !workspace.LabelImagePath(image).empty();
-    const std::string& name =
-        workspace.Model().images[static_cast<size_t>(image)].name;
+    const std::string& name = workspace.Model().images[image].name;
     EXPECT_EQ(has_labels, name != "v3.png");
     EXPECT_EQ(workspace.CheckLabels(image),
               has_labels ? kWidth / 2 * kHeight / 2 : 0);

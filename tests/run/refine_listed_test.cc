@@ -109,7 +109,7 @@ TEST_F(RefineListedTest, LinksTheOthersInASecondWorkspace) {
   const auto is_link = [&](int view) {
     return std::filesystem::is_symlink(
         GetMapPaths(options.output_path,
-                    SyntheticWorkspace::Names()[static_cast<size_t>(view)],
+                    SyntheticWorkspace::Names()[view],
                     MapType::kGeometric)
             .depth);
   };

@@ -57,8 +57,7 @@ TEST_F(RefineModelTest, EveryPixelOfAPlaneMapLiesOnItsPlane) {
   const SceneModel model = ReadSceneModel(Planes());
   const Workspace workspace(root_, MapType::kGeometric);
   for (int view = 0; view < 4; ++view) {
-    const std::string& name =
-        SyntheticWorkspace::Names()[static_cast<size_t>(view)];
+    const std::string& name = SyntheticWorkspace::Names()[view];
     const auto& images = workspace.Model().images;
     const auto image =
         std::find_if(images.begin(), images.end(), [&](const auto& candidate) {
@@ -77,9 +76,8 @@ TEST_F(RefineModelTest, EveryPixelOfAPlaneMapLiesOnItsPlane) {
         }
         ++num_on_planes;
         ASSERT_LE(planes(x, y), model.planes.size());
-        const Plane plane = ToCameraPlane(
-            model.planes[static_cast<size_t>(planes(x, y) - 1)].plane,
-            image->camera);
+        const Plane plane =
+            ToCameraPlane(model.planes[planes(x, y) - 1].plane, image->camera);
         const float expected = plane.Depth(image->camera.GetIntrinsics().Ray(
             static_cast<float>(x), static_cast<float>(y)));
         ASSERT_NEAR(depth(x, y), expected, 1e-4f * expected) << x << " " << y;

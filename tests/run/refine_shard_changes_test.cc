@@ -27,13 +27,11 @@ TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
       } catch (const Error& error) {
         ++num_refusals;
         EXPECT_TRUE(error.Code() == ErrorCode::kMismatch);
-        EXPECT_THAT(
-            error.what(),
-            testing::AllOf(
-                testing::HasSubstr(
-                    SyntheticWorkspace::Names()[static_cast<size_t>(view)] +
-                    ": its maps have changed"),
-                testing::HasSubstr("observe of all shards again")));
+        EXPECT_THAT(error.what(),
+                    testing::AllOf(
+                        testing::HasSubstr(SyntheticWorkspace::Names()[view] +
+                                           ": its maps have changed"),
+                        testing::HasSubstr("observe of all shards again")));
         EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == before);
       }
     }
@@ -52,8 +50,7 @@ TEST_F(RefineShardTest, ChangesWhileShardsObserveAreSeen) {
       Redraw();
       Run("observe", "0/2", refine);
       const std::filesystem::path photo =
-          root_ / "images" /
-          SyntheticWorkspace::Names()[static_cast<size_t>(view)];
+          root_ / "images" / SyntheticWorkspace::Names()[view];
       std::filesystem::last_write_time(
           photo,
           std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
@@ -76,12 +73,10 @@ TEST_F(RefineShardTest, ChangesWhileShardsObserveAreSeen) {
       const bool is_in_first =
           ReadShardRecord(GetShardPath(root_, "observe", 0, 2))
                   .images[0]
-                  .image ==
-              SyntheticWorkspace::Names()[static_cast<size_t>(view)] ||
+                  .image == SyntheticWorkspace::Names()[view] ||
           ReadShardRecord(GetShardPath(root_, "observe", 0, 2))
                   .images[1]
-                  .image ==
-              SyntheticWorkspace::Names()[static_cast<size_t>(view)];
+                  .image == SyntheticWorkspace::Names()[view];
       EXPECT_EQ(num_refusals, scene_planes || is_in_first ? 2 : 0) << view;
       RunAll("observe", 2, refine);
       RunAll("compose", 2, refine);
@@ -105,11 +100,11 @@ TEST_F(RefineShardTest, AnotherCameraIsSeenWhateverItsShard) {
     changed.erase(fourth, 2);
     WriteText(path, changed);
     for (const char* shard : {"0/2", "1/2"}) {
-      ExpectError(ErrorCode::kMismatch,
-                  {SyntheticWorkspace::Names()[static_cast<size_t>(view)] +
-                       ": its camera has changed",
-                   "observe of all shards"},
-                  [&] { Run("compose", shard); });
+      ExpectError(
+          ErrorCode::kMismatch,
+          {SyntheticWorkspace::Names()[view] + ": its camera has changed",
+           "observe of all shards"},
+          [&] { Run("compose", shard); });
     }
   }
   WriteText(path, images);
@@ -139,8 +134,8 @@ TEST_F(RefineShardTest, ReadsTheLatestMapsOfOtherTypesAndImages) {
   Refine(photometric, refine);
   Refine(Options(root_), refine);
   const auto write_anew = [&](int view, MapType type) {
-    const MapPaths paths = GetMapPaths(
-        root_, SyntheticWorkspace::Names()[static_cast<size_t>(view)], type);
+    const MapPaths paths =
+        GetMapPaths(root_, SyntheticWorkspace::Names()[view], type);
     ASSERT_TRUE(std::filesystem::exists(paths.original_depth));
     WriteDepthMap(paths.depth, Image<float>(96, 72, 5.5f));
     WriteNormalMap(paths.normal,

@@ -115,14 +115,12 @@ class RefineShardTest : public testing::Test {
     MakeSyntheticWorkspace(root_);
   }
   MapPaths Paths(int view) const {
-    return GetMapPaths(root_,
-                       SyntheticWorkspace::Names()[static_cast<size_t>(view)],
-                       MapType::kGeometric);
+    return GetMapPaths(
+        root_, SyntheticWorkspace::Names()[view], MapType::kGeometric);
   }
   std::filesystem::path Evidence(int view) const {
     return root_ / "stereo/tsar/evidence" /
-           (SyntheticWorkspace::Names()[static_cast<size_t>(view)] +
-            ".geometric.bin");
+           (SyntheticWorkspace::Names()[view] + ".geometric.bin");
   }
   bool HasShards() const {
     return std::filesystem::exists(root_ / "stereo/tsar/shards");

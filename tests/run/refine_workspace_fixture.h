@@ -93,8 +93,7 @@ class RefineWorkspaceTest : public testing::Test {
   }
 
   MapPaths Paths(int view, MapType type = MapType::kGeometric) const {
-    return GetMapPaths(
-        root_, SyntheticWorkspace::Names()[static_cast<size_t>(view)], type);
+    return GetMapPaths(root_, SyntheticWorkspace::Names()[view], type);
   }
   void RemoveMaps(int view, MapType type) const {
     std::filesystem::remove(Paths(view, type).depth);
@@ -108,8 +107,7 @@ class RefineWorkspaceTest : public testing::Test {
   static std::filesystem::path Evidence(const std::filesystem::path& root,
                                         int view) {
     return root / "stereo/tsar/evidence" /
-           (SyntheticWorkspace::Names()[static_cast<size_t>(view)] +
-            ".geometric.bin");
+           (SyntheticWorkspace::Names()[view] + ".geometric.bin");
   }
   // Stops a run once all images have been observed.
   void Observe(const WorkspaceRefineOptions& options,
@@ -143,11 +141,8 @@ class RefineWorkspaceTest : public testing::Test {
   static void RemoveDepths(const std::filesystem::path& root, int view) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       WriteDepthMap(
-          UserPath(GetMapPaths(
-                       root,
-                       SyntheticWorkspace::Names()[static_cast<size_t>(view)],
-                       type)
-                       .depth),
+          UserPath(
+              GetMapPaths(root, SyntheticWorkspace::Names()[view], type).depth),
           Image<float>(96, 72, 0.f));
     }
   }

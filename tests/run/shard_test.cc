@@ -166,11 +166,7 @@ TEST_F(SplitImagesTest, LargeImagesCountForMore) {
     int work = 0;
     for (const size_t index : shard) {
       const int image = workspace.Problems()[index].reference;
-      work +=
-          workspace.Model().images[static_cast<size_t>(image)].camera.width ==
-                  192
-              ? 4
-              : 1;
+      work += workspace.Model().images[image].camera.width == 192 ? 4 : 1;
     }
     EXPECT_NEAR(work, 8, 2);
   }
@@ -195,8 +191,7 @@ TEST_F(SplitImagesTest, DoesNotDependOnTheOrderOfTheLines) {
       result.emplace_back();
       for (const size_t index : shard) {
         const int image = workspace.Problems()[index].reference;
-        result.back().push_back(
-            workspace.Model().images[static_cast<size_t>(image)].name);
+        result.back().push_back(workspace.Model().images[image].name);
       }
       std::sort(result.back().begin(), result.back().end());
     }

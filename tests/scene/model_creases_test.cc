@@ -61,8 +61,7 @@ class ModelCreasesTest : public DrawnRoomTest {
       const int end = evidence.first_observation[k + 1];
       kept.first_observation[k] = static_cast<int>(kept.observations.size());
       for (int i = begin; i < end; ++i) {
-        const Observation& observation =
-            evidence.observations[static_cast<size_t>(i)];
+        const Observation& observation = evidence.observations[i];
         const RayDepth& sample = observation.sample;
         if (room_.Hit(room_.cameras[view], {sample.x, sample.y, 1.0}).first !=
             surface) {
@@ -102,8 +101,7 @@ class ModelCreasesTest : public DrawnRoomTest {
   // Walls, floor and ceiling have a brightness each.
   void PaintSurfaces() {
     Paint([](int surface, const Eigen::Vector3d&) {
-      return std::vector<double>{
-          140.0, 130.0, 90.0, 150.0}[static_cast<size_t>(surface)];
+      return std::vector<double>{140.0, 130.0, 90.0, 150.0}[surface];
     });
   }
 
@@ -145,7 +143,7 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
   const SceneModel model = *Run();
   const int ceiling = FindCeiling(model);
   ASSERT_GE(ceiling, 0);
-  const ModelPlane& plane = model.planes[static_cast<size_t>(ceiling)];
+  const ModelPlane& plane = model.planes[ceiling];
   EXPECT_EQ(plane.frame, 0);
   EXPECT_EQ(plane.support, 0.0);
   // In the corner other views hold the left wall for what is there.
@@ -156,8 +154,7 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
     for (size_t k = 0; k < labels.planes.size(); ++k) {
       const int surface = room_.seen[view][k];
       if (surface >= 0 && surface != kCeilingSurface) {
-        EXPECT_EQ(labels.planes[k],
-                  Find(room_.surfaces[static_cast<size_t>(surface)], model))
+        EXPECT_EQ(labels.planes[k], Find(room_.surfaces[surface], model))
             << view << " " << k;
         EXPECT_EQ(labels.evidence[k], LabelEvidence::kMeasured);
       }

@@ -29,8 +29,7 @@ class ModelSceneTest : public DrawnRoomTest {
       for (size_t k = 0; k < room_.seen[view].size(); ++k) {
         const int surface = room_.seen[view][k];
         if (surface >= 0) {
-          EXPECT_EQ(labels.planes[k],
-                    Find(room_.surfaces[static_cast<size_t>(surface)], model))
+          EXPECT_EQ(labels.planes[k], Find(room_.surfaces[surface], model))
               << view << " " << k;
           EXPECT_EQ(labels.evidence[k], LabelEvidence::kMeasured);
         }
@@ -46,7 +45,7 @@ class ModelSceneTest : public DrawnRoomTest {
       for (int i = evidence.first_observation[k];
            i < evidence.first_observation[k + 1] && room_.seen[0][k] == 0;
            ++i) {
-        RayDepth& sample = evidence.observations[static_cast<size_t>(i)].sample;
+        RayDepth& sample = evidence.observations[i].sample;
         sample.z *= 1.f + 1.2f * sample.y *
                               evidence.resolution.RelativeDepthError(sample.z);
       }
@@ -59,12 +58,9 @@ class ModelSceneTest : public DrawnRoomTest {
     const int floor = Find(room_.surfaces[2], model);
     EXPECT_GE(wall, 0);
     EXPECT_GE(floor, 0);
-    return wall < 0 || floor < 0
-               ? 1.0
-               : std::abs(
-                     model.planes[static_cast<size_t>(wall)].plane.normal.dot(
-                         model.planes[static_cast<size_t>(floor)]
-                             .plane.normal));
+    return wall < 0 || floor < 0 ? 1.0
+                                 : std::abs(model.planes[wall].plane.normal.dot(
+                                       model.planes[floor].plane.normal));
   }
 };
 
@@ -144,7 +140,7 @@ TEST_F(ModelSceneTest, WithoutTheAdjustmentPlanesStayAsTheyWereJoined) {
   EXPECT_GT(Lean(model), 1e-6);
   const int wall = Find(room_.surfaces[0], model);
   ASSERT_GE(wall, 0);
-  EXPECT_EQ(model.planes[static_cast<size_t>(wall)].axis, -1);
+  EXPECT_EQ(model.planes[wall].axis, -1);
   for (const ModelPlane& plane : model.planes) {
     EXPECT_TRUE(plane.covariance.allFinite());
     EXPECT_LT(std::abs(plane.plane.Height(plane.center)), 1e-9);
@@ -187,8 +183,7 @@ TEST_F(ModelSceneTest, ViewsThatNothingConnectsShareNothing) {
   for (size_t view = 0; view < views_.size(); ++view) {
     for (const int plane : model.views.at(views_[view].image).planes) {
       if (plane >= 0) {
-        EXPECT_EQ(model.planes[static_cast<size_t>(plane)].component,
-                  static_cast<int>(view));
+        EXPECT_EQ(model.planes[plane].component, static_cast<int>(view));
         components.insert(static_cast<int>(view));
       }
     }
@@ -251,7 +246,7 @@ TEST_F(ModelSceneTest, ViewsThatDifferAgreeInTheEnd) {
          i < evidence.first_observation[k + 1];
          ++i) {
       // 0.8 pixels of disparity in front of it.
-      float& z = evidence.observations[static_cast<size_t>(i)].sample.z;
+      float& z = evidence.observations[i].sample.z;
       z *= 1.f - 0.8f * evidence.resolution.RelativeDepthError(z);
     }
   }

@@ -177,7 +177,7 @@ void WriteMaps(const std::filesystem::path& root, int view) {
     for (int x = 0; x < camera.width; ++x) {
       double of_room = 0.0;
       const RoomPlane& plane = RoomAt(from, RayAt(camera, x, y), &of_room);
-      const double truth = of_row[static_cast<size_t>(x + kWindow)]
+      const double truth = of_row[x + kWindow]
                                ? ColumnDepth(from, RayAt(camera, x, y))
                                : of_room;
       const auto window = of_row.begin() + x;

@@ -113,7 +113,7 @@ DrawnViews::DrawnViews(const DrawnScene& scene,
     // Not all of them look at the middle.
     const Eigen::Vector3d to(0.15 * (i % 3 - 1), 3.0, 0.05 * (i % 2));
     Camera camera = Look(from, to);
-    ViewEvidence& evidence = evidence_[static_cast<size_t>(i)];
+    ViewEvidence& evidence = evidence_[i];
     Draw(scene, camera, noise, &random, &evidence);
     camera.rotation = camera.rotation * rotation.transpose();
     camera.translation *= scale;

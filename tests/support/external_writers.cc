@@ -114,8 +114,7 @@ std::string PfmBytes(int width,
   const int row = width * channels;
   for (int y = height - 1; y >= 0; --y) {
     for (int i = 0; i < row; ++i) {
-      const auto bits =
-          std::bit_cast<uint32_t>(values[static_cast<size_t>(y * row + i)]);
+      const auto bits = std::bit_cast<uint32_t>(values[y * row + i]);
       Append(is_little_endian ? bits : __builtin_bswap32(bits), &bytes);
     }
   }

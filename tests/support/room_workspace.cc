@@ -78,7 +78,7 @@ std::string ImageName(size_t image) {
 RefinedMaps Draw(const Camera& camera, int num_wrong_per_mille) {
   std::vector<WorldPlane> surfaces;
   for (int p = 0; p < RoomWorkspace::kUnseen; ++p) {
-    const RoomPlane& surface = RoomPlanes()[static_cast<size_t>(p)];
+    const RoomPlane& surface = RoomPlanes()[p];
     surfaces.push_back(PlaneThrough(surface.normal, surface.point));
   }
   Philox random(static_cast<uint32_t>(num_wrong_per_mille), 1, 2);
@@ -96,8 +96,7 @@ RefinedMaps Draw(const Camera& camera, int num_wrong_per_mille) {
       nearest.depth = 1e9;
       int plane = 0;
       for (int p = 0; p < RoomWorkspace::kUnseen; ++p) {
-        const DepthObservation hit =
-            ObservePlane(surfaces[static_cast<size_t>(p)], camera, ray);
+        const DepthObservation hit = ObservePlane(surfaces[p], camera, ray);
         if (hit.depth > 0.0 && hit.depth < nearest.depth) {
           nearest = hit;
           plane = p;

@@ -89,8 +89,8 @@ Image<float> DrawDepth(int view, MapType type, double scale) {
 
 void WriteMaps(const std::filesystem::path& root, int view, double scale) {
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-    const MapPaths paths = GetMapPaths(
-        root, SyntheticWorkspace::Names()[static_cast<size_t>(view)], type);
+    const MapPaths paths =
+        GetMapPaths(root, SyntheticWorkspace::Names()[view], type);
     CreateFolders(paths.depth.Parent());
     CreateFolders(paths.normal.Parent());
     const Image<float> depth = DrawDepth(view, type, scale);
@@ -123,8 +123,7 @@ void MakeSyntheticWorkspace(const std::filesystem::path& root, double scale) {
   std::string config;
   std::string fusion;
   for (int view = 0; view < 4; ++view) {
-    const std::string& name =
-        SyntheticWorkspace::Names()[static_cast<size_t>(view)];
+    const std::string& name = SyntheticWorkspace::Names()[view];
     images << view + 1 << " 1 0 0 0 " << -kBaseline * view * scale << " 0 0 1 "
            << name << "\n\n";
     config += name + "\n__all__\n";

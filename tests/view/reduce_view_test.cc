@@ -127,7 +127,7 @@ TEST(ReduceView, TakesTheLowerMedianAndItsCosts) {
   view.second_cost = Image<float>(4, 2, 0.6f);
   const std::vector<float> depths = {2.006f, 2.002f, 2.f, 2.004f};
   for (int i = 0; i < 4; ++i) {
-    view.depth(i % 2, i / 2) = depths[static_cast<size_t>(i)];
+    view.depth(i % 2, i / 2) = depths[i];
     view.min_cost(i % 2, i / 2) = 0.1f * i;
     view.second_cost(i % 2, i / 2) = 0.1f * i + 1.f;
   }

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/run/store/evidence_fault.h"
 
-#include "colmap_tsar/base/finite.h"
+#include "colmap_tsar/base/arithmetic.h"
 
 #include <algorithm>
 #include <cstddef>

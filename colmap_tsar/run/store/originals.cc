@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/file_time.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/map_io.h"

@@ -3,12 +3,13 @@
 
 #include "colmap_tsar/run/store/result_files.h"
 
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/run/store/record.h"
+
 #include <algorithm>
 #include <optional>
-#include "colmap_tsar/base/folder.h"
 
 namespace tsar {
 

@@ -142,7 +142,7 @@ MapPaths Workspace::SourcePaths(int image, MapType type) const {
 void Workspace::TrustStoredOriginals() {
   trusts_stored_.assign(model_.images.size(), false);
   for (const StereoProblem& problem : problems_) {
-    trusts_stored_[static_cast<size_t>(problem.reference)] = true;
+    trusts_stored_[problem.reference] = true;
   }
 }
 

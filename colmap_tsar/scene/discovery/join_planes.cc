@@ -7,7 +7,7 @@
 #include "colmap_tsar/scene/discovery/superpixel_observations.h"
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
-#include "colmap_tsar/view/planes/plane_uncertainty.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include "colmap_tsar/scene/discovery/discover_planes.h"
 #include "colmap_tsar/scene/discovery/plane_support.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
-#include "colmap_tsar/view/planes/depth_observation.h"
+#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <cstddef>
 #include <vector>

@@ -313,9 +313,7 @@ std::pair<float, float> DepthRange(const ViewEvidence& evidence) {
   }
   std::sort(depths.begin(), depths.end());
   const auto last = static_cast<double>(depths.size() - 1);
-  const auto at = [&](double quantile) {
-    return depths[static_cast<size_t>(last * quantile)];
-  };
+  const auto at = [&](double quantile) { return depths[last * quantile]; };
   return {at(kDepthQuantile) * kDepthMargin,
           at(1.0 - kDepthQuantile) / kDepthMargin};
 }

@@ -310,8 +310,8 @@ FusedPixelEvaluation EvaluateFusedPixels(
                 OptionName("point_spacing") + " has to be 1 here");
   }
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
-  const FusionPlan plan = PlanFusion(
-      workspace, ChooseImages(workspace), options.fusion.check_num_images);
+  const FusionPlan plan =
+      PlanFusion(workspace, {}, options.fusion.check_num_images);
   const std::vector<fs::path> truths = FindTruths(
       workspace,
       plan,

@@ -3,8 +3,8 @@
 
 #include "colmap_tsar/tools/export/map_levels.h"
 
-#include "colmap_tsar/view/refined_maps.h"
 #include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
 #include <cmath>

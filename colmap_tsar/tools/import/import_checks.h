@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/io/dense_maps.h"
 #include "colmap_tsar/io/sparse_model.h"
-#include "colmap_tsar/io/stored_camera.h"
 
 #include <vector>
 

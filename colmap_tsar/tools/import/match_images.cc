@@ -9,7 +9,7 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/io/dense_maps.h"
 #include "colmap_tsar/io/float_map.h"
-#include "colmap_tsar/io/image_list.h"
+#include "colmap_tsar/io/image_lists.h"
 #include "colmap_tsar/tools/import/match_formats.h"
 
 #include <algorithm>

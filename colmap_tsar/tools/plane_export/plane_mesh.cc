@@ -112,8 +112,7 @@ Loop::const_iterator Rightmost(const Ring& points, const Loop& hole) {
 
 void JoinHole(const Ring& points, const Loop& hole, Loop* loop) {
   const auto rightmost = Rightmost(points, hole);
-  const size_t bridge =
-      FindBridge(points, *loop, points[static_cast<size_t>(*rightmost)]);
+  const size_t bridge = FindBridge(points, *loop, points[*rightmost]);
   // Along the bridge, around the hole, and back.
   Loop inserted(rightmost, hole.end());
   inserted.insert(inserted.end(), hole.begin(), rightmost);

@@ -117,16 +117,16 @@ void WriteOptionalPictures(const Workspace& workspace,
   const auto write = [&](const std::string& name, const Image<Rgb>& picture) {
     WriteMap(pictures, name, picture, options);
   };
-  const fs::path sigma_map = workspace.SigmaPath(image, workspace.Type());
-  if (Exists(sigma_map)) {
-    write("sigma",
-          ColorizeValues(
-              ReadRelativeSigma(sigma_map, row.after), kMaxSigma, &row.after));
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  if (Exists(paths.sigma)) {
+    write(
+        "sigma",
+        ColorizeValues(
+            ReadRelativeSigma(paths.sigma, row.after), kMaxSigma, &row.after));
     page->has_sigma = true;
   }
-  const fs::path plane_map = workspace.PlanesPath(image, workspace.Type());
-  if (options.show_planes && Exists(plane_map)) {
-    write("planes", DrawPlanes(plane_map, row.after));
+  if (options.show_planes && Exists(paths.planes)) {
+    write("planes", DrawPlanes(paths.planes, row.after));
     page->has_planes = true;
   }
   if (const auto prior = workspace.ReadPrior(image)) {

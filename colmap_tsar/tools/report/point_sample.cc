@@ -73,8 +73,8 @@ Eigen::AlignedBox3d RobustBox(const std::vector<Eigen::Vector3d>& points) {
         });
     std::ranges::sort(values);
     const auto last = static_cast<double>(values.size() - 1);
-    box.min()[axis] = values[static_cast<size_t>(kOutliers * last)];
-    box.max()[axis] = values[static_cast<size_t>((1.0 - kOutliers) * last)];
+    box.min()[axis] = values[kOutliers * last];
+    box.max()[axis] = values[(1.0 - kOutliers) * last];
   }
   return box;
 }

@@ -247,8 +247,9 @@ Gain<DepthEvaluation> EvaluateDepthGain(const Workspace& workspace,
   gain.after = EvaluateDepthMaps(workspace.Root(), evaluation);
   evaluation.find_map = [&](const std::string& name) {
     const int image = workspace.Model().IndexOf(name);
-    return image < 0 ? GetMapPaths(workspace.Root(), name, type).depth
-                     : FindOriginals(workspace.SourcePaths(image, type)).depth;
+    return image < 0
+               ? GetMapPaths(workspace.Root(), name, type).depth
+               : FindOriginals(workspace.SourcePaths(image, type)).depth.path;
   };
   gain.before = EvaluateDepthMaps(workspace.Root(), evaluation);
   return gain;

@@ -4,6 +4,7 @@
 #include "colmap_tsar/tools/stereo/planar_prior.h"
 
 #include "colmap_tsar/matching/filter_hypotheses.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/priors/prior_likelihood.h"
 #include "colmap_tsar/priors/prior_raster.h"
@@ -11,7 +12,6 @@
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/tools/stereo/stereo_views.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/gray.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/superpixels/samples.h"
 

@@ -6,13 +6,12 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/remove_files.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/input_fingerprints.h"
-#include "colmap_tsar/run/input_state.h"
 #include "colmap_tsar/run/store/originals.h"
 
 #include <algorithm>

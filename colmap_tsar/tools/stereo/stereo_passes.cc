@@ -4,6 +4,7 @@
 #include "colmap_tsar/tools/stereo/stereo_passes.h"
 
 #include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/io/map_io.h"

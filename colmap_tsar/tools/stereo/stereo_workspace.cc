@@ -155,8 +155,8 @@ StereoSummary SummarizeInputs(const Workspace& workspace,
   summary.type =
       options.geom_consistency ? MapType::kGeometric : MapType::kPhotometric;
   summary.num_images = static_cast<int>(images.size());
-  const std::vector<int> references = ReferencesOf(workspace, images);
-  summary.num_masks = CountMasks(workspace, references);
+  const std::vector<int> references = workspace.ReferencesOf(images);
+  summary.num_masks = workspace.CountMasks(references);
   summary.num_priors = workspace.Priors().Count(references);
   for (const size_t index : images) {
     const StereoProblem& problem = workspace.Problems()[index];

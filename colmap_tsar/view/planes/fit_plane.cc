@@ -253,7 +253,7 @@ Eigen::Vector3d FitSamples::Middle() const {
   const auto median = [&](const double(Block::*coordinates)[Block::kSize]) {
     std::vector<double> values;
     for (int i = 0; i < size_; ++i) {
-      const Block& block = blocks_[static_cast<size_t>(i / Block::kSize)];
+      const Block& block = blocks_[i / Block::kSize];
       values.push_back((block.*coordinates)[i % Block::kSize]);
     }
     return UpperMedian(&values);

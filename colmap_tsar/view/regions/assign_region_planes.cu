@@ -4,7 +4,6 @@
 #include "colmap_tsar/view/regions/assign_region_planes.h"
 
 #include "colmap_tsar/device/atomic.h"
-#include "colmap_tsar/device/fill.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/map_pixels.h"
 

@@ -4,8 +4,9 @@
 #include "colmap_tsar/view/superpixels/slic.h"
 
 #include "colmap_tsar/device/atomic.h"
-#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/connected_components.h"
+#include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/scan_and_sort.h"
 #include "colmap_tsar/view/superpixels/cielab.h"
 
 #include <algorithm>

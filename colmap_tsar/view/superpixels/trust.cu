@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/view/superpixels/trust.h"
 
-#include "colmap_tsar/device/copy.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/view/superpixels/bilateral_kernel.cuh"
 

@@ -136,7 +136,7 @@ TEST_F(WriteBackTest, AnInterruptionAnywhereLosesNothing) {
             [&] { write_back.RenameFiles(); },
             [&] { write_back.RecordDone(); }};
         for (int step = 0; step < num_steps; ++step) {
-          steps[static_cast<size_t>(step)]();
+          steps[step]();
         }
         // A killed program leaves its temporaries: keep copies of them.
         if (num_steps >= 1 && num_steps <= 3) {

@@ -199,8 +199,8 @@ TEST_F(BoundingCreasesTest, OtherPlanesAreNotTaken) {
     const std::vector<BoundingCrease> creases = Find();
     return creases.size() == 1 && creases[0].beyond == 1;
   };
-  const ModelPlane ceiling = model_.planes[static_cast<size_t>(
-      AddPlane({0.0, 1.0, 0.0}, {2.0, -1.1, 3.0}, 1, 200.0))];
+  const ModelPlane ceiling =
+      model_.planes[AddPlane({0.0, 1.0, 0.0}, {2.0, -1.1, 3.0}, 1, 200.0)];
   EXPECT_TRUE(is_taken(ceiling));
   ModelPlane other = ceiling;
   other.support = 99.0;  // A tenth of the wall's is asked for.
@@ -276,8 +276,7 @@ TEST_F(BoundingCreasesTest, ACeilingHoldsTheCreasesOfTwoFrames) {
   const std::vector<BoundingCrease> creases = Find();
   ASSERT_EQ(creases.size(), 2u);
   EXPECT_EQ(creases[1].beyond, creases[0].beyond);
-  const ModelPlane& ceiling =
-      model_.planes[static_cast<size_t>(creases[0].beyond)];
+  const ModelPlane& ceiling = model_.planes[creases[0].beyond];
   EXPECT_NEAR(
       ceiling.plane.Height(origin - Eigen::Vector3d::UnitY()), 0.0, 0.001);
   EXPECT_NEAR(ceiling.covariance(2, 2), double{kPixel} * kPixel, 1e-5);

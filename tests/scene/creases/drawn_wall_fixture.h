@@ -130,7 +130,7 @@ class DrawnWallTest : public testing::Test {
     evidence->sources.clear();
     const Intrinsics intrinsics = camera.GetIntrinsics();
     for (int s = 0; s < kNumSuperpixels; ++s) {
-      evidence->first_observation[static_cast<size_t>(s)] =
+      evidence->first_observation[s] =
           static_cast<int>(evidence->observations.size());
       int count = 0;
       for (int i = 0; i < kSuperpixelSize * kSuperpixelSize / 4; ++i) {
@@ -149,7 +149,7 @@ class DrawnWallTest : public testing::Test {
           ++count;
         }
       }
-      evidence->weights[static_cast<size_t>(s)] = 4.f * 0.5f * count;
+      evidence->weights[s] = 4.f * 0.5f * count;
     }
     evidence->first_observation[kNumSuperpixels] =
         static_cast<int>(evidence->observations.size());
@@ -173,7 +173,7 @@ class DrawnWallTest : public testing::Test {
       const double middle_x = (s % kNumColumns + 0.5) * kSuperpixelSize - 0.5;
       const double middle_y = (s / kNumColumns + 0.5) * kSuperpixelSize - 0.5;
       if (OnWall(camera, middle_x, middle_y).y() < y) {
-        (*labels)[static_cast<size_t>(s)] = label;
+        (*labels)[s] = label;
       }
     }
   }

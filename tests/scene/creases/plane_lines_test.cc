@@ -161,7 +161,7 @@ TEST_F(PlaneLinesTest, TheEdgeOfWhatStandsBeforeTheWallIsNone) {
   for (int y = 0; y < kRow; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       evidence_.color(x, y) = {130, 130, 130};
-      labels_[static_cast<size_t>(SuperpixelAt(x, y))] = before;
+      labels_[SuperpixelAt(x, y)] = before;
     }
   }
   EXPECT_TRUE(Find().empty());
@@ -237,11 +237,11 @@ TEST_F(PlaneCopiesTest, PlanesWithinTheToleranceAreOne) {
 
 TEST_F(PlaneCopiesTest, OtherSurfacesAreNot) {
   // Another component, the back of the wall, another frame, none, and a floor.
-  model_.planes[static_cast<size_t>(AddWall(kDistance, 1.0))].component = 1;
+  model_.planes[AddWall(kDistance, 1.0)].component = 1;
   AddPlane({0.0, 0.0, 1.0}, {0.0, 0.0, kDistance}, 2, 1.0);
   model_.frames.push_back(Eigen::Matrix3d::Identity());
-  model_.planes[static_cast<size_t>(AddWall(kDistance, 1.0))].frame = 1;
-  model_.planes[static_cast<size_t>(AddWall(kDistance, 1.0))].axis = -1;
+  model_.planes[AddWall(kDistance, 1.0)].frame = 1;
+  model_.planes[AddWall(kDistance, 1.0)].axis = -1;
   AddPlane({0.0, -1.0, 0.0}, {0.0, 0.0, kDistance}, 1, 1.0);
   EXPECT_EQ(Find(), (std::vector<int>{0, 1, 2, 3, 4, 5}));
 }

@@ -17,8 +17,7 @@ class JoinPlanesTest : public DiscoverPlanesTest {
     std::vector<PlaneBlock> blocks;
     const int count = static_cast<int>(room.cameras.size());
     for (int i = 0; i < count; ++i) {
-      const std::vector<ObservedView> views = {
-          room.Views()[static_cast<size_t>(i)]};
+      const std::vector<ObservedView> views = {room.Views()[i]};
       const DiscoveredPlanes found =
           DiscoverPlanes(views, room.Candidates(), options_, *device_);
       PlaneBlock block;
@@ -63,7 +62,7 @@ TEST_F(JoinPlanesTest, SurfacesOfSeveralBlocksBecomeOnePlane) {
         }
       }
     }
-    EXPECT_NEAR(found[static_cast<size_t>(place)].support, support, 1e-6);
+    EXPECT_NEAR(found[place].support, support, 1e-6);
   }
   for (size_t i = 1; i < found.size(); ++i) {
     EXPECT_GE(found[i - 1].support, found[i].support);
@@ -102,8 +101,7 @@ TEST_F(JoinPlanesTest, BlocksThatAreNoNeighborsKeepTheirPlanes) {
   EXPECT_EQ(joined.planes.size(), count);
   for (size_t b = 0; b < blocks.size(); ++b) {
     for (size_t p = 0; p < blocks[b].planes.size(); ++p) {
-      const MeasuredScenePlane& plane =
-          joined.planes[static_cast<size_t>(joined.indices[b][p])];
+      const MeasuredScenePlane& plane = joined.planes[joined.indices[b][p]];
       const WorldPlane& own = blocks[b].planes[p].found.plane;
       EXPECT_EQ(plane.found.plane.normal, own.normal);
       EXPECT_NEAR(plane.found.plane.offset, own.offset, 1e-12);

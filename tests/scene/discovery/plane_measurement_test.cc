@@ -154,8 +154,7 @@ class MeasureViewTest : public testing::Test {
     for (const DrawnSurface& surface : room_.surfaces) {
       planes.push_back(surface.plane);
     }
-    return MeasureView(
-        room_.Views()[static_cast<size_t>(view)], assignment, planes, options_);
+    return MeasureView(room_.Views()[view], assignment, planes, options_);
   }
 
   SyntheticRoom room_;
@@ -166,8 +165,8 @@ TEST_F(MeasureViewTest, MeasuresThePlanesThatTheViewShows) {
   const std::vector<PlaneMeasurement> measurements = Measure(1, room_.seen[1]);
   ASSERT_EQ(measurements.size(), 3u);
   for (int p = 0; p < 3; ++p) {
-    const PlaneMeasurement& measurement = measurements[static_cast<size_t>(p)];
-    const DrawnSurface& surface = room_.surfaces[static_cast<size_t>(p)];
+    const PlaneMeasurement& measurement = measurements[p];
+    const DrawnSurface& surface = room_.surfaces[p];
     EXPECT_EQ(measurement.plane, p);
     EXPECT_LT((measurement.center - room_.cameras[1].Center()).norm(), 1e-12);
     EXPECT_LT(std::abs(surface.plane.Height(measurement.foot)), 1e-9);

@@ -27,7 +27,7 @@ Eigen::Matrix3d Permuted(const Eigen::Matrix3d& frame) {
 std::vector<ModelPlane> PlanesAlong(const Eigen::Matrix3d& frame) {
   std::vector<ModelPlane> planes(3);
   for (int i = 0; i < 3; ++i) {
-    planes[static_cast<size_t>(i)].plane.normal = frame.col(i);
+    planes[i].plane.normal = frame.col(i);
   }
   return planes;
 }
@@ -54,8 +54,8 @@ TEST(FindSceneFramesTest, FramesOfBlocksBecomeOneWhateverTheirColumns) {
   ASSERT_EQ(frames.size(), 1u);
   EXPECT_EQ(frames[0], Turned(20.0));  // It measured most.
   for (int i = 0; i < 3; ++i) {
-    EXPECT_EQ(planes[static_cast<size_t>(i)].frame, 0);
-    EXPECT_EQ(planes[static_cast<size_t>(i)].axis, i);
+    EXPECT_EQ(planes[i].frame, 0);
+    EXPECT_EQ(planes[i].axis, i);
   }
 }
 

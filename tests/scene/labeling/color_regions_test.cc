@@ -50,8 +50,7 @@ void ExpectHalves(const std::vector<ColorRegions>& levels,
     SCOPED_TRACE(i);
     EXPECT_EQ(levels[i].count, are_apart[i] ? 2 : 1);
     for (int s = 0; s < kNumColumns * kNumRows; ++s) {
-      EXPECT_EQ(levels[i].of_superpixel[static_cast<size_t>(s)],
-                are_apart[i] && !IsLeft(s) ? 1 : 0);
+      EXPECT_EQ(levels[i].of_superpixel[s], are_apart[i] && !IsLeft(s) ? 1 : 0);
     }
   }
 }
@@ -86,7 +85,7 @@ TEST(ColorRegionsTest, ALevelIsMadeOfTheRegionsOfTheOneBefore) {
   }
   const std::vector<ColorRegions> levels =
       FindColorRegions(Draw([&](int x, int y) {
-        return grays[static_cast<size_t>(y / kSize * kNumColumns + x / kSize)];
+        return grays[y / kSize * kNumColumns + x / kSize];
       }));
   for (size_t i = 1; i < levels.size(); ++i) {
     EXPECT_LE(levels[i].count, levels[i - 1].count);

@@ -23,7 +23,7 @@ class CreaseLabelsTest : public DrawnWallTest {
     BoundingCrease crease;
     crease.plane = 0;
     crease.beyond = ceiling_;
-    crease.limit = model_.planes[static_cast<size_t>(ceiling_)].plane;
+    crease.limit = model_.planes[ceiling_].plane;
     creases_ = {crease};
   }
 
@@ -118,7 +118,7 @@ TEST_F(CreaseLabelsTest, WhatBeginsElsewhereMayStandBeforeThePlaneBeyond) {
   BoundingCrease at_floor;
   at_floor.plane = floor;
   at_floor.beyond = front;
-  at_floor.limit = model_.planes[static_cast<size_t>(front)].plane;
+  at_floor.limit = model_.planes[front].plane;
   at_floor.is_new = false;
   const auto votes_on_front = [&] {
     Image<float> votes;

@@ -132,7 +132,7 @@ TEST_F(LabelViewTest, NoPlaneThatAPriorsNormalContradictsFills) {
     }
     const LabeledView labeled = Label({wall, side});
     for (int k = 0; k < kNumSuperpixels; ++k) {
-      const int label = labeled.labels[static_cast<size_t>(k)];
+      const int label = labeled.labels[k];
       EXPECT_EQ(label == 0, k % kNumColumns < first_of_side)
           << k << " of " << first_of_side;
     }

@@ -139,7 +139,7 @@ TEST_F(LabelVotesTest, LooksAtThePlaceWhereTheSourceSeesThePoint) {
   // At this depth the source sees a point one superpixel further left.
   AddSource(3, 1.f, kSize * kDepth / 40.0);
   for (int row = 0; row < kHeight / kSize; ++row) {
-    labels_[0].planes[static_cast<size_t>(row * kNumColumns + 1)] = 0;
+    labels_[0].planes[row * kNumColumns + 1] = 0;
   }
   EXPECT_NEAR(Vote(0, kNumColumns + 2), -kGain, 1e-5f);
   EXPECT_NEAR(Vote(0, kNumColumns + 3), kCostOfHiding, 1e-5f);

@@ -66,7 +66,7 @@ TEST(OutlineEdgesTest, FindsAStepToAFractionOfAPixel) {
         FindEdgesAcross(DrawStep(60.0, 0.0, shift), rectified);
     ASSERT_EQ(edges.size(), static_cast<size_t>(rectified.height));
     for (int row = 0; row < rectified.height; ++row) {
-      const std::vector<AcrossEdge>& of_row = edges[static_cast<size_t>(row)];
+      const std::vector<AcrossEdge>& of_row = edges[row];
       // Without a margin of four pixels and what is averaged along the axis.
       if (row < 6 || row >= rectified.height - 8) {
         EXPECT_LE(of_row.size(), 1u) << row;

@@ -59,7 +59,7 @@ TEST(OutlinePairsTest, CountsARowOnce) {
   ASSERT_EQ(pairs.size(), 1u);
   std::vector<int> all(24);
   for (int row = 0; row < 24; ++row) {
-    all[static_cast<size_t>(row)] = row;
+    all[row] = row;
   }
   EXPECT_EQ(pairs[0].rows, all);
   // The one nearer to where most are.

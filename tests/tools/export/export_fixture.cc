@@ -63,9 +63,8 @@ void ExportTest::SetUp() {
     const Eigen::Vector3d t = Pose(i).translation();
     images << i + 1 << " " << q.w() << " " << q.x() << " " << q.y() << " "
            << q.z() << " " << t.x() << " " << t.y() << " " << t.z() << " 1 "
-           << Names()[static_cast<size_t>(i)] << "\n\n";
-    const std::filesystem::path photo =
-        root_ / "images" / Names()[static_cast<size_t>(i)];
+           << Names()[i] << "\n\n";
+    const std::filesystem::path photo = root_ / "images" / Names()[i];
     std::filesystem::create_directories(photo.parent_path());
     ASSERT_TRUE(cv::imwrite(photo.string(),
                             cv::Mat(6, 8, CV_8UC3, cv::Scalar(i, 2, 3))));
@@ -83,8 +82,7 @@ void ExportTest::SetUp() {
         normal(x, y) = depth(x, y) > 0.f ? Normal(x, y) : Vec3f{};
       }
     }
-    const MapPaths paths = GetMapPaths(
-        root_, Names()[static_cast<size_t>(i)], MapType::kGeometric);
+    const MapPaths paths = GetMapPaths(root_, Names()[i], MapType::kGeometric);
     CreateFolders(paths.depth.Parent());
     CreateFolders(paths.normal.Parent());
     WriteDepthMap(paths.depth, depth);
@@ -157,9 +155,7 @@ Eigen::Vector3d ExportTest::PointOf(const nlohmann::json& entry,
     Eigen::Matrix4d m;
     for (int row = 0; row < 4; ++row) {
       for (int column = 0; column < 4; ++column) {
-        m(row, column) =
-            entry[key][static_cast<size_t>(row)][static_cast<size_t>(column)]
-                .get<double>();
+        m(row, column) = entry[key][row][column].get<double>();
       }
     }
     return m;

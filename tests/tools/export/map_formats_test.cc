@@ -30,7 +30,7 @@ class MapFormatsTest : public ExportTest {
 TEST_F(MapFormatsTest, ArraysHoldThePointsOfTheWorkspace) {
   Export(ExportFormat::kNpy);
   for (int image = 0; image < 2; ++image) {
-    const std::string& name = Names()[static_cast<size_t>(image)];
+    const std::string& name = Names()[image];
     const nlohmann::json entry = ImageEntry(name);
     EXPECT_EQ(entry["files"]["depth"], "depth/" + name + ".npy");
     const NumpyArray depth = ReadNumpyArray(
@@ -89,8 +89,7 @@ TEST_F(MapFormatsTest, ExrHoldsThePointsOfTheWorkspace) {
   }
   Export(ExportFormat::kExr);
   for (int image = 0; image < 2; ++image) {
-    const nlohmann::json entry =
-        ImageEntry(Names()[static_cast<size_t>(image)]);
+    const nlohmann::json entry = ImageEntry(Names()[image]);
     const cv::Mat depth = ReadPicture(entry, "depth");
     const cv::Mat normals = ReadPicture(entry, "normals");
     ASSERT_EQ(depth.type(), CV_32FC1);

@@ -23,9 +23,7 @@ Eigen::Matrix4d ToMatrix(const nlohmann::json& json) {
   Eigen::Matrix4d matrix;
   for (int row = 0; row < 4; ++row) {
     for (int column = 0; column < 4; ++column) {
-      matrix(row, column) =
-          json[static_cast<size_t>(row)][static_cast<size_t>(column)]
-              .get<double>();
+      matrix(row, column) = json[row][column].get<double>();
     }
   }
   return matrix;
@@ -42,9 +40,8 @@ TEST_F(TrainerFormatsTest, NerfstudioSeesEachDepthAtItsPixel) {
             nlohmann::json::parse("[[1,0,0,0],[0,1,0,0],[0,0,1,0]]"));
   ASSERT_EQ(transforms["frames"].size(), 3u);
   for (int image = 0; image < 2; ++image) {
-    const nlohmann::json frame =
-        transforms["frames"][static_cast<size_t>(image)];
-    const std::string& name = Names()[static_cast<size_t>(image)];
+    const nlohmann::json frame = transforms["frames"][image];
+    const std::string& name = Names()[image];
     EXPECT_EQ(frame["file_path"], "images/" + name);
     EXPECT_EQ(ReadText(options_.output_path / "images" / name),
               ReadText(root_ / "images" / name));
@@ -174,8 +171,7 @@ TEST_F(TrainerFormatsTest, GaussianSplattingGetsInverseDepth) {
     const auto inverse_depth = [&](int x, int y) {
       return stored.at<uint16_t>(y, x) / 65536.0 * scale + offset;
     };
-    const nlohmann::json entry =
-        ImageEntry(Names()[static_cast<size_t>(image)]);
+    const nlohmann::json entry = ImageEntry(Names()[image]);
     ForEachDepth(image, inverse_depth, [&](int x, int y) {
       EXPECT_NEAR(inverse_depth(x, y) * Depth(image, x, y), 1.0, 2e-5);
       const Eigen::Vector3d point =

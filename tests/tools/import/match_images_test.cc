@@ -38,8 +38,7 @@ class MatchImagesTest : public testing::Test {
   std::vector<std::string> Match() const {
     std::vector<std::string> lines;
     for (const ExternalFiles& files : MatchImages(options_, model_).files) {
-      std::string line =
-          model_.images[static_cast<size_t>(files.image)].name + ":";
+      std::string line = model_.images[files.image].name + ":";
       for (const auto* path :
            {&files.depth, &files.normal, &files.cost, &files.camera}) {
         if (!path->empty()) {

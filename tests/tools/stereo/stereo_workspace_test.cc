@@ -35,9 +35,8 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
     const PlanarMap costs =
         ReadPlanarMap(workspace.CostPath(image, MapType::kGeometric));
     ASSERT_EQ(costs.channels, 2);
-    const Intrinsics intrinsics = workspace.Model()
-                                      .images[static_cast<size_t>(image)]
-                                      .camera.GetIntrinsics();
+    const Intrinsics intrinsics =
+        workspace.Model().images[image].camera.GetIntrinsics();
     for (int y = 8; y < SyntheticWorkspace::kHeight - 8; ++y) {
       for (int x = 8; x < SyntheticWorkspace::kWidth - 8; ++x) {
         EXPECT_GT(dense.depth(x, y), 0.f);

@@ -212,7 +212,7 @@ TEST_F(RegionPlanesTest, WithoutTheCoreOneFitTakesTheFrames) {
   EXPECT_LT(AngleBetween(planes[0].plane.normal, frames.normal), 0.1f);
   EXPECT_NEAR(planes[0].plane.offset, frames.offset, 1e-3f * frames.offset);
   for (int slot = 1; slot < kMaxPlanesPerRegion; ++slot) {
-    EXPECT_FALSE(planes[static_cast<size_t>(slot)].plane.Valid()) << slot;
+    EXPECT_FALSE(planes[slot].plane.Valid()) << slot;
   }
 }
 
