@@ -12,7 +12,6 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
-#include <ranges>
 #include <system_error>
 #include <utility>
 
@@ -310,9 +309,9 @@ bool RemoveFolderIfEmpty(const ContainedPath& path) {
 
 void RemoveEmptyFolders(const ContainedPath& folder) {
   const std::vector<TreeEntry> tree = ListTree(folder);
-  for (const TreeEntry& entry : std::views::reverse(tree)) {
-    if (entry.is_folder) {
-      RemoveFolderIfEmpty(entry.path);
+  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
+    if (entry->is_folder) {
+      RemoveFolderIfEmpty(entry->path);
     }
   }
   RemoveFolderIfEmpty(folder);
@@ -326,11 +325,11 @@ void RemoveTree(const ContainedPath& folder) {
       ThrowSystemError(path.Path(), "cannot be removed", error);
     }
   };
-  for (const TreeEntry& entry : std::views::reverse(tree)) {
-    if (entry.is_folder) {
-      remove_folder(entry.path);
+  for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
+    if (entry->is_folder) {
+      remove_folder(entry->path);
     } else {
-      RemoveFile(entry.path);
+      RemoveFile(entry->path);
     }
   }
   remove_folder(folder);
