@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
-#include "colmap_tsar/view/denoise/window_variance.cuh"
+#include "colmap_tsar/view/denoise/window_variance.h"
 
 #include <cmath>
 #include <cstdint>

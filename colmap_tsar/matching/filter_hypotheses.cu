@@ -7,7 +7,7 @@
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/map_pixels.h"
 #include "colmap_tsar/matching/reprojection.cuh"
-#include "colmap_tsar/view/denoise/window_variance.cuh"
+#include "colmap_tsar/view/denoise/window_variance.h"
 
 #include <cmath>
 

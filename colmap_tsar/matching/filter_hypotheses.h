@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
-#include "colmap_tsar/view/denoise/window_variance.cuh"
+#include "colmap_tsar/view/denoise/window_variance.h"
 
 #include <cstdint>
 

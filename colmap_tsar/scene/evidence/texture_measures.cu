@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/view/denoise/window_variance.cuh"
+#include "colmap_tsar/view/denoise/window_variance.h"
 
 #include <cmath>
 
