@@ -28,8 +28,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   PATTERN "export/*_exporter.h" EXCLUDE
   PATTERN "device/connected_components.h" EXCLUDE
   PATTERN "device/cuda_*.h" EXCLUDE
-  PATTERN "device/parallel_for*.h" EXCLUDE
-  PATTERN "matching/map_pixels.h" EXCLUDE)
+  PATTERN "device/parallel_for*.h" EXCLUDE)
 
 install(EXPORT ColmapTsarTargets
   NAMESPACE ColmapTsar:: DESTINATION ${TSAR_PACKAGE_DIR})

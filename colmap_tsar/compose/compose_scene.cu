@@ -4,7 +4,7 @@
 #include "colmap_tsar/compose/compose_scene.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/depth_confidence.h"
 

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/compose/compose_scene.h"
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 
 #include <cmath>
 

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 #include "colmap_tsar/view/reduce_view.h"

@@ -129,7 +129,6 @@ class PngInput {
 
   // Whether the end of the file is that of a complete one.
   bool EndsAsWhole() {
-    constexpr uint64_t kTailBytes = 16;
     return EndsInMarker(PhotoFormat::kPng, file_.ReadTail(kTailBytes));
   }
 

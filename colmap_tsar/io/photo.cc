@@ -143,7 +143,6 @@ bool HasAlpha(const std::filesystem::path& path) {
 void CheckPhotoFile(const std::filesystem::path& path) {
   // The head holds the header of every format, unless it has long comments.
   constexpr uint64_t kHeadBytes = 4096;
-  constexpr uint64_t kTailBytes = 16;
   PictureInput file = OpenPhoto(path);
   const Bytes head = file.ReadHead(kHeadBytes);
   const PhotoFormat format = RequireFormat(file.Name(), head);

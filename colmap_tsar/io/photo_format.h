@@ -36,6 +36,9 @@ uint64_t DeclaredSize(PhotoFormat format, std::span<const uint8_t> head);
 // last one followed by another byte; true for the binary form.
 bool HasAllNumbers(std::span<const uint8_t> bytes);
 
+// The bytes at the end of a file that EndsInMarker looks at.
+inline constexpr uint64_t kTailBytes = 16;
+
 // Whether the last bytes of a file are the marker that ends JPEG, PNG and JPEG
 // 2000, with nothing after it; true for other formats.
 bool EndsInMarker(PhotoFormat format, std::span<const uint8_t> tail);

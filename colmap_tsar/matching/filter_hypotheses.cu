@@ -4,8 +4,8 @@
 #include "colmap_tsar/matching/filter_hypotheses.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
-#include "colmap_tsar/matching/map_pixels.h"
 #include "colmap_tsar/matching/reprojection.cuh"
 #include "colmap_tsar/view/denoise/window_variance.h"
 

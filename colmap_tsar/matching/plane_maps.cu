@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 
 #include <cmath>
 

@@ -4,7 +4,7 @@
 #include "colmap_tsar/view/compose.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/view/depth_confidence.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 #include "colmap_tsar/view/superpixels/correlation.h"

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/filter/confirmation.h"
 
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/view/denoise/window_variance.h"
 
 namespace tsar {

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/filter/reliability.h"
 
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/matching/matching_cost.h"
 
 namespace tsar {

@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/device/atomic.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 
 #include <cstddef>
 #include <cstdint>

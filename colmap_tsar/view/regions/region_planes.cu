@@ -4,8 +4,8 @@
 #include "colmap_tsar/view/regions/region_planes.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
-#include "colmap_tsar/matching/map_pixels.h"
 
 #include <cmath>
 #include <utility>

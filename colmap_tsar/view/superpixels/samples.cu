@@ -4,7 +4,7 @@
 #include "colmap_tsar/view/superpixels/samples.h"
 
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/matching/map_pixels.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 
 namespace tsar {
 namespace {
