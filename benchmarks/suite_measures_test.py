@@ -25,7 +25,10 @@ from suite_parts.photographs import with_noise
 from suite_parts.plots import write_plots
 from suite_parts.sparse_model import (TRACK_ELEMENT, Camera, Point, PosedImage,
                                       SparseModel, read_model, write_text)
+from suite_parts.plane_copies import (check_true_planes, count_surfaces,
+                                      find_true_surfaces, surface_of_labels)
 from suite_parts.planes import check_planes
+from suite_parts.surfaces import check_surfaces, read_points, within
 from suite_parts.tables import Sample, report_lines
 from suite_parts.texture import count_right, f1_scores, is_textured
 from suite_parts.variants import make_variants
@@ -203,6 +206,185 @@ def check_planes_off(folder):
           "the mean is weighed by pixels")
 
 
+def rectangle(corner, along, across, width, height, spacing=0.02):
+    """Points of a rectangle, each amid a cell of the scans' grid if corner and
+    axes are that of one."""
+    u, v = np.indices((round(width / spacing), round(height / spacing)))
+    return (np.array(corner, float)
+            + spacing * (u.reshape(-1, 1) * np.array(along, float)
+                         + v.reshape(-1, 1) * np.array(across, float)) + 0.005)
+
+
+def write_ply(path, points, form="binary_little_endian"):
+    rows = np.zeros(len(points), [("red", "u1"), *((axis, "<f4")
+                                                   for axis in "xyz")])
+    for axis, values in zip("xyz", points.T):
+        rows[axis] = values
+    path.write_bytes(f"ply\nformat {form} 1.0\ncomment scan\nelement vertex "
+                     f"{len(points)}\nproperty uchar red\nproperty float x\n"
+                     "property float y\nproperty float z\nelement camera 1\n"
+                     "property float view\nend_header\n".encode()
+                     + rows.tobytes() + bytes(4))
+
+
+def check_distances():
+    """Against all distances, of a cloud in which some points are far off."""
+    random = np.random.default_rng(4)
+    points = random.uniform(-0.3, 0.3, (400, 3))
+    cloud = np.concatenate([random.uniform(-0.2, 0.4, (900, 3)),
+                            [[1e30, 0, 0], [0, -1e9, 0], [np.nan, 0, 0]]])
+    for distance in (0.02, 0.05):
+        expected = (np.linalg.norm(points[:, None] - cloud[:900], axis=2)
+                    <= distance).any(1)
+        check(0 < expected.mean() < 0.9
+              and (within(points, cloud, distance) == expected).all(),
+              f"points within {distance:g} are found")
+    check(not within(points, cloud[:0], 1).any()
+          and not len(within(points[:0], cloud, 1)), "nothing is near nothing")
+
+
+def check_surfaces_of_scans(folder):
+    """A floor of 2,000 points, a wall of 1,000, a shelf of 160 and clutter."""
+    folder = folder / "scans"
+    folder.mkdir()
+    floor = rectangle((-0.4, -0.5, 0), (1, 0, 0), (0, 1, 0), 0.8, 1)
+    wall = rectangle((-0.4, 1, 0.2), (1, 0, 0), (0, 0, 1), 0.8, 0.5)
+    shelf = rectangle((-0.2, 0.6, 0.4), (1, 0, 0), (0, 1, 0), 0.32, 0.2)
+    clutter = np.random.default_rng(5).uniform(2, 4, (20, 3))
+    turn = np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
+    place = np.array([0.3, -0.2, 0.7])
+    # What is scanned more densely has no larger share.
+    write_ply(folder / "a.ply", np.concatenate([floor, floor[:500] + 0.001]))
+    write_ply(folder / "b.ply", (np.concatenate([wall, shelf, clutter]) - place)
+              @ turn)
+    matrix = np.eye(4)
+    matrix[:3] = np.column_stack([turn, place])
+    project = folder / "scan_alignment.mlp"
+    project.write_text("<MeshLabProject><MeshGroup>" + "".join(
+        f'<MLMesh filename="{name}.ply"><MLMatrix44>'
+        f"{' '.join(map(str, values.ravel()))}</MLMatrix44></MLMesh>"
+        for name, values in (("a", np.eye(4)), ("b", matrix)))
+        + "</MeshGroup></MeshLabProject>")
+    # Of the 40 rows of the floor 20 are 1 cm off, and 10 are 4 cm off, which
+    # are within 5 cm of the row beside them.
+    row = np.round((floor[:, 0] + 0.395) / 0.02)
+    cloud = folder / "cloud.ply"
+    write_ply(cloud, np.concatenate([
+        floor[row < 20] + [0, 0, 0.01],
+        floor[(row >= 20) & (row < 30)] + [0, 0, 0.04],
+        wall[wall[:, 2] > 0.6], clutter]))
+    scores = check_surfaces(project, cloud)
+    first, second, third = scores["surfaces"]
+    check(np.allclose(first, [0, 0, 1, 0.005, 2000 / 3180, 0.5, 31 / 40],
+                      atol=1e-5), f"the floor is {first}")
+    # Two rows of the wall are within 5 cm of the last one that is there.
+    check(np.allclose(second, [0, 1, 0, 1.005, 1000 / 3180, 5 / 25, 7 / 25],
+                      atol=1e-5), f"the wall is {second}")
+    check(np.allclose(third, [0, 0, 1, 0.405, 160 / 3180, 0, 0], atol=1e-5),
+          f"the shelf is {third}")
+    check(scores["worst_surface"] == second[6],
+          "the worst surface has a tenth of the scans")
+    write_ply(folder / "ascii.ply", floor, "ascii")
+    try:
+        read_points(folder / "ascii.ply")
+        check(False, "another format is refused")
+    except CommandFailed as failure:
+        check("ascii.ply" in str(failure), "another format is refused")
+
+
+def check_plane_counts(folder):
+    """What a view sees at 1 m, with pixels of 1.25 cm: a wall with two labels,
+    2 cm apart, a cupboard before it and a speck; the floor has no label."""
+    model, scene = two_views(0.1), folder / "counts"
+    depth, plane = np.full((60, 80), 1.0), np.full((60, 80), 7)
+    plane[:, 30:] = 4
+    depth[:, 30:] = 1.02
+    plane[:, 55:] = 300
+    depth[:, 55:] = 0.8
+    plane[:9, :9] = 5
+    depth[:9, :9] = 0.98
+    plane[50:] = 0
+    depth[50:] = 3
+    name = model.images[0].name
+    put(scene, "depth", name, depth)
+    maps = Maps(scene)
+    write_gray_png(maps.path("plane", name, "png"), plane, 16)
+    scores = check_planes(scene, model, maps)
+    check(scores["num_planes"] == 3, "planes are counted without a true depth")
+    check(scores["plane_copies"] == 1
+          and abs(scores["copy_offset_cm"] - 2) < 1e-3,
+          "two labels of a wall are copies")
+    check(check_true_planes(scene, model, maps) == {},
+          "without true depth there are no true planes")
+    # In truth the wall is one, and a picture hangs 3 cm before it.
+    truth = np.full((60, 80), 1.0)
+    truth[:, 60:] = 0.8
+    truth[10:50, 10:50] = 0.97
+    truth[0] = 0
+    write_map(scene / "ground_truth" / "depth" / f"{name}.bin", truth)
+    true = check_true_planes(scene, model, maps)
+    check(true["true_num_planes"] == 3 and true["true_plane_copies"] == 1
+          and abs(true["true_copy_offset_cm"] - 3) < 1e-3,
+          "true planes and copies are counted")
+
+
+def copies_of(second):
+    """Copies among a rectangle at z = 0 and another."""
+    return count_surfaces([surface_of_labels(points) for points in (rectangle(
+        (0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 1, 0.01), second)])["plane_copies"]
+
+
+def check_copies():
+    for words, count, corner, angle in (
+            ("over it", 1, (0.2, 0.2, 0.05), 0),
+            ("slanting by 4 degrees", 1, (0.2, 0.2, 0.01), 4),
+            ("slanting by 6 degrees", 0, (0.2, 0.2, 0.01), 6),
+            ("8 cm off", 0, (0.2, 0.2, 0.08), 0),
+            ("8 cm beside it", 1, (1.08, 0, 0.02), 0),
+            ("15 cm beside it", 0, (1.15, 0, 0.02), 0)):
+        slope = math.radians(angle)
+        across = (0, math.cos(slope), math.sin(slope))
+        check(copies_of(rectangle(corner, (1, 0, 0), across, 0.4, 0.4, 0.01))
+              == count, f"a plane {words} is {'a' if count else 'no'} copy")
+    check(copies_of(rectangle((0.2, 0.2, 0.05), (1, 0, 0), (0, 1, 0), 0.3, 0.2,
+                              0.01)) == 0, "a small one is no plane")
+    wall = rectangle((0, 0, 0), (1, 0, 0), (0, 1, 0), 1, 1, 0.01)
+    off = wall[::10] + [1.5, 0, 0.5]
+    surface = surface_of_labels(np.concatenate([wall, off]))
+    check(abs(abs(surface.offset) - 0.005) < 1e-9
+          and abs(surface.area - 1) < 0.05, "pixels off a plane are no part")
+
+
+def check_true_surfaces():
+    """A floor in two parts, two small tiles in another plane, a column and
+    leaves."""
+    random, up = np.random.default_rng(6), np.array([0, 0, 1.0])
+
+    def flat(x, y, z, width, height):
+        points = rectangle((x, y, z), (1, 0, 0), (0, 1, 0), width, height, 0.01)
+        return points, np.broadcast_to(up, points.shape)
+
+    angle, height = np.meshgrid(np.arange(0, 2 * np.pi, 0.03),
+                                np.arange(0, 2, 0.01))
+    around = np.stack([np.cos(angle), np.sin(angle), 0 * angle],
+                      -1).reshape(-1, 3)
+    leaves = random.uniform(5, 6, (2000, 3))
+    directions = random.normal(size=leaves.shape)
+    points, normals = map(np.concatenate, zip(
+        flat(-2, -2, 0, 1, 1), flat(3, 3, 0, 0.5, 0.5),
+        flat(1, 1, 0.2, 0.25, 0.25), flat(4, 1, 0.2, 0.25, 0.25),
+        (0.3 * around + height.reshape(-1, 1) * up, around),
+        (leaves, directions / np.linalg.norm(directions, axis=1)[:, None])))
+    found = find_true_surfaces(points, normals)
+    check(count_surfaces(found)["num_planes"] == 1
+          and abs(found[0].area - 1.25) < 0.06
+          and abs(found[0].piece.mean() - 0.8) < 0.02,
+          "the floor is the only plane")
+    under = find_true_surfaces(
+        *map(np.concatenate, zip(flat(0, 0, 0, 1, 1), flat(0, 0, 0.015, 1, 1))))
+    check(len(under) == 2, "1.5 cm apart are two planes")
+
+
 def check_calibration():
     calibration = Calibration()
     # One pixel in a hundred and fifty is too few for the largest gap.
@@ -356,6 +538,7 @@ def check_rule(folder):
             "points": 100, "tsar_fuse_points": 300,
             "tsar_fuse_cloud_0.05": [0.5, 0.5, one["scores"]["harm"] * 11]})
     check_cloud_table(report_lines(old, "unknown"))
+    check_surface_table(old)
     runs = [one for size in (640, 1280) for noise in (0, 4)
             for one in make_runs("a", "tuning", [0.5], size, noise)]
     pictures = write_plots(runs, folder)
@@ -384,6 +567,36 @@ def check_cloud_table(report):
     check([row[head.index("points")] for row in rows[:2]]
           == ["100 ± 0", "300 ± 0"] and rows[0][head.index("F1 2 cm")] == "-",
           "points, and scores that are missing")
+
+
+def check_surface_table(runs):
+    """Of scene a with two seeds, and b without clouds."""
+    for one, held in zip(runs, (0.1, 0.2)):
+        one["scores"].update({
+            "surfaces": [[-0.001, 0, 1.0, 2.5, 0.3, held, 0.4]],
+            "tsar_fuse_surfaces": [[0, 0, 1.0, 2.5, 0.3, 2 * held, 0.9]],
+            "worst_surface": 0.4, "tsar_fuse_worst_surface": 0.9,
+            "num_planes": 14, "plane_copies": 2, "copy_offset_cm": None})
+        one["before"].update({"worst_surface": None, "true_num_planes": 12})
+    report = report_lines(runs + [{**one, "variant": "w"} for one in runs],
+                          "unknown")
+    title = next(line for line in report if line.startswith("### Large surf"))
+    check([word.strip() for word in report[report.index(title) + 4].split("|")
+           ][2:-1] == ["v", "0.00 0.00 1.00 2.50", "0.300", "0.150", "0.400",
+                       "0.300", "0.900"],
+          "medians of a surface by both fusions")
+    head, row = ([word.strip() for word in line.split("|")] for line in (
+        next(line for line in report if "worst surface" in line),
+        next(line for line in report if line.startswith("| a, "))))
+    check([row[head.index(name)] for name in ("worst surface", "planes",
+                                              "copies")]
+          == ["0.400 ± 0.000", "14.0 ± 0.0 / 12", "2.0 ± 0.0"]
+          and "copies off (cm)" not in head,
+          "planes are set beside the true ones")
+    check("### Variants: tsar_fuse F1 5 cm" in report
+          and "### Variants: worst surface" in report
+          and "### Variants: worst surface tsar_fuse" in report,
+          "variants are compared by tsar_fuse and the worst surface")
 
 
 def check_texture():
@@ -458,6 +671,11 @@ def main():
     check_outliers(folder)
     check_calibration()
     check_planes_off(folder)
+    check_distances()
+    check_surfaces_of_scans(folder)
+    check_plane_counts(folder)
+    check_copies()
+    check_true_surfaces()
     check_views(folder)
     check_model(folder)
     check_noise()

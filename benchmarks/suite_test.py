@@ -79,6 +79,8 @@ def check_resumption(suite, scene):
     for key in ("harm", "lost", "view_disagreement", "sparse_right_1",
                 "calibration_error"):
         check(0 <= scores[0][key] <= 1, f"{key} is a share")
+    check(scores[0]["num_planes"] > 0 and before["true_num_planes"] > 0,
+          "planes of the refined and of the true scene are counted")
 
     again = suite(scene, "--seeds", 2)
     check("min left" not in again and suite.records() == records,
@@ -127,10 +129,14 @@ def check_clouds(suite, scene):
     options = (with_scans, "--seeds", 1, "--keep", suite.folder / "kept")
     output = suite(*options, results="clouds", fuse=True)
     check("by stereo_fusion and by tsar_fuse" in output, "a table of clouds")
+    check("### Large surfaces" in output, "a table of surfaces")
     (one,) = suite.runs("clouds")
+    for key in ("worst_surface", "tsar_fuse_worst_surface"):
+        check(one["before"]["worst_surface"] < one["scores"][key] <= 1,
+              f"{key} is better than before")
     for key in ("cloud_0.05", "tsar_fuse_cloud_0.05"):
         check(one["scores"][key][2] > 0, f"{key} is measured")
-    check("tsar_fuse_points" not in one["before"],
+    check(not any(key.startswith("tsar_fuse") for key in one["before"]),
           "the maps before are fused by COLMAP alone")
     records = suite.records("clouds")
     suite(*options, results="clouds")

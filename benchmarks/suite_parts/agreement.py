@@ -34,6 +34,14 @@ def project(points, image, camera, shape):
             depth, seen)
 
 
+def lift(x, y, depth, image, camera, shape):
+    """World points of pixels of a map, with a last axis of 3."""
+    fx, fy, cx, cy = camera.intrinsics(shape)
+    inside_camera = np.stack([(x + 0.5 - cx) / fx * depth,
+                              (y + 0.5 - cy) / fy * depth, depth], -1)
+    return (inside_camera - image.translation) @ image.rotation()
+
+
 def check_sparse(model, maps):
     """Of the observations of triangulated points the share with a depth, and
     of those with one the shares that are right to 1 % and 2 %."""
@@ -81,13 +89,9 @@ class FilledView:
         y, x = np.nonzero(self.depth > 0)
         chosen = random.choice(len(x), min(MAX_SAMPLES, len(x)), replace=False)
         x, y = x[chosen], y[chosen]
-        z = self.depth[y, x].astype(float)
-        fx, fy, cx, cy = self.camera.intrinsics(self.depth.shape)
-        rays = np.stack([(x + 0.5 - cx) / fx * z, (y + 0.5 - cy) / fy * z, z],
-                        1)
-        rotation = self.image.rotation()
-        return ((rays - self.image.translation) @ rotation,
-                self.normals[:, y, x].T @ rotation)
+        return (lift(x, y, self.depth[y, x].astype(float), self.image,
+                     self.camera, self.depth.shape),
+                self.normals[:, y, x].T @ self.image.rotation())
 
     def compare(self, points, normals):
         """Relative gaps in depth and angles in degrees to another view's points

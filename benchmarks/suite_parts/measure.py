@@ -17,13 +17,15 @@ from suite_parts.agreement import check_sparse, check_view_agreement
 from suite_parts.harm import measure_truth
 from suite_parts.maps import Maps
 from suite_parts.outliers import measure_outliers
+from suite_parts.plane_copies import check_true_planes
 from suite_parts.planes import check_planes
 from suite_parts.sparse_model import read_model
+from suite_parts.surfaces import check_surfaces
 
 DEPTH_TOLERANCES = (0.02, 0.05)
 CLOUD_TOLERANCES = (0.02, 0.05, 0.1)
 # Raised where the same maps would get other scores, or more of them.
-VERSION = 4
+VERSION = 5
 
 
 def hash_of_file(path):
@@ -76,22 +78,30 @@ class Measurer:
                             self.colmap_lib)
             cloud = folder / "fused.ply" if self.fuse else None
             scores = scorer.score(workspace, cloud, maps.type)
+            clouds = {"": cloud}
             if refined and self.fuse:
+                clouds["tsar_fuse_"] = folder / "tsar_fused.ply"
                 scores.update(scorer.score_tsar_fuse(
-                    workspace, folder / "tsar_fused.ply", maps.type,
-                    self.device))
+                    workspace, clouds["tsar_fuse_"], maps.type, self.device))
+            if scorer.has_scans and self.fuse:
+                for prefix, path in clouds.items():
+                    found = check_surfaces(scorer.scans, path)
+                    scores.update({f"{prefix}{key}": value
+                                   for key, value in found.items()})
         model = read_model(workspace / "sparse")
         return {**scores, **measure_outliers(scene, maps),
                 **check_sparse(model, maps)}, model
 
     def before(self, configuration, workspace, fingerprint):
-        """Scores of the maps that refinement begins with."""
+        """Scores of the maps that refinement begins with, and how many true
+        planes there are."""
         path, stored = self._stored("before", [fingerprint])
         if stored is None:
+            maps = Maps(workspace)
             with tempfile.TemporaryDirectory(prefix="tsar_suite_") as folder:
-                stored, _ = self._score(configuration, workspace,
-                                        Maps(workspace), Path(folder),
-                                        refined=False)
+                stored, model = self._score(configuration, workspace, maps,
+                                            Path(folder), refined=False)
+            stored.update(check_true_planes(configuration.path, model, maps))
             write_json(path, stored)
         return stored
 

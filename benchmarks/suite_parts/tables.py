@@ -14,6 +14,8 @@ COLUMNS = (
     ("completeness 2 cm", "cloud_0.02", 0, 3),
     ("accuracy 2 cm", "cloud_0.02", 1, 3),
     ("accuracy 5 cm", "cloud_0.05", 1, 3),
+    ("worst surface", "worst_surface", None, 3),
+    ("worst surface tsar_fuse", "tsar_fuse_worst_surface", None, 3),
     ("depth F1 2 cm", "depth_all_0.02", 2, 3),
     ("depth F1 5 cm", "depth_all_0.05", 2, 3),
     ("precision 2 cm", "depth_all_0.02", 0, 3),
@@ -29,6 +31,8 @@ COLUMNS = (
     ("SPECKS", "specks", None, 4),
     ("views disagree", "view_disagreement", None, 3),
     ("planes off", "plane_offset", None, 4),
+    ("planes", "num_planes", None, 1), ("copies", "plane_copies", None, 1),
+    ("copies off (cm)", "copy_offset_cm", None, 1),
     ("sparse with depth", "sparse_with_depth", None, 3),
     ("sparse right 1 %", "sparse_right_1", None, 3),
     ("sparse right 2 %", "sparse_right_2", None, 3),
@@ -43,9 +47,14 @@ CLOUD_COLUMNS = (("points", "points", None, 0), *(
 FUSIONS = (("stereo_fusion", ""), ("tsar_fuse", "tsar_fuse_"))
 IDENTITY = ("role", "scene", "size", "noise", "maps", "variant")
 # Those by which variants are set beside each other.
-VARIANT_COLUMNS = tuple(column for column in COLUMNS if column[0] in (
+VARIANT_COLUMNS = (*(column for column in COLUMNS if column[0] in (
     "cloud F1 2 cm", "cloud F1 5 cm", "depth F1 2 cm", "depth F1 5 cm",
-    "accuracy 2 cm", "HARM", "OUTLIERS", "SPECKS"))
+    "accuracy 2 cm", "accuracy 5 cm", "worst surface",
+    "worst surface tsar_fuse", "HARM", "OUTLIERS", "SPECKS", "planes",
+    "copies")), *(
+    (f"tsar_fuse {name} {centimeters} cm",
+     f"tsar_fuse_cloud_{centimeters / 100:g}", index, 3)
+    for name, index in (("F1", 2), ("accuracy", 1)) for centimeters in (2, 5)))
 
 
 def value_of(scores, key, index):
@@ -112,6 +121,13 @@ def mean_of_samples(rows, key, index):
             / len(samples))
 
 
+def true_text(rows, key):
+    """What a score is of the true surfaces, for those that have that."""
+    values = [row.before.get(f"true_{key}") for row in rows]
+    return (f" / {statistics.fmean(values):.3g}"
+            if values and None not in values else "")
+
+
 def role_table(role, rows):
     columns = [column for column in COLUMNS
                if any(row.sample(*column[1:3]) for row in rows)]
@@ -122,7 +138,7 @@ def role_table(role, rows):
             sample = row.sample(key, index)
             cells.append("-" if sample is None else cell(
                 value_of(row.before, key, index), sample.median, sample.error,
-                digits))
+                digits) + true_text([row], key))
         lines.append([row.name, row.identity["variant"], *cells])
     for variant in dict.fromkeys(row.identity["variant"] for row in rows):
         own = [row for row in rows if row.identity["variant"] == variant]
@@ -131,7 +147,8 @@ def role_table(role, rows):
             # Over the scenes that have the score at all.
             having = [row for row in own if row.sample(key, index)]
             mean = mean_of_samples(having, key, index)
-            cells.append("-" if mean is None else cell(*mean, digits))
+            cells.append("-" if mean is None else cell(*mean, digits)
+                         + true_text(having, key))
         lines.append([f"**mean of {len(own)}**", variant, *cells])
     head = ["scene", "variant", *(column[0] for column in columns)]
     return table_lines(f"### {role.capitalize()} scenes", head, lines)
@@ -186,6 +203,33 @@ def variant_table(title, key, index, digits, rows):
                        ["variant", *base, "mean change"], lines)
 
 
+def surface_table(rows):
+    """What the refined maps' clouds hold of each large surface; nothing
+    without clouds."""
+    lines = []
+    for row in rows:
+        # Of each fusion the planes in turn, of each plane those of the seeds.
+        planes = [zip(*(scores[f"{prefix}surfaces"] for scores in row.scores
+                        if f"{prefix}surfaces" in scores))
+                  for _, prefix in FUSIONS]
+        for seeds_of_fusions in zip(*planes):
+            *normal, offset, share = seeds_of_fusions[0][0][:5]
+            medians = [statistics.median(plane[index] for plane in seeds)
+                       for seeds in seeds_of_fusions for index in (5, 6)]
+            lines.append([row.name, row.identity["variant"],
+                          " ".join(f"{round(value, 2) + 0.0:.2f}"
+                                   for value in (*normal, offset)),
+                          *(f"{value:.3f}" for value in (share, *medians))])
+    if not lines:
+        return []
+    return table_lines("### Large surfaces: normal and offset, share of the "
+                       "scans, and the shares of them that the clouds hold "
+                       "within 2 and 5 cm (medians)",
+                       ["scene", "variant", "surface", "share",
+                        *(f"{fusion} {centimeters} cm" for fusion, _ in FUSIONS
+                          for centimeters in (2, 5))], lines)
+
+
 def plane_table(rows):
     """The large planes of each row's first seed; nothing without any."""
     lines = [[row.name, row.identity["variant"],
@@ -209,7 +253,8 @@ def report_lines(runs, commit):
              f"Commit {commit}; {len(seeds)} seeds. Cells: before → median "
              "after ± standard error over the seeds; before is that of the "
              "maps that refinement began with. A mean is over the rows that "
-             "have the score."]
+             "have the score. Planes and copies: / those among the true "
+             "surfaces."]
     for role in dict.fromkeys(row.identity["role"] for row in rows):
         lines += role_table(role, [row for row in rows
                                    if row.identity["role"] == role])
@@ -217,4 +262,4 @@ def report_lines(runs, commit):
     if len({row.identity["variant"] for row in rows}) > 1:
         for column in VARIANT_COLUMNS:
             lines += variant_table(*column, rows)
-    return lines + plane_table(rows)
+    return lines + surface_table(rows) + plane_table(rows)
