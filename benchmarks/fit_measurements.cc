@@ -79,7 +79,8 @@ void CollectView(const ModeledImage& view,
       samples->push_back({view.SupportAt(x, y, votes(x, y)),
                           {rival_votes(x, y),
                            GapInPixels(own, rival, view.resolution),
-                           view.LabelAt(x, y).margin},
+                           view.LabelAt(x, y).margin,
+                           MisfitOf(rival_votes(x, y), votes(x, y))},
                           std::abs(own - right) / right,
                           std::abs(rival - right) / right});
     }

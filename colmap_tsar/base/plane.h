@@ -56,4 +56,13 @@ struct Plane {
   }
 };
 
+// A plane as the inverse of its depth along a ray, which is the dot product of
+// this and the ray, and so linear in the image; zero where there is none.
+using InverseDepthPlane = Vec3f;
+
+TSAR_HD inline InverseDepthPlane ToInverseDepth(const Plane& plane) {
+  return plane.Valid() ? plane.normal * (-1.f / plane.offset)
+                       : InverseDepthPlane{};
+}
+
 }  // namespace tsar

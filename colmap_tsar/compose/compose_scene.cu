@@ -100,8 +100,10 @@ struct ContestKernel {
       return;
     }
     const float gap = GapInPixels(contested(x, y), rival, resolution);
-    const Rival plane{
-        votes_on_rivals(x, y), gap, SuperpixelAt(inputs, x, y).label.margin};
+    const Rival plane{votes_on_rivals(x, y),
+                      gap,
+                      SuperpixelAt(inputs, x, y).label.margin,
+                      MisfitOf(votes_on_rivals(x, y), votes(x, y))};
     const MeasurementSupport own = SupportAt(inputs, votes(x, y), x, y);
     const float log_odds = LogOddsAgainst(plane, own) +
                            LogLikelihoodRatio(prior, contested(x, y)) -

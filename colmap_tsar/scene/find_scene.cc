@@ -129,6 +129,11 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
       MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
   const std::vector<BoundingCrease> bounding =
       BoundingCreasesOf(creases, &indices);
+  ViewEvidence cut;
+  if (!bounding.empty()) {
+    cut = CutAtCreases(observed[0], planes, bounding);
+    observed[0].evidence = &cut;
+  }
   const std::vector<int> new_indices = IndicesAmong(indices, planes.size());
   std::vector<Plane> camera_planes =
       ToCameraPlanes(planes, indices, observed[0].camera);
@@ -165,7 +170,7 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
   }
   if (!bounding.empty() && !costs->Empty()) {
     AddCreaseVotes(
-        observed[0], planes, indices, bounding, *costs, scene.labels, &votes);
+        observed[0], planes, indices, bounding, scene.labels, costs, &votes);
   }
   LabeledView labeled = ChooseLabels(
       observed[0], std::move(camera_planes), *costs, votes, scene.labels);

@@ -56,6 +56,7 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   // Lengths at borders scale with the superpixels.
   const double border_scale =
       std::sqrt(options.superpixel_size / kDefaultSuperpixelSize);
+  scene.labels.crease_reach *= static_cast<float>(border_scale);
   scene.borders.reach = ScaledLength(scene.borders.reach, border_scale);
   scene.borders.radius = ScaledLength(scene.borders.radius, border_scale);
   scene.borders.spatial_sigma *= static_cast<float>(border_scale);

@@ -29,7 +29,23 @@ struct Rival {
   // Difference of the two depths, in relative depths of one pixel of disparity.
   float gap = 0.f;
   float margin = 0.f;  // LabelQuality::margin.
+  // By how much the colors of other views fit it worse than the measurement,
+  // from -1 to 1. Of what is thin, the windows of matching see less than of the
+  // plane behind it.
+  float misfit = 0.f;
 };
+
+// See Rival::misfit; 0 where fewer than two views see both.
+TSAR_HD inline float MisfitOf(const ViewVotes& rival,
+                              const ViewVotes& measured) {
+  if (rival.second_color == ViewVotes::kNoColor ||
+      measured.second_color == ViewVotes::kNoColor) {
+    return 0.f;
+  }
+  return static_cast<float>(rival.color + rival.second_color - measured.color -
+                            measured.second_color) /
+         (2.f * (ViewVotes::kNoColor - 1));
+}
 
 // Difference of two depths of one ray, in relative depths of one pixel of
 // disparity.
@@ -62,7 +78,7 @@ struct SupportTerms {
   }
 };
 struct RivalTerms {
-  static constexpr int kCount = kNumVoteShares + 3;
+  static constexpr int kCount = kNumVoteShares + 4;
   float values[kCount];
 
   TSAR_HD explicit RivalTerms(const Rival& rival) {
@@ -75,6 +91,7 @@ struct RivalTerms {
     rest[0] = log_gap;
     rest[1] = log_gap * log_gap;
     rest[2] = rival.margin;
+    rest[3] = rival.misfit;
   }
 };
 
@@ -91,9 +108,10 @@ TSAR_HD inline float WeighedSum(const float (&weights)[kCount],
 // The log-odds that the measurement is nearer to the truth than its rival.
 TSAR_HD inline float LogOddsAgainst(const Rival& rival,
                                     const MeasurementSupport& support) {
-  constexpr float kSupport[] = {0.35f, 0.43f, 0.14f, -2.28f, -2.63f};
-  constexpr float kRival[] = {-1.65f, -1.98f, 3.78f, -0.58f, 0.17f, -0.13f};
-  return -1.37f + WeighedSum(kSupport, SupportTerms(support).values) +
+  constexpr float kSupport[] = {0.31f, 0.34f, 0.58f, -2.25f, -1.63f};
+  constexpr float kRival[] = {
+      -1.40f, -1.91f, 3.40f, -0.45f, 0.09f, -1.20f, 2.48f};
+  return -1.49f + WeighedSum(kSupport, SupportTerms(support).values) +
          WeighedSum(kRival, RivalTerms(rival).values);
 }
 

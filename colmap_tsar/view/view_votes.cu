@@ -22,9 +22,14 @@ TSAR_HD inline void Count(uint8_t* votes) {
   *votes = static_cast<uint8_t>(*votes < UINT8_MAX ? *votes + 1 : UINT8_MAX);
 }
 
+// The color difference that counts in full, in gray levels over the three
+// channels.
+constexpr float kFullDifference = 20.f;
+
 struct VoteKernel {
   ImageView<const float> depth;
   Intrinsics intrinsics;
+  ImageView<const Rgb> color;  // Of the reference, on its raster.
   ImageView<const float> front;
   ObservedSource source;
   ImageView<const float> surface;
@@ -45,11 +50,43 @@ struct VoteKernel {
       return;
     }
     const float there = surface(seen.column, seen.row);
+    if (!(there > 0.f && there < (1.f - kOtherSurface) * seen.depth)) {
+      AddColor(
+          ValueOnMap(color, x, y, depth.width, depth.height), seen, &of_pixel);
+    }
     if (there > (1.f + kOtherSurface) * seen.depth) {
       Count(&of_pixel.behind);
     } else if (there > 0.f &&
                fabsf(there - seen.depth) < kSameSurface * seen.depth) {
       Count(&of_pixel.agreeing);
+    }
+  }
+
+  // The least difference to the 3x3 pixels around the point: depths of one
+  // surface are off by up to a pixel.
+  TSAR_HD void AddColor(const Rgb& own,
+                        const SeenPoint& seen,
+                        ViewVotes* of_pixel) const {
+    constexpr float kFull = kFullDifference * kFullDifference;
+    float least = kFull;
+    for (int v = seen.row - 1; v <= seen.row + 1; ++v) {
+      for (int u = seen.column - 1; u <= seen.column + 1; ++u) {
+        if (source.color.Contains(u, v)) {
+          const Rgb& there = source.color(u, v);
+          const float r = static_cast<float>(there.r) - own.r;
+          const float g = static_cast<float>(there.g) - own.g;
+          const float b = static_cast<float>(there.b) - own.b;
+          least = fminf(least, r * r + g * g + b * b);
+        }
+      }
+    }
+    const auto difference =
+        static_cast<uint8_t>((ViewVotes::kNoColor - 1) * (least / kFull));
+    if (difference < of_pixel->color) {
+      of_pixel->second_color = of_pixel->color;
+      of_pixel->color = difference;
+    } else if (difference < of_pixel->second_color) {
+      of_pixel->second_color = difference;
     }
   }
 };
@@ -67,18 +104,22 @@ std::vector<DeviceImage<ViewVotes>> CountViewVotes(
     votes.emplace_back(device, map.width, map.height);
     Fill(device, votes.back().View().data, map.NumPixels(), ViewVotes{});
   }
+  const DeviceImage<Rgb> color(device, views[0].evidence->color);
   for (size_t j = 1; j < views.size(); ++j) {
     const DeviceImage<float> seen =
         SeenDepth(views[j], surfaces.planes_of_sources[j - 1], device);
     const DeviceImage<float> front =
         DrawIntoReference(views[0], views[j], seen.View(), device);
-    const ObservedSource source = MakeObservedSource(views[0], views[j]);
+    const DeviceImage<Rgb> source_color(device, views[j].evidence->color);
+    ObservedSource source = MakeObservedSource(views[0], views[j]);
+    source.color = source_color.View();
     for (size_t map = 0; map < depths.size(); ++map) {
       ParallelFor(device,
                   depths[map].width,
                   depths[map].height,
                   VoteKernel{depths[map],
                              intrinsics,
+                             color.View(),
                              front.View(),
                              source,
                              seen.View(),

@@ -17,6 +17,7 @@ namespace {
 constexpr int kWidth = 80;
 constexpr int kHeight = 60;
 constexpr float kWall = 4.f;
+constexpr Rgb kGray = {100, 100, 100};
 
 // A wall that faces the reference and sources to its right, each of which sees
 // it by the planes of its only superpixel.
@@ -29,6 +30,7 @@ class ViewVotesTest : public testing::Test {
       evidence.height = kHeight;
       evidence.superpixels = Image<uint16_t>(kWidth, kHeight);
       evidence.confident_depth = Image<float>(kWidth, kHeight);
+      evidence.color = Image<Rgb>(kWidth, kHeight, kGray);
       Camera camera;
       camera.width = kWidth;
       camera.height = kHeight;
@@ -133,6 +135,44 @@ TEST(MeasurementSupportTest, WhatSpeaksForADepthRaisesItsOdds) {
   Rival worse = plane;
   worse.votes = {0, 0, 6};
   EXPECT_GT(LogOddsAgainst(worse, support), odds);
+}
+
+// A red post, narrower than its parallax before the wall.
+TEST_F(ViewVotesTest, ColorsFitWhatIsThinAndNotTheWallBehindIt) {
+  constexpr float kPost = 2.f;
+  for (size_t i = 0; i < evidence_.size(); ++i) {
+    const int middle = kWidth / 2 - static_cast<int>(4 * i);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = middle - 1; x <= middle + 1; ++x) {
+        evidence_[i].color(x, y) = {140, 100, 100};
+      }
+    }
+  }
+  const ViewVotes on_post = VotesOn(kPost);
+  const ViewVotes on_wall = VotesOn(kWall);
+  EXPECT_EQ(on_post.color, 0);
+  EXPECT_EQ(on_post.second_color, 0);
+  EXPECT_EQ(on_wall.second_color, ViewVotes::kNoColor - 1);
+  EXPECT_GT(MisfitOf(on_wall, on_post), 0.4f);
+  EXPECT_EQ(MisfitOf(on_post, on_wall), -MisfitOf(on_wall, on_post));
+}
+
+TEST_F(ViewVotesTest, OneViewAloneTellsNothingOfColors) {
+  views_.resize(2);
+  planes_.resize(1);
+  evidence_[1].color = Image<Rgb>(kWidth, kHeight, Rgb{0, 0, 0});
+  const ViewVotes votes = VotesOn(kWall);
+  EXPECT_EQ(votes.color, ViewVotes::kNoColor - 1);
+  EXPECT_EQ(votes.second_color, ViewVotes::kNoColor);
+  EXPECT_EQ(MisfitOf(votes, ViewVotes{}), 0.f);
+}
+
+TEST_F(ViewVotesTest, ColorsOfWhatHidesAPointDoNotCount) {
+  for (size_t j = 1; j < evidence_.size(); ++j) {
+    evidence_[j].confident_depth = Image<float>(kWidth, kHeight, 0.5f * kWall);
+    evidence_[j].color = Image<Rgb>(kWidth, kHeight, Rgb{0, 0, 0});
+  }
+  EXPECT_EQ(VotesOn(kWall).color, ViewVotes::kNoColor);
 }
 
 }  // namespace

@@ -50,6 +50,8 @@ constexpr double kMinSupport = 0.1;
 struct EndOfPlane {
   SharedLine shared;
   int beyond;  // The side of the line beyond the end.
+  // Whether half of the views that show the area beyond see the line.
+  bool is_common;
 };
 
 // Whether the line's plane ends there: nothing was measured beyond.
@@ -81,7 +83,13 @@ class CreaseFinder {
   std::vector<BoundingCrease> Run() {
     std::vector<BoundingCrease> creases;
     for (const auto& [key, ends] : FindEnds()) {
-      creases.push_back(MakeCrease(Outermost(ends)));
+      const EndOfPlane end = Outermost(ends);
+      const PlaneLine& line = end.shared.line;
+      // Edges that few views see begin no planes that nobody measured.
+      if (end.is_common ||
+          FindPlane(line, PlaneAtLine(*model_, line, end.beyond)) >= 0) {
+        creases.push_back(MakeCrease(end));
+      }
     }
     PlaceNewPlanes();
     return creases;
@@ -97,7 +105,11 @@ class CreaseFinder {
       const PlaneLine& line = lines_[i].line;
       for (const int beyond : {0, 1}) {
         if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line)) {
-          ends[{line.plane, line.axis, beyond}].push_back({lines_[i], beyond});
+          ends[{line.plane, line.axis, beyond}].push_back(
+              {lines_[i],
+               beyond,
+               2 * lines_[i].num_views >=
+                   evidence_[i].sides[beyond].num_views});
         }
       }
     }
@@ -106,12 +118,20 @@ class CreaseFinder {
 
   bool IsPattern(const PlaneLine& crease) const {
     int count = 0;
+    const PlaneLine* last = nullptr;
     for (const size_t i : on_axis_.at({crease.plane, crease.axis})) {
       const PlaneLine& line = lines_[i].line;
       const double below = evidence_[i].sides[0].measured;
       const double above = evidence_[i].sides[1].measured;
-      count += std::min(below, above) > kMinPatternShare * (below + above) &&
-               std::abs(line.step) > kMinPatternStep * std::abs(crease.step);
+      if (std::min(below, above) > kMinPatternShare * (below + above) &&
+          std::abs(line.step) > kMinPatternStep * std::abs(crease.step)) {
+        // A fall and a rise side by side are one line, as of a skirting board.
+        const bool is_same =
+            last != nullptr && last->step * line.step < 0.f &&
+            line.position - last->position < kMaxCreaseWidth * line.pixel;
+        count += !is_same;
+        last = is_same ? nullptr : &line;
+      }
     }
     return count >= kMinPatternLines;
   }
@@ -250,22 +270,7 @@ std::vector<BoundingCrease> FindBoundingCreases(
     const std::vector<LineEvidence>& evidence,
     const std::vector<int>& copies,
     SceneModel* model) {
-  std::vector<BoundingCrease> creases =
-      CreaseFinder(lines, evidence, copies, model).Run();
-  std::map<int, std::vector<int>> of_originals;
-  for (int plane = 0; plane < static_cast<int>(copies.size()); ++plane) {
-    if (copies[plane] != plane) {
-      of_originals[copies[plane]].push_back(plane);
-    }
-  }
-  const size_t num_originals = creases.size();
-  for (size_t i = 0; i < num_originals; ++i) {
-    for (const int copy : of_originals[creases[i].plane]) {
-      creases.push_back(creases[i]);
-      creases.back().plane = copy;
-    }
-  }
-  return creases;
+  return CreaseFinder(lines, evidence, copies, model).Run();
 }
 
 }  // namespace tsar

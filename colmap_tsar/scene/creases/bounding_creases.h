@@ -25,8 +25,8 @@ struct BoundingCrease {
 // The lines at which planes end: the outermost lines that views share on a
 // plane, since a surface extends at least to its last line, if nothing beyond
 // was measured on the plane or through the one that begins there. Adds the
-// planes that begin there to the model, centered on their creases. The same
-// creases bound all copies of a plane. evidence: by line.
+// planes that begin there to the model, centered on their creases. evidence: by
+// line; copies: see FindPlaneCopies.
 std::vector<BoundingCrease> FindBoundingCreases(
     const std::vector<SharedLine>& lines,
     const std::vector<LineEvidence>& evidence,

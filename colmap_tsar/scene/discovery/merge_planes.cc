@@ -67,9 +67,7 @@ class VotesOfViews {
                const std::vector<Ranking>& rankings,
                size_t num_planes,
                ThreadPool& threads)
-      : num_planes_(num_planes),
-        agreements_(rankings.size(), 1.f),
-        counts_(num_planes * num_planes, 0) {
+      : num_planes_(num_planes), counts_(num_planes * num_planes, 0) {
     std::mutex mutex;
     threads.Run(static_cast<int64_t>(rankings.size()),
                 [&](int64_t begin, int64_t end) {
@@ -83,9 +81,6 @@ class VotesOfViews {
                   }
                 });
   }
-
-  // The share of the votes on a superpixel for its own plane; 1 without votes.
-  float Agreement(size_t superpixel) const { return agreements_[superpixel]; }
 
   // The share of the votes on a plane's superpixels for the other plane, among
   // the votes for either; near 0 with few votes.
@@ -102,46 +97,29 @@ class VotesOfViews {
   void Count(const SuperpixelMatches& matches,
              const std::vector<Ranking>& rankings,
              int superpixel,
-             std::vector<int>* counts) {
+             std::vector<int>* counts) const {
     const int plane = rankings[superpixel].planes[0];
-    if (plane < 0) {
-      return;
-    }
-    int num_votes = 0;
-    int num_own = 0;
     for (const int match : matches.Of(superpixel)) {
       const int other = rankings[match].planes[0];
-      if (other >= 0) {
+      if (plane >= 0 && other >= 0) {
         ++(*counts)[plane * num_planes_ + other];
-        ++num_votes;
-        num_own += other == plane ? 1 : 0;
       }
-    }
-    if (num_votes > 0) {
-      agreements_[superpixel] = static_cast<float>(num_own) / num_votes;
     }
   }
 
   size_t num_planes_;
-  std::vector<float> agreements_;  // Of each superpixel.
   // Numbers of votes by the plane of the superpixel, then by that of the vote.
   std::vector<int> counts_;
 };
 
 // The loss of score without some planes.
 struct Losses {
-  Losses(const std::vector<Ranking>& rankings,
-         const VotesOfViews& votes,
-         size_t num_planes)
+  Losses(const std::vector<Ranking>& rankings, size_t num_planes)
       : without(num_planes, 0.0),
-        agreed(num_planes, 0.0),
         more_without_both(num_planes, std::vector<double>(num_planes, 0.0)) {
-    for (size_t k = 0; k < rankings.size(); ++k) {
-      const auto& [planes, scores] = rankings[k];
+    for (const auto& [planes, scores] : rankings) {
       if (planes[0] >= 0) {
-        const float loss = scores[0] - scores[1];
-        without[planes[0]] += loss;
-        agreed[planes[0]] += loss * votes.Agreement(k);
+        without[planes[0]] += scores[0] - scores[1];
       }
       if (planes[1] >= 0) {
         more_without_both[planes[0]][planes[1]] += scores[1] - scores[2];
@@ -156,7 +134,6 @@ struct Losses {
   }
 
   std::vector<double> without;
-  std::vector<double> agreed;  // Weighted by the agreement of views.
   // The further loss, by the best and the second-best plane of superpixels.
   std::vector<std::vector<double>> more_without_both;
 };
@@ -198,7 +175,7 @@ class PlaneMerger {
     const std::vector<Ranking> rankings =
         Rank(planes_, estimator_.Observations().Count(), threads_);
     const VotesOfViews votes(matches_, rankings, planes_.size(), threads_);
-    const Losses losses(rankings, votes, planes_.size());
+    const Losses losses(rankings, planes_.size());
     std::optional<Change> cheapest;
     const auto consider = [&](const Change& change) {
       if (change.Share() < (cheapest ? cheapest->Share() : 1.0)) {
@@ -206,7 +183,7 @@ class PlaneMerger {
       }
     };
     for (int p = 0; p < static_cast<int>(planes_.size()); ++p) {
-      consider({p, losses.agreed[p], min_gain_});
+      consider({p, losses.without[p], min_gain_});
     }
     const std::vector<Pair> pairs =
         FindPairs(losses.without, votes, Supports(rankings, planes_.size()));

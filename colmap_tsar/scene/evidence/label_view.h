@@ -90,9 +90,11 @@ struct LabelOptions {
   // The largest residual of depths of other views at which they confirm a
   // plane, as a share of the tolerance.
   float confirmation_share = 0.5f;
-  // The gap between two planes at a border from which the border costs its full
-  // weight.
-  float full_gap = 3.f;
+  // A border between two planes is free where they intersect in the image, and
+  // costs its full weight from this distance from the intersection on, in
+  // pixels of the raster: half the width of a superpixel, which crosses the
+  // true border by as much.
+  float crease_reach = 10.f;
 };
 
 // The evidence for the plane of a superpixel.

@@ -88,6 +88,10 @@ struct ViewEvidence {
 
   std::vector<SuperpixelBorder> borders;  // Sorted by (first, second).
 
+  // By superpixel, on which sides of creases it lies: no region of one color
+  // crosses a crease. Empty where there are none; not stored (CutAtCreases).
+  std::vector<int> sides;
+
   // Candidate planes of the view alone: of regions, then of superpixels.
   std::vector<Plane> candidates;
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/graph_cut/alpha_expansion.h"
+#include "colmap_tsar/scene/labeling/crease_distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,19 +23,23 @@ namespace {
 constexpr float kBorderToNone = 2.f;
 
 // The pairwise costs of borders between superpixels; the last label is 'none'.
-// Keeps references to the evidence and the planes.
+// Keeps references to the evidence.
 class BorderCosts {
  public:
-  // full_gap: see LabelOptions.
+  // reach: see LabelOptions::crease_reach.
   BorderCosts(const ObservedView& view,
               const std::vector<Plane>& planes,
-              float full_gap)
-      : evidence_(*view.evidence), planes_(planes), full_gap_(full_gap) {
-    const Intrinsics intrinsics = view.camera.GetIntrinsics();
+              float reach)
+      : evidence_(*view.evidence),
+        intrinsics_(view.camera.GetIntrinsics()),
+        reach_(reach) {
+    for (const Plane& plane : planes) {
+      planes_.push_back(ToInverseDepth(plane));
+    }
     for (const SuperpixelBorder& border : evidence_.borders) {
       for (const int pixel : border.pixels) {
         rays_.push_back(
-            intrinsics.Ray(pixel % evidence_.width, pixel / evidence_.width));
+            intrinsics_.Ray(pixel % evidence_.width, pixel / evidence_.width));
       }
     }
   }
@@ -52,28 +57,19 @@ class BorderCosts {
     float sum = 0.f;
     for (const Vec3f& ray :
          std::span(rays_).subspan(edge * kNumPixels, kNumPixels)) {
-      const float first = planes_[a].Depth(ray);
-      const float second = planes_[b].Depth(ray);
-      const float nearer = std::min(first, second);
-      if (!(nearer > 0.f)) {
-        sum += 1.f;
-        continue;
-      }
-      const float gap =
-          std::abs(first - second) /
-          (nearer * evidence_.resolution.RelativeDepthError(nearer));
-      sum += std::min(gap / full_gap_, 1.f);
+      const float distance =
+          DistanceToCrease(planes_[a], planes_[b], ray, intrinsics_);
+      sum += std::min(distance / reach_, 1.f);
     }
     return weight * sum / kNumPixels;
   }
 
  private:
   const ViewEvidence& evidence_;
-  const std::vector<Plane>& planes_;
-  float full_gap_;
-  // Rays of the pixels of each border. Depths along them are computed on
-  // demand: most planes are too costly for both superpixels.
-  std::vector<Vec3f> rays_;
+  const Intrinsics intrinsics_;
+  float reach_;
+  std::vector<InverseDepthPlane> planes_;
+  std::vector<Vec3f> rays_;  // Of the pixels of each border.
 };
 
 // The unary cost of a superpixel without a plane. weight: see ViewEvidence.
@@ -139,7 +135,7 @@ LabeledView ChooseLabels(const ObservedView& view,
   for (const SuperpixelBorder& border : evidence.borders) {
     graph.edges.push_back({border.first, border.second});
   }
-  graph.pairwise = BorderCosts(view, result.planes, options.full_gap);
+  graph.pairwise = BorderCosts(view, result.planes, options.crease_reach);
   graph.min_pairwise = 0.f;
   const std::vector<int> labels = MinimizeByExpansion(graph);
   const auto num_labels = static_cast<size_t>(graph.num_labels);

@@ -106,6 +106,11 @@ ColorRegions IndexRegions(const std::vector<int>& merged_into) {
 
 std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence) {
   std::vector<Borders> borders = MeasureBorders(evidence);
+  for (size_t s = 0; s < evidence.sides.size(); ++s) {
+    std::erase_if(borders[s], [&](const auto& border) {
+      return evidence.sides[border.first] != evidence.sides[s];
+    });
+  }
   std::vector<int> merged_into(borders.size());
   std::iota(merged_into.begin(), merged_into.end(), 0);
   // A mean step, as it was when it was pushed, and the two regions.

@@ -19,7 +19,8 @@ struct ColorRegions {
 // are merged in ascending order of the mean step across their whole common
 // border, up to 2, 4 and 8 gray levels over the three channels: a border that
 // fades in places still separates, and a shaded wall is one region. The level
-// at which a surface is one region is not known beforehand.
+// at which a surface is one region is not known beforehand. No region crosses a
+// crease (ViewEvidence::sides).
 std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence);
 
 }  // namespace tsar

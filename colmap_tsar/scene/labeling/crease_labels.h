@@ -14,19 +14,27 @@
 
 namespace tsar {
 
+// The evidence of a view whose image the creases cut where new planes begin:
+// with `sides`, and with little weight for what was measured along them.
+// Nothing but the crease is textured there. A window on it holds two planes,
+// and where it runs along the baseline, any depth matches.
+ViewEvidence CutAtCreases(const ObservedView& view,
+                          const std::vector<ModelPlane>& planes,
+                          const std::vector<BoundingCrease>& creases);
+
 // Adds the costs of a view's labels where planes end at creases, of superpixels
-// (row) on planes (column). Superpixels beyond a crease pay on the plane that
-// ends there, and on others without evidence, except those that begin at
-// another crease in front of the plane that begins here. On planes that begin
-// here, the costs for missing measurements are removed, and other superpixels
-// are excluded. indices: of the columns in the model, ascending; creases: of
-// these planes; votes: of the size of the costs, or empty.
+// (row) on planes (column): on planes behind one that begins at a crease, which
+// hides them, the one that ends there among them, and on one that begins at a
+// crease where the superpixel does not lie beyond it. Beyond it that plane
+// costs nothing for being unknown, and its uncertainty is at most one half.
+// indices: of the columns in the model, ascending; creases: of these planes;
+// votes: of the size of the costs, or empty.
 void AddCreaseVotes(const ObservedView& view,
                     const std::vector<ModelPlane>& planes,
                     const std::vector<int>& indices,
                     const std::vector<BoundingCrease>& creases,
-                    const Image<PlaneCost>& costs,
                     const LabelOptions& options,
+                    Image<PlaneCost>* costs,
                     Image<float>* votes);
 
 }  // namespace tsar

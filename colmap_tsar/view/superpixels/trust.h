@@ -16,10 +16,6 @@
 
 namespace tsar {
 
-// A plane q as the inverse depths of its rays, 1 / z = q . (x / z, y / z, 1);
-// zero where there is none. Evaluating it on a ray takes no division.
-using InverseDepthPlane = Vec3f;
-
 // The plane through the point depth * ray with this normal; zero where it does
 // not face the camera.
 TSAR_HD inline InverseDepthPlane ToInverseDepth(const Vec3f& ray,
@@ -28,11 +24,6 @@ TSAR_HD inline InverseDepthPlane ToInverseDepth(const Vec3f& ray,
   const float slope = Dot(normal, ray);
   return depth > 0.f && slope < 0.f ? normal * (1.f / (depth * slope))
                                     : InverseDepthPlane{};
-}
-
-TSAR_HD inline InverseDepthPlane ToInverseDepth(const Plane& plane) {
-  return plane.Valid() ? plane.normal * (-1.f / plane.offset)
-                       : InverseDepthPlane{};
 }
 
 // The gate of Eq. 9: a pixel passes when its own disparity is within

@@ -98,5 +98,13 @@ TEST(ColorRegionsTest, ALevelIsMadeOfTheRegionsOfTheOneBefore) {
   EXPECT_GT(levels.front().count, levels.back().count);
 }
 
+TEST(ColorRegionsTest, NoRegionCrossesACrease) {
+  ViewEvidence evidence = Draw([](int, int) { return 100; });
+  for (int s = 0; s < evidence.NumSuperpixels(); ++s) {
+    evidence.sides.push_back(IsLeft(s) ? 3 : 5);
+  }
+  ExpectHalves(FindColorRegions(evidence), {true, true, true});
+}
+
 }  // namespace
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #include "colmap_tsar/scene/labeling/crease_labels.h"
 
 #include <cmath>
+#include <vector>
 
 #include "tests/scene/creases/drawn_wall_fixture.h"
 
@@ -27,77 +28,99 @@ class CreaseLabelsTest : public DrawnWallTest {
     creases_ = {crease};
   }
 
-  void AddVotes(const std::vector<int>& indices,
-                const Image<PlaneCost>& costs,
-                Image<float>* votes) const {
+  void AddVotes(const std::vector<int>& indices, Image<float>* votes) {
+    costs_ = Image<PlaneCost>(static_cast<int>(indices.size()),
+                              kNumSuperpixels,
+                              {.uncertainty = 1.f});
     AddCreaseVotes({&evidence_, camera_},
                    model_.planes,
                    indices,
                    creases_,
-                   costs,
                    options_,
+                   &costs_,
                    votes);
+  }
+
+  static Eigen::Vector3d Middle(const Camera& camera, int superpixel) {
+    const double x = (superpixel % kNumColumns + 0.5) * kSuperpixelSize - 0.5;
+    const double y = (superpixel / kNumColumns + 0.5) * kSuperpixelSize - 0.5;
+    return OnWall(camera, x, y);
   }
 
   // Whether the middle of a superpixel shows what is above the crease.
   bool IsBeyond(int superpixel) const {
-    const double x = (superpixel % kNumColumns + 0.5) * kSuperpixelSize - 0.5;
-    const double y = (superpixel / kNumColumns + 0.5) * kSuperpixelSize - 0.5;
-    return OnWall(camera_, x, y).y() < kCrease;
+    return Middle(camera_, superpixel).y() < kCrease;
+  }
+
+  // The cost there of a plane, given its depth by that of the wall: the ceiling
+  // hides it where it lies 1.5 % behind.
+  float CostOfHidden(int superpixel, double depth_by_wall) const {
+    const double height = camera_.Center().y() - kCrease;
+    const double to_wall =
+        camera_.Center().y() - Middle(camera_, superpixel).y();
+    return IsBeyond(superpixel) && depth_by_wall * to_wall > 1.015 * height
+               ? 0.3f * kPixels
+               : 0.f;
   }
 
   // Of the three planes.
-  Image<float> Votes(const Image<PlaneCost>& costs) const {
+  Image<float> Votes() {
     Image<float> votes;
-    AddVotes({0, ceiling_, other_}, costs, &votes);
+    AddVotes({0, ceiling_, other_}, &votes);
     return votes;
-  }
-  Image<float> Votes() const {
-    return Votes(Image<PlaneCost>(3, kNumSuperpixels));
   }
 
   Camera camera_;
   ViewEvidence evidence_;
   std::vector<BoundingCrease> creases_;
+  Image<PlaneCost> costs_;  // After the last votes.
   int ceiling_ = -1;
   int other_ = -1;
   LabelOptions options_;
 };
 
-TEST_F(CreaseLabelsTest, BeyondTheCreaseTheWallIsCostlyAndTheCeilingIsNot) {
+TEST_F(CreaseLabelsTest, BeyondTheCreaseTheCeilingHidesWhatIsBehindIt) {
   const Image<float> votes = Votes();
   ASSERT_EQ(votes.Width(), 3);
   ASSERT_EQ(votes.Height(), kNumSuperpixels);
-  int num_beyond = 0;
+  int num_hidden = 0;
   for (int s = 0; s < kNumSuperpixels; ++s) {
     SCOPED_TRACE(s);
+    EXPECT_FLOAT_EQ(votes(0, s), CostOfHidden(s, 1.0));
+    EXPECT_FLOAT_EQ(votes(2, s), CostOfHidden(s, 8.0 / kDistance));
+    num_hidden += votes(0, s) > 0.f ? 1 : 0;
     if (IsBeyond(s)) {
-      ++num_beyond;
-      EXPECT_FLOAT_EQ(votes(0, s), 0.3f * kPixels);
       EXPECT_FLOAT_EQ(votes(1, s), -options_.uncertainty_cost * kPixels);
-      EXPECT_FLOAT_EQ(votes(2, s), 0.3f * kPixels);
+      EXPECT_EQ(costs_(1, s).uncertainty, 0.5f);
     } else {
-      EXPECT_EQ(votes(0, s), 0.f);
       EXPECT_FLOAT_EQ(votes(1, s), kPixels);
-      EXPECT_EQ(votes(2, s), 0.f);
+      EXPECT_EQ(costs_(1, s).uncertainty, 1.f);
     }
+    EXPECT_EQ(costs_(0, s).uncertainty, 1.f);
   }
-  EXPECT_GT(num_beyond, 30);
-  EXPECT_LT(num_beyond, kNumSuperpixels / 2);
+  EXPECT_GT(num_hidden, 30);
+  EXPECT_LT(num_hidden, kNumSuperpixels / 2);
 }
 
-TEST_F(CreaseLabelsTest, PlanesThatSomethingSpeaksForMayStandBeyond) {
-  Image<PlaneCost> costs(3, kNumSuperpixels);
+// Posters and copies of the wall end with it, and a cupboard before the ceiling
+// does not.
+TEST_F(CreaseLabelsTest, WhatStandsBeforeTheCeilingStays) {
+  const auto votes_on = [&](double z) {
+    const int plane = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, z}, 2, 100.0);
+    Image<float> votes;
+    AddVotes({ceiling_, plane}, &votes);
+    return votes;
+  };
+  const Image<float> poster = votes_on(4.98);
+  const Image<float> cupboard = votes_on(3.0);
+  int num_before = 0;
   for (int s = 0; s < kNumSuperpixels; ++s) {
-    costs(0, s).explained = 0.5f;
-    (s % 2 == 0 ? costs(2, s).explained : costs(2, s).confirmed) = 0.5f;
+    SCOPED_TRACE(s);
+    EXPECT_FLOAT_EQ(poster(1, s), CostOfHidden(s, 4.98 / kDistance));
+    EXPECT_FLOAT_EQ(cupboard(1, s), CostOfHidden(s, 3.0 / kDistance));
+    num_before += IsBeyond(s) && cupboard(1, s) == 0.f ? 1 : 0;
   }
-  const Image<float> votes = Votes(costs);
-  for (int s = 0; s < kNumSuperpixels; ++s) {
-    EXPECT_EQ(votes(2, s), 0.f) << s;
-    // But not the one that ends there.
-    EXPECT_FLOAT_EQ(votes(0, s), IsBeyond(s) ? 0.3f * kPixels : 0.f) << s;
-  }
+  EXPECT_GT(num_before, 10);
 }
 
 TEST_F(CreaseLabelsTest, WhatWasMeasuredOfThePlaneBeyondNeedsNoHelp) {
@@ -105,92 +128,37 @@ TEST_F(CreaseLabelsTest, WhatWasMeasuredOfThePlaneBeyondNeedsNoHelp) {
   const Image<float> votes = Votes();
   for (int s = 0; s < kNumSuperpixels; ++s) {
     EXPECT_EQ(votes(1, s), 0.f) << s;
-    EXPECT_FLOAT_EQ(votes(0, s), IsBeyond(s) ? 0.3f * kPixels : 0.f) << s;
+    EXPECT_EQ(costs_(1, s).uncertainty, 1.f) << s;
+    EXPECT_FLOAT_EQ(votes(0, s), CostOfHidden(s, 1.0)) << s;
   }
 }
 
-// A cupboard before the wall, which begins on the floor, may hide the ceiling
-// but not stand behind it.
-TEST_F(CreaseLabelsTest, WhatBeginsElsewhereMayStandBeforeThePlaneBeyond) {
-  constexpr double kFront = 3.0;
-  const int floor = AddPlane({0.0, -1.0, 0.0}, {0.0, 1.0, 4.0}, 1, 500.0);
-  const int front = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, kFront}, 2, 500.0);
-  BoundingCrease at_floor;
-  at_floor.plane = floor;
-  at_floor.beyond = front;
-  at_floor.limit = model_.planes[front].plane;
-  at_floor.is_new = false;
-  const auto votes_on_front = [&] {
+TEST_F(CreaseLabelsTest, APlaneThatIsAlmostTheOneBeyondIsNotHidden) {
+  const auto votes_on = [&](double height) {
+    const int plane = AddPlane({0.0, 1.0, 0.0}, {0.0, height, 4.0}, -1, 500.0);
     Image<float> votes;
-    AddVotes({ceiling_, front}, Image<PlaneCost>(2, kNumSuperpixels), &votes);
-    std::vector<float> column;
-    for (int s = 0; s < kNumSuperpixels; ++s) {
-      column.push_back(votes(1, s));
-    }
-    return column;
-  };
-  const std::vector<float> without = votes_on_front();
-  creases_.push_back(at_floor);
-  const std::vector<float> with = votes_on_front();
-  const Eigen::Vector3d center = camera_.Center();
-  int num_before = 0;
-  int num_behind = 0;
-  for (int s = 0; s < kNumSuperpixels; ++s) {
-    SCOPED_TRACE(s);
-    const auto i = static_cast<size_t>(s);
-    if (!IsBeyond(s)) {
-      EXPECT_EQ(with[i], 0.f);
-      continue;
-    }
-    EXPECT_FLOAT_EQ(without[i], 0.3f * kPixels);
-    const double x = (s % kNumColumns + 0.5) * kSuperpixelSize - 0.5;
-    const double y = (s / kNumColumns + 0.5) * kSuperpixelSize - 0.5;
-    const Eigen::Vector3d ray = OnWall(camera_, x, y) - center;
-    const bool is_before =
-        (center + ray * (kFront - center.z()) / ray.z()).y() > kCrease;
-    EXPECT_FLOAT_EQ(with[i], is_before ? 0.f : 0.3f * kPixels);
-    ++(is_before ? num_before : num_behind);
-  }
-  EXPECT_GT(num_before, 0);
-  EXPECT_GT(num_behind, 10);
-}
-
-TEST_F(CreaseLabelsTest, APlaneThatIsAlmostTheOneBeyondIsNotCostly) {
-  const auto votes_on = [&](double angle, double height) {
-    const int plane = AddPlane(
-        {0.0, std::cos(angle), std::sin(angle)}, {0.0, height, 4.0}, -1, 500.0);
-    Image<float> votes;
-    AddVotes({ceiling_, plane}, Image<PlaneCost>(2, kNumSuperpixels), &votes);
+    AddVotes({ceiling_, plane}, &votes);
     return votes;
   };
   ASSERT_TRUE(IsBeyond(0));
-  const Image<float> almost = votes_on(0.01, kCrease - 0.005);
-  const Image<float> tilted = votes_on(0.06, kCrease);
-  const Image<float> higher = votes_on(0.0, kCrease - 0.1);
-  for (int s = 0; s < kNumSuperpixels; ++s) {
-    SCOPED_TRACE(s);
-    const float costly = IsBeyond(s) ? 0.3f * kPixels : 0.f;
-    EXPECT_EQ(tilted(1, s), costly);
-    EXPECT_EQ(higher(1, s), costly);
-  }
-  // Seen at a flat angle, a small turn is much in depth.
-  EXPECT_EQ(almost(1, 0), 0.f);
+  EXPECT_EQ(votes_on(kCrease - 0.01)(1, 0), 0.f);
+  EXPECT_FLOAT_EQ(votes_on(kCrease - 0.1)(1, 0), 0.3f * kPixels);
 }
 
-TEST_F(CreaseLabelsTest, PosterAndWallEndAtOneCreaseThatCountsOnce) {
+TEST_F(CreaseLabelsTest, TwoCreasesOfOnePlaneCountOnce) {
+  const Image<float> alone = Votes();
   creases_.push_back(creases_[0]);
   creases_[1].plane = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, 4.98}, 2, 100.0);
-  const Image<float> votes = Votes();
+  const Image<float> both = Votes();
   for (int s = 0; s < kNumSuperpixels; ++s) {
-    const float costly = IsBeyond(s) ? 0.3f * kPixels : 0.f;
-    EXPECT_FLOAT_EQ(votes(0, s), costly) << s;
-    EXPECT_FLOAT_EQ(votes(2, s), costly) << s;
+    EXPECT_EQ(both(0, s), alone(0, s)) << s;
+    EXPECT_LE(both(1, s), alone(1, s)) << s;
   }
 }
 
 TEST_F(CreaseLabelsTest, VotesOfOtherViewsStay) {
   Image<float> votes(3, kNumSuperpixels, 7.f);
-  AddVotes({0, ceiling_, other_}, Image<PlaneCost>(3, kNumSuperpixels), &votes);
+  AddVotes({0, ceiling_, other_}, &votes);
   const Image<float> alone = Votes();
   for (size_t i = 0; i < votes.NumPixels(); ++i) {
     EXPECT_FLOAT_EQ(votes.Data()[i], alone.Data()[i] + 7.f);
@@ -205,6 +173,60 @@ TEST_F(CreaseLabelsTest, ACameraAboveTheCeilingSeesNothingBeyond) {
     EXPECT_EQ(votes(0, s), 0.f) << s;
     EXPECT_FLOAT_EQ(votes(1, s), kPixels) << s;
   }
+}
+
+TEST_F(CreaseLabelsTest, TheCreaseDividesTheImageInTwo) {
+  const ViewEvidence cut =
+      CutAtCreases({&evidence_, camera_}, model_.planes, creases_);
+  ASSERT_EQ(cut.sides.size(), static_cast<size_t>(kNumSuperpixels));
+  const int below = cut.sides[kNumSuperpixels - 1];
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    EXPECT_EQ(cut.sides[s] != below, IsBeyond(s)) << s;
+  }
+  // Planes that were measured are known on both sides.
+  creases_[0].is_new = false;
+  const ViewEvidence whole =
+      CutAtCreases({&evidence_, camera_}, model_.planes, creases_);
+  EXPECT_EQ(whole.sides, std::vector<int>(kNumSuperpixels, 0));
+}
+
+TEST_F(CreaseLabelsTest, WhatIsMeasuredAlongTheCreaseHardlyCounts) {
+  const auto height = [](const Eigen::Vector3d& point) {
+    return std::abs(point.y() - kCrease) / kPixel;
+  };
+  Measure(
+      camera_,
+      [&](const Eigen::Vector3d& point) {
+        const double on_wall =
+            (camera_.rotation * point + camera_.translation).z();
+        // In front of the crease, a third of the way along it.
+        return Depth{point.x() < -1.0 ? 0.6 * on_wall : on_wall};
+      },
+      &evidence_);
+  evidence_.first_confirmed = {0};
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    evidence_.confirmed.push_back(
+        evidence_.observations[evidence_.first_observation[s]].sample);
+    evidence_.first_confirmed.push_back(s + 1);
+    evidence_.confirmed_pixels.push_back(40);
+  }
+  const ViewEvidence cut =
+      CutAtCreases({&evidence_, camera_}, model_.planes, creases_);
+  int num_near = 0;
+  for (int s = 0; s < kNumSuperpixels; ++s) {
+    SCOPED_TRACE(s);
+    const Eigen::Vector3d middle = Middle(camera_, s);
+    // Superpixels are ten pixels high.
+    if (height(middle) > 14.0 || middle.x() < -1.3) {
+      EXPECT_EQ(cut.weights[s], evidence_.weights[s]);
+      EXPECT_EQ(cut.confirmed_pixels[s], 40);
+    } else if (height(middle) < 2.0 && middle.x() > -0.7) {
+      ++num_near;
+      EXPECT_NEAR(cut.weights[s], 0.05f * evidence_.weights[s], 1e-4f);
+      EXPECT_EQ(cut.confirmed_pixels[s], 0);
+    }
+  }
+  EXPECT_GT(num_near, 5);
 }
 
 }  // namespace

@@ -54,6 +54,16 @@ TEST_F(LabelViewTest, ChangesAtAnEdgeWherePlanesAreApart) {
   }
 }
 
+// Copies of one surface do not meet where the image shows no edge, however close
+// they are.
+TEST_F(LabelViewTest, NearlyEqualPlanesDoNotShareASurface) {
+  const Plane wall = WallAt(5.f);
+  const Plane copy = WallAt(4.997f);
+  Measure(wall, 0, 5);
+  Measure(copy, 6, 7);
+  ExpectColumns(Label({wall, copy}), {0, 0, 0, 0, 0, 0, 0, 0});
+}
+
 // A bare box before a wall: in the other views its right part would lie beside
 // itself, on the wall, if it were part of that.
 TEST_F(LabelViewTest, ColorsOfOtherViewsTellABareBoxFromTheWallBehindIt) {
