@@ -106,22 +106,29 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
           const uint32_t number = random.NextBelow(340);
           value = static_cast<uint8_t>(number < 256 ? number : 0);
         }
-        // A source a little to the right, which sees the wall and, in squares,
+        // Sources a little to the right, which see the wall and, in squares,
         // something nearer.
         ViewEvidence evidence;
         evidence.width = raster.width;
         evidence.height = raster.height;
         evidence.superpixels = superpixels;
         evidence.confident_depth = Image<float>(raster.width, raster.height);
+        evidence.color = Image<Rgb>(raster.width, raster.height);
+        for (Rgb& pixel : evidence.color) {
+          const auto level = static_cast<uint8_t>(random.NextBelow(30));
+          pixel = {level, 100, level};
+        }
         Camera camera =
             inputs.views.ReferenceCamera().Resized(raster.width, raster.height);
         std::vector<ObservedView> observed = {{&evidence, camera}};
-        camera.translation.x() -= 0.05 * wall.offset;
-        observed.push_back({&evidence, camera});
-        std::vector<std::vector<Plane>> planes_of_sources = {
-            std::vector<Plane>(40, wall)};
-        for (size_t k = 0; k < 40; k += 3) {
-          planes_of_sources[0][k] = nearer;
+        std::vector<std::vector<Plane>> planes_of_sources;
+        for (int source = 0; source < 2; ++source) {
+          camera.translation.x() -= 0.05 * wall.offset;
+          observed.push_back({&evidence, camera});
+          planes_of_sources.emplace_back(40, wall);
+          for (size_t k = 0; k < 40; k += 3) {
+            planes_of_sources[source][k] = nearer;
+          }
         }
         const DeviceImage<float> device_texture(
             device, Image<float>(raster.width, raster.height, 7.f));
