@@ -41,29 +41,25 @@ struct Sample {
 };
 using Scenes = std::vector<std::vector<Sample>>;
 
-// As ComputeSceneConfidence() tells them apart, but that depths on curved
-// surfaces are known here by what they are not.
+// As ComputeSceneConfidence() tells them apart.
 DepthKind KindAt(const PlaneView& refined,
                  const ModeledImage& view,
                  int x,
                  int y) {
   const auto source = static_cast<Provenance>(refined.provenance(x, y));
-  const bool is_on_plane = refined.planes(x, y) > 0;
   if (source == Provenance::kInterpolated) {
     return DepthKind::kInterpolated;
   }
   if (source == Provenance::kMeasured) {
-    return is_on_plane                               ? DepthKind::kMoved
-           : refined.depth(x, y) != view.depth(x, y) ? DepthKind::kMovedToCurved
-                                                     : DepthKind::kStanding;
+    return refined.planes(x, y) > 0 ? DepthKind::kMoved : DepthKind::kStanding;
   }
   switch (view.found.labeled.evidence[view.SuperpixelAt(x, y)]) {
     case LabelEvidence::kMeasured:
-      return is_on_plane ? DepthKind::kFilled : DepthKind::kFilledByCurved;
+      return DepthKind::kFilled;
     case LabelEvidence::kCarried:
-      return is_on_plane ? DepthKind::kCarried : DepthKind::kFilledByCurved;
+      return DepthKind::kCarried;
     default:
-      return is_on_plane ? DepthKind::kGuessed : DepthKind::kFilledByCurved;
+      return DepthKind::kGuessed;
   }
 }
 

@@ -51,8 +51,6 @@ enum Kind {
   kFilledCarried,
   kGuessed,
   kStanding,
-  kNoPlane,
-  kMovedToCurved,
   kInterpolated,
   // Of images that were refined on their own.
   kViewMeasured,
@@ -75,8 +73,6 @@ const KindFacts& FactsOf(Kind kind) {
       {"filled, other views", scene.filled_carried},
       {"filled, guessed", scene.filled_guessed},
       {"measured, as it was", scene.standing},
-      {"plane of a region, or curved", scene.no_plane},
-      {"measured, moved to a curve", scene.moved_to_curved},
       {"interpolated", scene.interpolated},
       {"measured", view.measured},
       {"plane of a superpixel", view.superpixel_plane},
@@ -108,18 +104,18 @@ struct Scene {
   std::array<std::vector<Sample>, kNumKinds> samples;
 };
 
-Kind KindOf(Provenance source, bool is_on_plane, bool is_as_measured) {
+Kind KindOf(Provenance source, bool is_on_plane) {
   switch (source) {
     case Provenance::kInterpolated:
       return kInterpolated;
     case Provenance::kMeasured:
-      return is_on_plane ? kMoved : is_as_measured ? kStanding : kMovedToCurved;
+      return is_on_plane ? kMoved : kStanding;
     case Provenance::kOtherViews:
-      return is_on_plane ? kFilledCarried : kNoPlane;
+      return kFilledCarried;
     case Provenance::kGuessed:
-      return is_on_plane ? kGuessed : kNoPlane;
+      return kGuessed;
     default:
-      return is_on_plane ? kFilledMeasured : kNoPlane;
+      return kFilledMeasured;
   }
 }
 
@@ -165,8 +161,6 @@ void CollectView(const Workspace& workspace, int image, Scene* scene) {
   const Image<uint16_t> planes =
       is_of_scene ? require_size(paths.planes, ReadGray16Png(paths.planes))
                   : Image<uint16_t>();
-  const Image<float> original =
-      workspace.ReadOriginalMaps(image, workspace.Type()).depth;
   const Image<float> truth =
       ReadDepthMap(workspace.SourceRoot() / "ground_truth" / "depth" /
                    (model_image.name + ".bin"));
@@ -190,9 +184,7 @@ void CollectView(const Workspace& workspace, int image, Scene* scene) {
           continue;  // Its sigma is its own, without a constant.
         }
         const Kind kind =
-            is_of_scene
-                ? KindOf(source, planes(x, y) > 0, depth == original(x, y))
-                : KindInView(source);
+            is_of_scene ? KindOf(source, planes(x, y) > 0) : KindInView(source);
         scene->samples[kind].push_back({error / depth,
                                         sigma(x, y) / depth,
                                         resolution.RelativeDepthError(depth)});

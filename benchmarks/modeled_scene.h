@@ -106,9 +106,7 @@ class ModeledScene {
         labels.push_back(&of_other);
       }
     }
-    RefineOptions options;
-    options.curved_surfaces = false;
-    result.found = FindScene(views, model_.planes, labels, options, *device_);
+    result.found = FindScene(views, model_.planes, labels, *device_);
     const ViewData view = LoadView(workspace_, image);
     const ViewEvidence& evidence = evidence_.at(image);
     if (!view.depth.HasSizeOf(evidence.flags)) {
@@ -135,7 +133,7 @@ class ModeledScene {
                        evidence.resolution},
                       result.found.labeled.labels,
                       result.found.labeled.planes,
-                      MakeSceneOptions(options, views).borders,
+                      MakeSceneOptions({}, views).borders,
                       *device_);
     DistrustFattened(refined.fattened.View(), flags.View(), *device_);
     result.flags = flags.ToHost();

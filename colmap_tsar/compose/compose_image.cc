@@ -13,7 +13,6 @@
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/labeling/refine_borders.h"
 #include "colmap_tsar/scene/scene_options.h"
-#include "colmap_tsar/scene/surfaces/rasterize_curved_surfaces.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/stage_timer.h"
@@ -72,29 +71,23 @@ Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
   return kinds;
 }
 
-// Shows the observer the surface of each superpixel, planes before curved ones.
+// Shows the observer the plane of each superpixel.
 void ShowScene(StageObserver* observer,
                const ViewEvidence& evidence,
-               const LabeledView& labeled,
-               const CurvedView& curved) {
+               const LabeledView& labeled) {
   if (observer == nullptr) {
     return;
   }
-  std::vector<int> surfaces = labeled.labels;
-  for (size_t k = 0; k < curved.labels.size(); ++k) {
-    if (curved.labels[k] >= 0) {
-      surfaces[k] = static_cast<int>(labeled.planes.size()) + curved.labels[k];
-    }
-  }
   const Image<uint16_t>& superpixels = evidence.superpixels;
   Image<int> labels(superpixels.Width(), superpixels.Height());
-  std::transform(superpixels.begin(),
-                 superpixels.end(),
-                 labels.begin(),
-                 [&](uint16_t superpixel) { return surfaces[superpixel]; });
+  std::transform(
+      superpixels.begin(),
+      superpixels.end(),
+      labels.begin(),
+      [&](uint16_t superpixel) { return labeled.labels[superpixel]; });
   observer->Show(RefineStage::kSceneLabels, labels);
   observer->Show(RefineStage::kLabelEvidence,
-                 EvidenceRaster(superpixels, curved.evidence));
+                 EvidenceRaster(superpixels, labeled.evidence));
 }
 
 DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
@@ -107,20 +100,17 @@ DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
 std::vector<ComposedSuperpixel> DescribeSuperpixels(
     const FoundScene& found, const std::vector<Vec3f>& prior_normals) {
   const LabeledView& labeled = found.labeled;
-  const CurvedView& curved = found.curved;
   std::vector<ComposedSuperpixel> result;
-  for (size_t k = 0; k < curved.evidence.size(); ++k) {
-    const bool is_curved = !curved.labels.empty() && curved.labels[k] >= 0;
+  for (size_t k = 0; k < labeled.evidence.size(); ++k) {
     const int label = labeled.labels[k];
     const LabelQuality& quality = labeled.qualities[k];
     result.push_back(
-        {curved.evidence[k],
+        {labeled.evidence[k],
          {quality.strength.Value(),
           quality.confirmed.Value(),
           quality.uncertainty.Value(),
           quality.margin.Value()},
          label >= 0 ? found.plane_errors[label] : InverseDepthError{},
-         is_curved,
          prior_normals.empty() ? Vec3f{} : prior_normals[k]});
   }
   return result;
@@ -159,31 +149,21 @@ RefineResult ComposeImage(
   result.prior = evidence.prior.assessment;
   const SceneOptions scene = MakeSceneOptions(options, views);
   const LabeledView& labeled = found.labeled;
-  const CurvedView& curved = found.curved;
   DeviceReference view(reference, device);
   DeviceImage<uint8_t> flags = TransferFlags(evidence, reference, view, device);
   timer.Finish("upload");
   const Image<uint16_t> superpixels =
       options.pixel_borders
-          ? RefineSuperpixels(view,
-                              views[0],
-                              FlattenSurfaces(views[0], labeled, curved),
-                              scene.borders,
-                              &flags,
-                              device)
+          ? RefineSuperpixels(
+                view, views[0], labeled, scene.borders, &flags, device)
           : evidence.superpixels;
   timer.Finish("borders");
-  DeviceImage<Plane> scene_planes =
+  const DeviceImage<Plane> scene_planes =
       PlaneImage(superpixels, PlanesOfSuperpixels(labeled), device);
-  RasterizeCurvedSurfaces(curved,
-                          superpixels,
-                          views[0].camera.GetIntrinsics(),
-                          device,
-                          &scene_planes);
   const DeviceImage<uint16_t> device_superpixels(device, superpixels);
   const Buffer<ComposedSuperpixel> of_superpixel(
       device, DescribeSuperpixels(found, evidence.prior.normals));
-  ShowScene(observer, evidence, labeled, curved);
+  ShowScene(observer, evidence, labeled);
   ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<float> texture = RasterTexture(evidence, device);
   const DeviceImage<float> prior_depth(device, evidence.prior.depth);

@@ -192,25 +192,20 @@ struct SceneConfidenceKernel {
 
   TSAR_HD DepthKind KindAt(int x, int y) const {
     const auto source = static_cast<Provenance>(provenance(x, y));
-    const ComposedSuperpixel& superpixel = SuperpixelAt(inputs, x, y);
     switch (source) {
       case Provenance::kInterpolated:
         return DepthKind::kInterpolated;
       case Provenance::kMeasured:
-        return !IsOnPlane(inputs.scene_planes, x, y, depth(x, y))
-                   ? DepthKind::kStanding
-               : superpixel.is_curved ? DepthKind::kMovedToCurved
-                                      : DepthKind::kMoved;
+        return IsOnPlane(inputs.scene_planes, x, y, depth(x, y))
+                   ? DepthKind::kMoved
+                   : DepthKind::kStanding;
       default:
-        return KindOfFill(superpixel);
+        return KindOfFill(SuperpixelAt(inputs, x, y).evidence);
     }
   }
 
-  TSAR_HD static DepthKind KindOfFill(const ComposedSuperpixel& superpixel) {
-    if (superpixel.is_curved) {
-      return DepthKind::kFilledByCurved;
-    }
-    switch (superpixel.evidence) {
+  TSAR_HD static DepthKind KindOfFill(LabelEvidence evidence) {
+    switch (evidence) {
       case LabelEvidence::kMeasured:
         return DepthKind::kFilled;
       case LabelEvidence::kCarried:

@@ -39,9 +39,7 @@ struct ComposedSuperpixel {
   LabelEvidence evidence = LabelEvidence::kNone;
   LabelMeasures label;
   InverseDepthError error{};  // Error of its plane.
-  // The surface is curved, and its error is unknown.
-  bool is_curved = false;
-  Vec3f prior_normal{};  // See AlignedPrior; (0, 0, 0): none.
+  Vec3f prior_normal{};       // See AlignedPrior; (0, 0, 0): none.
 };
 
 struct ComposeSceneInputs {

@@ -63,16 +63,15 @@ struct SceneSigmaKernel {
     }
     const ComposedSuperpixel& superpixel = SuperpixelAt(inputs, x, y);
     const bool is_on_plane = IsOnPlane(inputs.scene_planes, x, y, z);
-    const float matching = Matching(source, is_on_plane, superpixel) *
+    const float matching = Matching(source, is_on_plane, superpixel.evidence) *
                            resolution.RelativeDepthError(z);
     // The plane's variance relative to the squared depth, which is the same for
     // 1/z.
     const float of_plane =
-        is_on_plane && !superpixel.is_curved
-            ? z * z *
-                  superpixel.error.Variance(
-                      inputs.scene_planes.intrinsics.Ray(x, y))
-            : 0.f;
+        is_on_plane ? z * z *
+                          superpixel.error.Variance(
+                              inputs.scene_planes.intrinsics.Ray(x, y))
+                    : 0.f;
     return ToPositiveHalf(z * sqrtf(matching * matching + of_plane));
   }
 
@@ -80,19 +79,14 @@ struct SceneSigmaKernel {
   // of one pixel of disparity.
   TSAR_HD float Matching(Provenance source,
                          bool is_on_plane,
-                         const ComposedSuperpixel& superpixel) const {
+                         LabelEvidence evidence) const {
     if (source == Provenance::kInterpolated) {
       return options.interpolated;
     }
     if (source == Provenance::kMeasured) {
-      return !is_on_plane           ? noise * options.standing
-             : superpixel.is_curved ? options.moved_to_curved
-                                    : options.moved;
+      return is_on_plane ? options.moved : noise * options.standing;
     }
-    if (!is_on_plane || superpixel.is_curved) {
-      return options.no_plane;
-    }
-    switch (superpixel.evidence) {
+    switch (evidence) {
       case LabelEvidence::kMeasured:
         return options.filled_measured;
       case LabelEvidence::kCarried:

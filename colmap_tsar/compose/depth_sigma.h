@@ -22,9 +22,6 @@ struct SceneSigmaOptions {
   float filled_guessed = 0.26f;
   // For measurements off the plane, as a multiple of ViewEvidence::noise.
   float standing = 3.2f;
-  // For planes of regions, and pixels filled by curved surfaces.
-  float no_plane = 0.54f;
-  float moved_to_curved = 0.19f;
   float interpolated = 0.74f;
   // In addition to the error of the cylinder (SetSigmaOfCylinders).
   float on_cylinder = 0.1f;

@@ -63,8 +63,7 @@ std::unique_ptr<ImageScene> FindImageScene(const RefineRun& run,
       scene->others.push_back(std::move(evidence));
     }
   }
-  scene->found =
-      FindScene(scene->views, model.planes, labels, run.refine_options, device);
+  scene->found = FindScene(scene->views, model.planes, labels, device);
   StageTimer timer(device, &scene->found.seconds);
   scene->found.cylinders = FindSeenCylinders(scene->views[0], model.cylinders);
   timer.Finish("columns and pipes");

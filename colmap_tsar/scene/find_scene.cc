@@ -206,7 +206,6 @@ int64_t LabelInModelWorkingBytes(const LabelingSize& size,
 FoundScene FindScene(const std::vector<ObservedView>& views,
                      const std::vector<ModelPlane>& planes,
                      const std::vector<const ViewLabels*>& labels_of_views,
-                     const RefineOptions& options,
                      Device& device) {
   FoundScene found;
   const ViewLabels& labels = *labels_of_views[0];
@@ -233,24 +232,14 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
   }
   found.plane_indices = indices;
   timer.Finish("labels");
-  found.curved =
-      options.curved_surfaces
-          ? FindCurvedSurfaces(
-                views, found.labeled, MakeSceneOptions(options, views).surfaces)
-          : CurvedView{{}, {}, found.labeled.evidence};
-  timer.Finish("curved surfaces");
   return found;
 }
 
 Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
                          const FoundScene& found) {
   std::vector<uint16_t> of_superpixel;
-  for (size_t k = 0; k < found.labeled.labels.size(); ++k) {
-    const int label = found.labeled.labels[k];
-    const bool is_curved =
-        !found.curved.labels.empty() && found.curved.labels[k] >= 0;
-    const int id =
-        label >= 0 && !is_curved ? found.plane_indices[label] + 1 : 0;
+  for (const int label : found.labeled.labels) {
+    const int id = label >= 0 ? found.plane_indices[label] + 1 : 0;
     of_superpixel.push_back(id <= kMaxPlanesOfMap ? static_cast<uint16_t>(id)
                                                   : uint16_t{0});
   }
@@ -267,28 +256,6 @@ std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled) {
     planes.push_back(label >= 0 ? labeled.planes[label] : Plane{});
   }
   return planes;
-}
-
-LabeledView FlattenSurfaces(const ObservedView& view,
-                            LabeledView labeled,
-                            const CurvedView& curved) {
-  if (curved.surfaces.empty()) {
-    return labeled;
-  }
-  const std::vector<float> num_pixels = CountPixels(*view.evidence);
-  const std::vector<Vec3f> rays =
-      MiddleRays(*view.evidence, view.camera.GetIntrinsics());
-  for (size_t k = 0; k < rays.size(); ++k) {
-    if (curved.labels[k] < 0 || num_pixels[k] == 0.f) {
-      continue;
-    }
-    const Plane tangent = curved.surfaces[curved.labels[k]].TangentAt(rays[k]);
-    if (tangent.Valid()) {
-      labeled.labels[k] = static_cast<int>(labeled.planes.size());
-      labeled.planes.push_back(tangent);
-    }
-  }
-  return labeled;
 }
 
 }  // namespace tsar

@@ -14,7 +14,6 @@
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/scene/labeling/label_inputs.h"
 #include "colmap_tsar/scene/labeling/plane_costs.h"
-#include "colmap_tsar/scene/surfaces/curved_surfaces.h"
 #include "colmap_tsar/scene/surfaces/seen_cylinders.h"
 #include "colmap_tsar/view/refine_options.h"
 
@@ -88,20 +87,19 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
 int64_t LabelInModelWorkingBytes(const LabelingSize& size,
                                  const LabelInputs::Rasters& rasters);
 
-// The planes and curved surfaces of the scene that an image shows, and where.
+// The planes, columns and pipes of the scene that an image shows, and where.
 struct FoundScene {
   LabeledView labeled;
   // Indices of labeled.planes in the model, and their errors in this view.
   std::vector<int> plane_indices;
   std::vector<InverseDepthError> plane_errors;
-  CurvedView curved;
   // For each source view, the plane of each of its superpixels, in its camera's
   // frame; invalid where it has none.
   std::vector<std::vector<Plane>> planes_of_sources;
   // Columns and pipes whose outlines the image shows. The caller of FindScene
   // sets them, and their time.
   std::vector<SeenCylinder> cylinders;
-  // Seconds per stage: "labels", "curved surfaces", "columns and pipes".
+  // Seconds per stage: "labels", "columns and pipes".
   std::map<std::string, double> seconds;
 };
 
@@ -110,7 +108,6 @@ struct FoundScene {
 FoundScene FindScene(const std::vector<ObservedView>& views,
                      const std::vector<ModelPlane>& planes,
                      const std::vector<const ViewLabels*>& labels,
-                     const RefineOptions& options,
                      Device& device);
 
 // The number of planes that a plane map can name, those of the model with the
@@ -118,18 +115,13 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
 inline constexpr int kMaxPlanesOfMap = std::numeric_limits<uint16_t>::max();
 
 // The values of a plane map on the raster: the index plus one of the plane that
-// each pixel's superpixel was labeled with; 0 where there is none, a curved
-// surface, or a plane that plane maps cannot name.
+// each pixel's superpixel was labeled with; 0 where there is none, or one that
+// plane maps cannot name.
 Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
                          const FoundScene& found);
 
 // The plane of each superpixel, in the camera's frame; invalid where it has
 // none.
 std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled);
-
-// Gives superpixels of curved surfaces the tangent plane at their center.
-LabeledView FlattenSurfaces(const ObservedView& view,
-                            LabeledView labeled,
-                            const CurvedView& curved);
 
 }  // namespace tsar

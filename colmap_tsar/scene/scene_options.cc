@@ -60,7 +60,6 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.borders.reach = ScaledLength(scene.borders.reach, border_scale);
   scene.borders.radius = ScaledLength(scene.borders.radius, border_scale);
   scene.borders.spatial_sigma *= static_cast<float>(border_scale);
-  scene.surfaces.labels = scene.labels;
   return scene;
 }
 

@@ -8,7 +8,6 @@
 #include "colmap_tsar/scene/discovery/plane_support.h"
 #include "colmap_tsar/scene/evidence/label_view.h"
 #include "colmap_tsar/scene/labeling/refine_borders.h"
-#include "colmap_tsar/scene/surfaces/curved_surfaces.h"
 #include "colmap_tsar/view/refine_options.h"
 
 #include <vector>
@@ -23,7 +22,6 @@ struct SceneOptions {
   MeasureViewOptions measuring;
   LabelOptions labels;
   BorderOptions borders;
-  CurvedSurfaceOptions surfaces;
 };
 
 // The tolerance of residuals at a plane, in relative depths of one pixel of

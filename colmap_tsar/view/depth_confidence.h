@@ -127,16 +127,14 @@ inline constexpr float kConfidenceOfCylinder = 0.9f;
 
 // The origin of a depth of a composed map.
 enum class DepthKind : uint8_t {
-  kStanding,        // Measured; off its plane or without one.
-  kMoved,           // Measured on its plane.
-  kFilled,          // Filled by a plane that the view measured around it.
-  kCarried,         // Filled by a plane that other views measured there.
-  kGuessed,         // Filled by a plane that no view measured there.
-  kMovedToCurved,   // Measured on a curved surface.
-  kFilledByCurved,  // Filled by a curved surface.
+  kStanding,  // Measured; off its plane or without one.
+  kMoved,     // Measured on its plane.
+  kFilled,    // Filled by a plane that the view measured around it.
+  kCarried,   // Filled by a plane that other views measured there.
+  kGuessed,   // Filled by a plane that no view measured there.
   kInterpolated,
 };
-inline constexpr int kNumDepthKinds = 8;
+inline constexpr int kNumDepthKinds = 6;
 
 // LabelQuality of the superpixel of a depth as numbers.
 struct LabelMeasures {
@@ -196,8 +194,8 @@ struct ConfidenceTerms {
 // kMinConfidence].
 TSAR_HD inline float ConfidenceOf(const DepthEvidence& depth) {
   constexpr float kWeights[ConfidenceTerms::kCount] = {
-      -10.11f, -8.00f, -7.67f, -7.70f, -7.70f, -7.61f, -9.66f, -9.83f,
-      -0.68f,  -2.65f, 0.17f,  0.67f,  1.49f,  -2.23f, -2.10f, 2.48f,
+      -10.11f, -8.00f, -7.67f, -7.70f, -7.70f, -9.83f, -0.68f,
+      -2.65f,  0.17f,  0.67f,  1.49f,  -2.23f, -2.10f, 2.48f,
       0.76f,   -1.18f, -0.89f, -1.40f, -3.19f, 2.66f};
   const float log_odds = WeighedSum(kWeights, ConfidenceTerms(depth).values);
   const float odds = ExpOfNegative(-fabsf(log_odds));

@@ -260,10 +260,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
                       "and let another one begin there at right angles: "
                       "ceilings over walls, though nothing of them was "
                       "measured. Has no effect without manhattan_frame."},
-      {TSAR_FIELD(curved_surfaces),
-       .description = "Let smooth curved surfaces stand where they explain the "
-                      "depths better than planes do.",
-       .paper = 0},
       {TSAR_FIELD(cylinders),
        .description =
            "Find bare columns and pipes by their outlines in four or more "

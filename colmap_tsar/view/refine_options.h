@@ -67,7 +67,6 @@ struct RefineOptions {
   bool adjust_planes = true;
   bool bounded_planes = true;
   bool bounding_creases = true;
-  bool curved_surfaces = true;
   bool cylinders = true;
   bool pixel_borders = true;
   bool photometric = true;

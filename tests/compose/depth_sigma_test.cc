@@ -23,9 +23,7 @@ constexpr SceneSigmaOptions kOptions = {.moved = 1.f,
                                         .filled_carried = 3.f,
                                         .filled_guessed = 4.f,
                                         .standing = 5.f,
-                                        .no_plane = 6.f,
-                                        .moved_to_curved = 7.f,
-                                        .interpolated = 8.f};
+                                        .interpolated = 6.f};
 
 // Pixels in a row, each of its own superpixel, on a plane that faces the
 // camera. One pixel of disparity is 1 % of the depth.
@@ -104,13 +102,7 @@ TEST_F(DepthSigmaTest, TellsKindsOfDepthsApart) {
   Set(3, kScene, Provenance::kOtherViews, LabelEvidence::kCarried);
   Set(4, kScene, Provenance::kGuessed, LabelEvidence::kGuessed);
   Set(5, kOff, Provenance::kMeasured);
-  Set(6, kOff, Provenance::kRegionPlane);
-  Set(7, kScene, Provenance::kMeasured);
-  Set(8, kScene, Provenance::kGuessed);
-  Set(9, kOff, Provenance::kInterpolated);
-  of_superpixel_[7].is_curved = of_superpixel_[8].is_curved = true;
-  // Of curved surfaces it says nothing.
-  of_superpixel_[8].error = {1.f, 0.f, 0.f, 1.f, 0.f, 1.f};
+  Set(6, kOff, Provenance::kInterpolated);
   const std::vector<float> sigma = Compute();
   const float unit = 0.01f;
   const float unit_off = 0.01f * kOff / kScene;
@@ -120,10 +112,7 @@ TEST_F(DepthSigmaTest, TellsKindsOfDepthsApart) {
                                        3.f * unit,
                                        4.f * unit,
                                        5.f * kNoise * unit_off,
-                                       6.f * unit_off,
-                                       7.f * unit,
-                                       6.f * unit,
-                                       8.f * unit_off};
+                                       6.f * unit_off};
   for (size_t i = 0; i < expected.size(); ++i) {
     EXPECT_NEAR(sigma[i], expected[i], 1e-3f * expected[i]) << i;
   }

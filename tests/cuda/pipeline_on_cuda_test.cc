@@ -97,7 +97,6 @@ TEST_F(CudaTest, ComposeSceneAndRateSceneConfidence) {
               {static_cast<LabelEvidence>(k % 4),
                {0.01f * k, 0.02f * k, 0.025f * k, 0.03f * k},
                {1e-5f * k, 2e-6f, -3e-6f, 1e-6f * k, 4e-6f, 5e-6f},
-               k % 7 == 0,
                k % 5 == 0 ? wall.normal : Vec3f{}});
         }
         // Three depths of four are trusted.

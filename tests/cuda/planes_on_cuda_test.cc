@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/scene/discovery/discover_planes.h"
 #include "colmap_tsar/scene/labeling/refine_borders.h"
-#include "colmap_tsar/scene/surfaces/rasterize_curved_surfaces.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -90,33 +89,6 @@ TEST_F(CudaTest, LabelView) {
     EXPECT_EQ(FindDifferences(numbers(on_cpu), numbers(run(*cuda_))), "")
         << num_views << " views";
   }
-}
-
-TEST_F(CudaTest, RasterizeCurvedSurfaces) {
-  constexpr int kWidth = 97;
-  constexpr int kHeight = 61;
-  CurvedView view;
-  view.surfaces = {
-      {0.1f, -0.2f, 0.7f, {0.21f, 0.03f, -0.02f, 0.07f, 0.01f, -0.05f}},
-      // Some of its rays do not meet it.
-      {0.f, 0.f, 0.3f, {0.1f, -0.2f, 0.1f, 0.03f, 0.02f, 0.01f}}};
-  view.labels = {0, -1, 1};
-  Image<uint16_t> superpixels(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      superpixels(x, y) = static_cast<uint16_t>(3 * x / kWidth);
-    }
-  }
-  const Intrinsics intrinsics{70.f, 71.f, 48.f, 30.f};
-  const auto run = [&](Device& device) {
-    DeviceImage<Plane> planes(
-        device, Image<Plane>(kWidth, kHeight, Plane{{0.f, 0.f, -1.f}, 3.f}));
-    RasterizeCurvedSurfaces(view, superpixels, intrinsics, device, &planes);
-    StageResult result;
-    result.Add("planes", planes);
-    return result;
-  };
-  EXPECT_EQ(FindDifferences(run(*cpu_), run(*cuda_)), "");
 }
 
 // Colors and measurements at random, so that many votes are close.

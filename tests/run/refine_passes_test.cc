@@ -249,7 +249,7 @@ TEST_F(RefinePassesTest, WhoFindsTheScenesChangesNoByte) {
   ExpectAllRefined();
   EXPECT_TRUE(ReadMaps() == maps);
   for (const ImageReport& report : reports_) {
-    EXPECT_GT(report.seconds.count("curved surfaces"), 0u);
+    EXPECT_GT(report.seconds.count("labels"), 0u);
     EXPECT_GT(report.seconds.count("columns and pipes"), 0u);
   }
 }

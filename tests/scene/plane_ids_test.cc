@@ -13,12 +13,10 @@ namespace {
 // A raster in which each superpixel is one pixel, labeled with the place of
 // its plane among these.
 std::vector<uint16_t> NumbersOf(const std::vector<int>& labels,
-                                const std::vector<int>& plane_indices,
-                                const std::vector<int>& curved = {}) {
+                                const std::vector<int>& plane_indices) {
   FoundScene found;
   found.labeled.labels = labels;
   found.plane_indices = plane_indices;
-  found.curved.labels = curved;
   Image<uint16_t> superpixels(static_cast<int>(labels.size()), 1);
   for (int x = 0; x < superpixels.Width(); ++x) {
     superpixels(x, 0) = static_cast<uint16_t>(x);
@@ -29,10 +27,6 @@ std::vector<uint16_t> NumbersOf(const std::vector<int>& labels,
 
 TEST(PlaneIds, AreThoseOfTheModelAndOne) {
   EXPECT_EQ(NumbersOf({1, -1, 0}, {4, 7}), std::vector<uint16_t>({8, 0, 5}));
-}
-
-TEST(PlaneIds, LeaveCurvedSurfacesOut) {
-  EXPECT_EQ(NumbersOf({1, 0}, {4, 7}, {0, -1}), std::vector<uint16_t>({0, 5}));
 }
 
 TEST(PlaneIds, LeavePlanesOutThatDoNotFit) {

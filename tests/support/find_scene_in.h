@@ -46,7 +46,7 @@ inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
   for (const LabelsInModel& of_view : labels) {
     of_views.push_back(&of_view.labels);
   }
-  return FindScene(views, planes, of_views, options, device);
+  return FindScene(views, planes, of_views, device);
 }
 
 inline FoundScene FindSceneIn(const std::vector<ObservedView>& views,

@@ -119,14 +119,11 @@ TSAR_HD inline bool Confirms(const ObservedSource& source,
 // The evenly spaced pixels of a superpixel at which votes are taken.
 struct VoteSampling {
   int pixels_per_test = 1;
-  int min_tests = 1;  // Unless a superpixel has fewer pixels.
   int max_tests = INT_MAX;
 
   TSAR_HD int NumTests(int num_pixels) const {
-    const int few = num_pixels < min_tests ? num_pixels : min_tests;
     const int all = num_pixels / pixels_per_test;
-    const int many = all < max_tests ? all : max_tests;
-    const int num_tests = many > few ? many : few;
+    const int num_tests = all < max_tests ? all : max_tests;
     return num_tests > 1 ? num_tests : 1;
   }
 
@@ -137,11 +134,8 @@ struct VoteSampling {
   }
 };
 
-// Planes are compared for all superpixels at once, on the device.
-inline constexpr VoteSampling kPlaneSampling{9, 1};
-// A growing surface is tested on the host in each round, at fewer pixels. It
-// bends, so that one pixel does not represent a small superpixel.
-inline constexpr VoteSampling kCurvedSampling{64, 6};
+// For the depths of other views on a plane.
+inline constexpr VoteSampling kPlaneSampling{9};
 
 // The votes on one superpixel. A pixel has at most kMaxVotes votes.
 struct SuperpixelVotes {

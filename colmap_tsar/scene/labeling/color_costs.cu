@@ -27,7 +27,7 @@ constexpr int kMinSources = 3;
 constexpr int kMaxSources = 12;
 // A point is occluded where the source's depth is smaller by this share.
 constexpr float kHidden = 0.03f;
-constexpr VoteSampling kRegionSampling{9, 1, 400};
+constexpr VoteSampling kRegionSampling{9, 400};
 
 // The color difference of a region of the reference and one source, on a plane.
 struct SourceColorKernel {

@@ -9,7 +9,7 @@
 #include "colmap_tsar/scene/evidence/observed_source.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/scene/labeling/color_costs.h"
-#include "colmap_tsar/scene/surfaces/direction_sectors.h"
+#include "colmap_tsar/scene/labeling/direction_sectors.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene/surfaces/seen_cylinders.h"
 
 #include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/curved_surface.h"
+#include "colmap_tsar/base/cylinder.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/scene/surfaces/axis_camera.h"
 #include "colmap_tsar/scene/surfaces/common_heights.h"

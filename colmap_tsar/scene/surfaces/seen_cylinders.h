@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/base/curved_surface.h"
+#include "colmap_tsar/base/cylinder.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/scene/evidence/label_view.h"
