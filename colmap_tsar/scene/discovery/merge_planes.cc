@@ -99,9 +99,12 @@ class VotesOfViews {
              int superpixel,
              std::vector<int>* counts) const {
     const int plane = rankings[superpixel].planes[0];
+    if (plane < 0) {
+      return;
+    }
     for (const int match : matches.Of(superpixel)) {
       const int other = rankings[match].planes[0];
-      if (plane >= 0 && other >= 0) {
+      if (other >= 0) {
         ++(*counts)[plane * num_planes_ + other];
       }
     }

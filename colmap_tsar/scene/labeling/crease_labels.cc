@@ -87,9 +87,12 @@ class CreasesInView {
       : intrinsics_(view.camera.GetIntrinsics()) {
     for (const BoundingCrease& crease : creases) {
       if (crease.is_new && crease.limit.Height(view.camera.Center()) > 0.0) {
-        planes_.push_back(
-            {ToCameraPlane(planes[crease.plane].plane, view.camera),
-             ToCameraPlane(planes[crease.beyond].plane, view.camera)});
+        const Plane ending =
+            ToCameraPlane(planes[crease.plane].plane, view.camera);
+        const Plane beginning =
+            ToCameraPlane(planes[crease.beyond].plane, view.camera);
+        creases_.push_back(
+            {ending, ToInverseDepth(ending), ToInverseDepth(beginning)});
       }
     }
   }
@@ -97,11 +100,10 @@ class CreasesInView {
   // Whether a depth was measured next to a crease.
   bool AreNear(const RayDepth& sample) const {
     const Vec3f ray = {sample.x, sample.y, 1.f};
-    return std::ranges::any_of(planes_, [&](const auto& of_crease) {
-      const auto& [ending, beginning] = of_crease;
-      const float depth = ending.Depth(ray);
-      return DistanceToCrease(ToInverseDepth(ending),
-                              ToInverseDepth(beginning),
+    return std::ranges::any_of(creases_, [&](const CreaseInView& crease) {
+      const float depth = crease.ending.Depth(ray);
+      return DistanceToCrease(crease.inverse_ending,
+                              crease.inverse_beginning,
                               ray,
                               intrinsics_) < kReach &&
              std::abs(sample.z - depth) < kMaxGap * depth;
@@ -109,8 +111,14 @@ class CreasesInView {
   }
 
  private:
+  struct CreaseInView {
+    Plane ending;
+    InverseDepthPlane inverse_ending;
+    InverseDepthPlane inverse_beginning;
+  };
+
   const Intrinsics intrinsics_;
-  std::vector<std::pair<Plane, Plane>> planes_;
+  std::vector<CreaseInView> creases_;
 };
 
 }  // namespace
