@@ -50,8 +50,6 @@ constexpr double kMinSupport = 0.1;
 struct EndOfPlane {
   SharedLine shared;
   int beyond;  // The side of the line beyond the end.
-  // Whether half of the views that show the area beyond see the line.
-  bool is_common;
 };
 
 // Whether the line's plane ends there: nothing was measured beyond.
@@ -83,13 +81,7 @@ class CreaseFinder {
   std::vector<BoundingCrease> Run() {
     std::vector<BoundingCrease> creases;
     for (const auto& [key, ends] : FindEnds()) {
-      const EndOfPlane end = Outermost(ends);
-      const PlaneLine& line = end.shared.line;
-      // Edges that few views see begin no planes that nobody measured.
-      if (end.is_common ||
-          FindPlane(line, PlaneAtLine(*model_, line, end.beyond)) >= 0) {
-        creases.push_back(MakeCrease(end));
-      }
+      creases.push_back(MakeCrease(Outermost(ends)));
     }
     PlaceNewPlanes();
     return creases;
@@ -104,12 +96,11 @@ class CreaseFinder {
     for (size_t i = 0; i < lines_.size(); ++i) {
       const PlaneLine& line = lines_[i].line;
       for (const int beyond : {0, 1}) {
-        if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line)) {
-          ends[{line.plane, line.axis, beyond}].push_back(
-              {lines_[i],
-               beyond,
-               2 * lines_[i].num_views >=
-                   evidence_[i].sides[beyond].num_views});
+        // Edges that few views see begin no planes that nobody measured.
+        if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line) &&
+            (2 * lines_[i].num_views >= evidence_[i].sides[beyond].num_views ||
+             FindPlane(line, PlaneAtLine(*model_, line, beyond)) >= 0)) {
+          ends[{line.plane, line.axis, beyond}].push_back({lines_[i], beyond});
         }
       }
     }

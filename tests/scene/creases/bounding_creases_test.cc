@@ -295,6 +295,15 @@ TEST_F(BoundingCreasesTest, EdgesThatFewViewsSeeBeginNoNewPlane) {
   EXPECT_FALSE(creases[0].is_new);
 }
 
+// Nor does such an edge hide the crease that all views see closer to the wall.
+TEST_F(BoundingCreasesTest, EdgesThatFewViewsSeeHideNoCrease) {
+  AddLine(-1.f);
+  LineEvidence seen_by_many = EndEvidence();
+  seen_by_many.sides[0].num_views = 7;
+  AddLine(-1.2f, seen_by_many);
+  ExpectCreaseAt(-1.0);
+}
+
 // The two edges of a skirting board are one line.
 TEST_F(BoundingCreasesTest, AFallAndARiseSideBySideAreNoPattern) {
   AddLine(-1.f);
