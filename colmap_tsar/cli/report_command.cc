@@ -94,11 +94,6 @@ void AddPageOptions(ReportCommand* command, OptionSet* options) {
                "Replace an earlier page in that folder, and the file that "
                "--output_path names. A folder with anything else in it, also "
                "in the folders of a page, is never touched.");
-  options->Add("debug_path",
-               &command->page.debug_path,
-               "What --TsarRefine.debug_path was when the workspace was "
-               "refined: shows superpixels, edges, lines, regions and surfaces "
-               "over the images.");
   AddPriorOptions(
       " The page shows each prior in the colors of the depth beside it.",
       &command->prior_path,
@@ -188,7 +183,6 @@ void ReportCommand::Check() const {
                       OptionName("report_path") + ", too, or leave it out");
     }
   };
-  refuse("debug_path", !page.debug_path.empty());
   refuse("before_path", !page.before_path.empty());
   refuse("after_path", !page.after_path.empty());
   refuse("fuse", !fuse.empty());

@@ -70,8 +70,7 @@ TEST_F(TsarReportTest, DrawsThePictureAloneOrWithAPage) {
 
 TEST_F(TsarReportTest, RefusesOptionsOfThePageForAPictureAlone) {
   const std::string picture = (folder_.Path() / "comparison.png").string();
-  for (const char* option : {"--debug_path",
-                             "--before_path",
+  for (const char* option : {"--before_path",
                              "--after_path",
                              "--ground_truth_path",
                              "--scans_path"}) {
@@ -200,7 +199,6 @@ TEST_F(TsarReportTest, WrongInputIsOneLine) {
   ExpectFailure({"--before_path", "a.ply", "--after_path", "b.ply"},
                 "a.ply: there is no such file");
   ExpectFailure({"--tolerances", "0.1,0.02"}, "--tolerances");
-  ExpectFailure({"--debug_path", "nowhere"}, "nowhere");
 }
 
 }  // namespace

@@ -177,7 +177,7 @@ def check_images(browser, page):
     for figure in browser.find("figure:not(.overlay)"):
         check_slider(browser, figure)
     layers = browser.find("input[name=layer]")
-    check(len(layers) == 9, "there are four layers and five stages")
+    check(len(layers) == 4, "there are four layers")
     over = ".overlay .compare img + img"
     for layer in layers:
         layer.send_keys(Keys.SPACE)
@@ -242,12 +242,11 @@ def check_many(browser, page):
 browser = Browser()
 try:
     shutil.rmtree(args.folder, ignore_errors=True)
-    workspace, debug, page = path("sample"), path("debug"), path("page # 100%")
+    workspace, page = path("sample"), path("page # 100%")
     unpack(args.repository, workspace)
     rename_image(workspace, "v000.jpg", HOSTILE)
-    run(args.program, "tsar_refine", "--workspace_path", workspace, "--TsarRefine.device", "cpu",
-        "--TsarRefine.debug_path", debug)
-    run(args.program, "tsar_report", "--workspace_path", workspace, "--debug_path", debug,
+    run(args.program, "tsar_refine", "--workspace_path", workspace, "--TsarRefine.device", "cpu")
+    run(args.program, "tsar_report", "--workspace_path", workspace, 
         "--report_path", page, "--ground_truth_path", os.path.join(workspace, "ground_truth", "depth"))
     index = os.path.join(page, "index.html")
     browser.look(*DESKTOP)

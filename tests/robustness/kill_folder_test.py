@@ -21,12 +21,10 @@ site, kept = (os.path.join(folder.name, name) for name in ("site", "kept"))
 output = os.path.join(site, args.command)
 start = StartWorkspaces(folder.name)
 start.make(program)
-debug = os.path.join(folder.name, "debug")
-program.run("tsar_refine", start.refined, "--TsarRefine.debug_path", debug)
 OPTIONS = [start.refined, "--num_threads", 1, "--overwrite", 1]
 if args.command == "report":
     COMMAND = ["tsar_report", *OPTIONS, "--report_path", output]
-    OTHER = [*COMMAND, "--debug_path", debug, "--max_points", 1]
+    OTHER = [*COMMAND, "--max_image_size", 100, "--max_points", 1]
     DATA, LIST, MARKER = "data/report.js", "data/files.txt", "unfinished_page"
 else:
     COMMAND = ["tsar_export", *OPTIONS, "--output_path", output, "--format", "npy"]

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Puts users' files in every place that tsar_report, and the pictures of
---TsarRefine.debug_path, write to or remove: one clear line, and all of them are
-as they were."""
+"""Puts users' files in every place that tsar_report writes to or removes: one
+clear line, and all of them are as they were."""
 import os
 import shutil
 import signal
@@ -151,11 +150,6 @@ for name in ("images", "sparse", "stereo", "stereo/depth_maps", "images/new"):
         for file in ("picture.png", "v0.png"):
             fails(f"a picture in {place}", ["tsar_report", work, "--overwrite", 1, "--output_path",
                                             os.path.join(place, file)], f"folder {first} of")
-        fails(f"debug pictures in {place}", ["tsar_refine", work, "--TsarRefine.debug_path",
-                                             os.path.join(place, "debug")], f"folder {first} of")
-fails("debug pictures in an output's input", [
-    "tsar_refine", start.mapped, "--output_path", output, "--TsarRefine.debug_path",
-    os.path.join(output, "stereo", "debug")], "folder stereo of")
 
 # Pictures over what is there.
 picture = os.path.join(site, "picture.png")
@@ -174,18 +168,4 @@ for make in MAKERS:
         os.rmdir(picture)
         synthetic_workspace.write(picture, b"")
 
-# Debug pictures among other files.
-debug = os.path.join(folder.name, "debug")
-copy(start.mapped, outside)
-DEBUG = ["tsar_refine", outside, "--TsarRefine.debug_path", debug]
-for _ in range(2):
-    program.run(*DEBUG)
-for name in ("thesis.tex", "v0.png/thesis.tex", "v0.png/07_score.png.orig", "left/07_score"):
-    path = os.path.join(debug, name)
-    synthetic_workspace.write(path, PRECIOUS)
-    fails(f"debug pictures beside {name}", DEBUG, path, "no picture")
-    os.remove(path)
-synthetic_workspace.write(os.path.join(debug, "v0.png", "07_score.png.tsar_tmp"), b"half")
-program.run(*DEBUG)
-fails("debug pictures in the workspace itself", [*DEBUG[:-1], outside], "no picture")
 print(f"{num_cases} cases")

@@ -39,8 +39,6 @@ std::vector<Rgb> ColorScale(cv::ColormapTypes type) {
   return scale;
 }
 
-constexpr Rgb kBorder = {255, 214, 0};
-
 // Maps [-1, 1] to the range of a byte.
 uint8_t ToByte(float component) {
   return static_cast<uint8_t>(
@@ -90,19 +88,6 @@ Image<Rgb> ColorizeLabels(const Image<int>& labels) {
   Image<Rgb> colors(labels.Width(), labels.Height());
   std::ranges::transform(labels, colors.begin(), LabelColor);
   return colors;
-}
-
-Image<Rgb> DrawLabelBorders(const Image<int>& labels, Image<Rgb> image) {
-  for (int y = 0; y < labels.Height(); ++y) {
-    for (int x = 0; x < labels.Width(); ++x) {
-      const int label = labels(x, y);
-      if ((x > 0 && labels(x - 1, y) != label) ||
-          (y > 0 && labels(x, y - 1) != label)) {
-        image(x, y) = kBorder;
-      }
-    }
-  }
-  return image;
 }
 
 Image<Rgb> ColorizeNormals(const Image<Vec3f>& normals) {

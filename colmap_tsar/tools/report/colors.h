@@ -30,9 +30,6 @@ Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range);
 // Draws each label in its fixed color; negative labels are black.
 Image<Rgb> ColorizeLabels(const Image<int>& labels);
 
-// Draws bright lines along the borders of labels; both have the same size.
-Image<Rgb> DrawLabelBorders(const Image<int>& labels, Image<Rgb> image);
-
 // Colors unit normals in the camera's frame: red, green and blue increase to
 // the right, upwards and towards the camera; 0 (no normal) is black.
 Image<Rgb> ColorizeNormals(const Image<Vec3f>& normals);

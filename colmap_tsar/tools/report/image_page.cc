@@ -11,14 +11,11 @@
 #include "colmap_tsar/priors/fit_prior.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/tools/report/comparison_picture.h"
-#include "colmap_tsar/tools/report/debug_pictures.h"
 #include "colmap_tsar/tools/report/page_text.h"
 #include "colmap_tsar/tools/report/pictures.h"
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
-#include <array>
-#include <iterator>
 #include <optional>
 
 namespace tsar {
@@ -28,13 +25,6 @@ namespace fs = std::filesystem;
 
 // The size of each of the three parts of a preview.
 constexpr int kPreviewSize = 220;
-
-// The pictures of --TsarRefine.debug_path that overlay the image.
-constexpr std::array<RefineStage, 5> kShownStages = {RefineStage::kSuperpixels,
-                                                     RefineStage::kEdges,
-                                                     RefineStage::kLines,
-                                                     RefineStage::kRegions,
-                                                     RefineStage::kSceneLabels};
 
 int64_t CountValid(const Image<float>& depth) {
   return std::ranges::count_if(depth, [](float z) { return z > 0.f; });
@@ -136,30 +126,9 @@ void WriteOptionalPictures(const Workspace& workspace,
       page->has_prior = true;
     }
   }
-  if (!options.debug_path.empty()) {
-    for (const RefineStage stage :
-         FindStagePictures(options.debug_path, row.name)) {
-      const std::string& name = RefineStages()[static_cast<size_t>(stage)].name;
-      CopyFile(DebugPicturePath(options.debug_path, row.name, stage),
-               pictures / (name + ".png"));
-      page->stages.push_back(name);
-    }
-  }
 }
 
 }  // namespace
-
-std::vector<RefineStage> FindStagePictures(const fs::path& debug_path,
-                                           const std::string& image_name) {
-  std::vector<RefineStage> found;
-  std::ranges::copy_if(
-      kShownStages, std::back_inserter(found), [&](RefineStage stage) {
-        std::error_code error;
-        return fs::is_regular_file(
-            DebugPicturePath(debug_path, image_name, stage), error);
-      });
-  return found;
-}
 
 ImagePage WriteImagePage(const Workspace& workspace,
                          int image,

@@ -6,7 +6,6 @@
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/report/colors.h"
 #include "colmap_tsar/tools/report/point_sample.h"
-#include "colmap_tsar/view/refine_observer.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -35,25 +34,17 @@ struct ImagePage {
   bool has_sigma = false;   // Whether there is a picture of its sigma map.
   bool has_planes = false;  // Whether there is a picture of its planes.
   bool has_prior = false;   // Whether there is a picture of its depth prior.
-  // The optional pictures that exist.
-  std::vector<std::string> stages;
   PointSample points_before;
   PointSample points_after;
 };
 
 struct ImagePageOptions {
   int max_picture_size = 1000;  // Longer side, in pixels.
-  // The --TsarRefine.debug_path of the run that made the maps; may be empty.
-  std::filesystem::path debug_path;
   bool show_planes = false;  // For images with a plane map.
   // The points of the 3D view; 0 points for none.
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();
   int64_t max_num_points = 0;
 };
-
-// The pictures of an image in debug_path that the page shows.
-std::vector<RefineStage> FindStagePictures(
-    const std::filesystem::path& debug_path, const std::string& image_name);
 
 // Writes the pictures of a refined image to a new folder in `folder`, named by
 // its index on the page. Throws Error: those of ReadComparisonRow, kCorrupt and

@@ -99,8 +99,7 @@ Json ImageJson(const ImagePage& image) {
           {"note", image.note},
           {"has_sigma", image.has_sigma},
           {"has_planes", image.has_planes},
-          {"has_prior", image.has_prior},
-          {"stages", image.stages}};
+          {"has_prior", image.has_prior}};
 }
 
 Json ScoreJson(const DepthScore& score) {

@@ -188,22 +188,6 @@ void SetViewpoint(const Workspace& workspace,
   }
 }
 
-void CheckStages(const Workspace& workspace,
-                 const std::vector<int>& refined,
-                 const fs::path& debug_path) {
-  const auto has_stages = [&](int image) {
-    const auto& model_image = workspace.Model().images[image];
-    return !FindStagePictures(debug_path, model_image.name).empty();
-  };
-  if (!debug_path.empty() && std::ranges::none_of(refined, has_stages)) {
-    throw Error::File(ErrorCode::kNotFound,
-                      debug_path.string(),
-                      "holds no pictures of these images",
-                      "give " + OptionName("debug_path") +
-                          " the folder that tsar_refine wrote its pictures to");
-  }
-}
-
 std::vector<ImagePage> WriteImages(const Workspace& workspace,
                                    const std::vector<int>& refined,
                                    const fs::path& folder,
@@ -291,7 +275,6 @@ int WritePage(const Workspace& workspace,
   const std::vector<int> refined = RequireRefinedImages(workspace);
   WarnOfChangedResults(workspace);
 
-  CheckStages(workspace, refined, options.debug_path);
   OutputFolder folder(kPageFolder, options.report_path, options.overwrite);
   const fs::path& root = folder.Temporary();
   const Eigen::Vector3d origin = MeanCenter(workspace, refined);
@@ -326,7 +309,6 @@ int WritePage(const Workspace& workspace,
   data.type = ToString(workspace.Type());
   const ImagePageOptions of_images = {
       .max_picture_size = options.max_picture_size,
-      .debug_path = options.debug_path,
       .show_planes = data.planes.has_value(),
       .origin = origin,
       .max_num_points =

@@ -25,8 +25,6 @@ using FuseMaps = std::function<void(const Workspace& workspace,
 struct PageOptions {
   std::filesystem::path report_path;
   bool overwrite = false;  // An earlier page alone may be replaced.
-  // The --TsarRefine.debug_path of the run that made the maps; may be empty.
-  std::filesystem::path debug_path;
   // Fused clouds (PLY) for the 3D view. Where one is not given, fuse makes it
   // for the page; without fuse, its points are sampled from the maps.
   std::filesystem::path before_path;
@@ -46,8 +44,7 @@ struct PageOptions {
 // Writes the page of a refined workspace: a folder with index.html for
 // browsers. It appears only when complete. Returns the number of images.
 //
-// Throws Error: kNotFound (nothing was refined; no image has pictures in
-// debug_path), kBadOption (a cloud before without one after; scans without
+// Throws Error: kNotFound (nothing was refined), kBadOption (a cloud before without one after; scans without
 // clouds; nothing to fuse), kInterrupted once should_stop returned true, and
 // those of RequireOutsideInputs, WorkspaceLock (shared: a program is changing
 // the workspace), OutputFolder, WriteImagePage, SampleCloud, ExportPlanes, fuse

@@ -151,18 +151,5 @@ TEST(ColorizeLabels, TellsTheFirstLabelsApart) {
   EXPECT_EQ(different.size(), 50u);
 }
 
-TEST(DrawLabelBorders, DrawsOnlyBetweenLabels) {
-  Image<int> labels(4, 2, 3);
-  labels(2, 0) = labels(3, 0) = 5;
-  labels(2, 1) = labels(3, 1) = 5;
-  const Rgb gray = {100, 100, 100};
-  const Image<Rgb> drawn = DrawLabelBorders(labels, Image<Rgb>(4, 2, gray));
-  for (int y = 0; y < 2; ++y) {
-    for (int x = 0; x < 4; ++x) {
-      EXPECT_EQ(drawn(x, y).r == 100, x != 2) << x << " " << y;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace tsar

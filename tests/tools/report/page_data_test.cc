@@ -33,7 +33,6 @@ ImagePage MakeImage(const std::string& name) {
   image.num_after = 900;
   image.num_by_provenance = {300, 200, 0, 100, 500, 0, 100, 30};
   image.seconds = {{"matching", 2.5}};
-  image.stages = {"regions"};
   return image;
 }
 
@@ -58,7 +57,6 @@ TEST(PageData, HoldsWhatThePageShows) {
   EXPECT_EQ(image["provenance"][6], 100);
   EXPECT_EQ(image["provenance"][7], 30);
   EXPECT_EQ(image["seconds"]["matching"], 2.5);
-  EXPECT_EQ(image["stages"][0], "regions");
   EXPECT_EQ(image["nearest"], 1.5);
   EXPECT_EQ(json["kept"][0]["reason"], "no depth");
   EXPECT_EQ(json["points"]["shown"][1], 7);

@@ -240,19 +240,6 @@ TEST_F(WritePageTest, ScoresBothTheOriginalsAndTheRefinedMaps) {
   ExpectFailure(ErrorCode::kNotFound, {"nowhere"});
 }
 
-TEST_F(WritePageTest, CopiesStagesAndMissesAFolderWithout) {
-  options_.debug_path = folder_.Path() / "debug";
-  ExpectFailure(ErrorCode::kNotFound, {"debug_path"});
-  WriteText(options_.debug_path / "left/b.png/14_regions.png", "a picture");
-  WriteText(options_.debug_path / "left/b.png/07_score.png", "not shown");
-  Write();
-  EXPECT_EQ(Data()["images"][0]["stages"], nlohmann::json::array());
-  EXPECT_EQ(Data()["images"][1]["stages"], nlohmann::json{"regions"});
-  EXPECT_EQ(
-      ReadText(options_.report_path / "images/00001_left_b.png/regions.png"),
-      "a picture");
-}
-
 TEST_F(WritePageTest, StopsWhenAskedAndLeavesNothing) {
   const auto before = ReadTree(root_);
   std::ostringstream out;

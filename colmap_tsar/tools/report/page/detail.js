@@ -20,26 +20,6 @@ window.TsarDetail = (() => {
   } = window.TsarElements;
   const { picture, pixels, secondsOf, provenanceLegend } = window.TsarImage;
 
-  const STAGES = {
-    superpixels: {
-      title: "Superpixels",
-      text: "Borders of the superpixels, the smallest parts that get a plane.",
-    },
-    edges: { title: "Edges", text: "Steps of brightness, which bound regions." },
-    lines: {
-      title: "Lines",
-      text: "Edges with the straight lines that close their gaps.",
-    },
-    regions: {
-      title: "Regions",
-      text: "Regions without texture, a color each; black is none.",
-    },
-    scene_labels: {
-      title: "Surfaces",
-      text: "Surfaces of the scene, a color each; black is none.",
-    },
-  };
-
   function compare(image, kind, alt) {
     const load = (when) =>
       h("img", {
@@ -177,11 +157,6 @@ window.TsarDetail = (() => {
             ],
           ]
         : []),
-      ...image.stages.map((stage) => [
-        stage,
-        STAGES[stage].title,
-        () => h("p", { class: "muted" }, STAGES[stage].text),
-      ]),
     ];
   }
 
