@@ -156,12 +156,8 @@ RefineResult MeasureImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  const Surfaces surfaces = FindSurfaces(reference,
-                                         image_id,
-                                         MeasuringOptions(options),
-                                         &views,
-                                         device,
-                                         &timer);
+  const Surfaces surfaces = FindSurfaces(
+      reference, image_id, MeasuringOptions(options), &views, device, &timer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),

@@ -157,9 +157,7 @@ RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
 
 ObservePass::ObservePass(const RefineRun& run,
                          std::vector<StageSeconds>& seconds)
-    : run_(run),
-      seconds_(seconds),
-      has_model_(run.model.IsCurrent()) {}
+    : run_(run), seconds_(seconds), has_model_(run.model.IsCurrent()) {}
 
 ImageReport ObservePass::Begin(size_t index) {
   ImageReport report;

@@ -83,19 +83,8 @@ class ImportKeywords(typing.TypedDict, total=False):
 class ReportKeywords(typing.TypedDict, total=False):
     report_path: typing.Union[str, os.PathLike[str], None]
     overwrite: bool
-    prior_path: typing.Union[str, os.PathLike[str], None]
-    prior_type: typing.Literal['auto', 'metric', 'relative', 'inverse']
-    before_path: typing.Union[str, os.PathLike[str], None]
-    after_path: typing.Union[str, os.PathLike[str], None]
-    fuse: typing.Optional[typing.Literal['default', 'paper', 'colmap']]
-    ground_truth_path: typing.Union[str, os.PathLike[str], None]
-    scans_path: typing.Union[str, os.PathLike[str], None]
-    tolerances: typing.Union[str, float, typing.Sequence[float]]
     max_image_size: int
-    max_points: int
     num_threads: int
-    output_path: typing.Union[str, os.PathLike[str], None]
-    num_images: int
 
 class ExportKeywords(typing.TypedDict, total=False):
     mask_path: typing.Union[str, os.PathLike[str], None]
