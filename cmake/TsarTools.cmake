@@ -25,7 +25,5 @@ function(tsar_require_tools what)
   endforeach()
 endfunction()
 
-# The page shows scores and planes.
-tsar_require_tools(TSAR_TOOL_REPORT evaluation plane_export)
 tsar_require_tools(TSAR_PYTHON ${TSAR_TOOLS})
 tsar_require_tools(TSAR_BENCHMARKS ${TSAR_TOOLS})

@@ -18,7 +18,6 @@
 #include "colmap_tsar/tools/export/export_workspace.h"
 #include "colmap_tsar/tools/import/import_store.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
-#include "colmap_tsar/tools/report/write_page.h"
 
 #include <filesystem>
 #include <functional>
@@ -257,27 +256,9 @@ py::dict UndoImports(const std::filesystem::path& workspace_path,
 
 py::dict Report(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<ReportCommand>(options);
-  std::optional<std::filesystem::path> page_path;
-  std::optional<std::filesystem::path> picture_path;
-  int num_images = 0;
-  WorkWhileServingPython(
-      "report",
-      ToPythonListeners(listeners),
-      [&](Progress& progress, const std::function<bool()>& should_stop) {
-        const Workspace workspace = command.Open();
-        if (command.WantsPicture()) {
-          command.WritePicture(workspace);
-          picture_path = command.output_path;
-        }
-        if (command.WantsPage()) {
-          const PageOptions page = command.Page(workspace);
-          num_images = WritePage(workspace, page, progress, should_stop);
-          page_path = page.report_path / "index.html";
-        }
-      });
-  return py::dict("page_path"_a = page_path,
-                  "picture_path"_a = picture_path,
-                  "num_images"_a = num_images);
+  const ReportSummary summary = Run("report", command, listeners);
+  return py::dict("page_path"_a = summary.page_path,
+                  "num_images"_a = summary.num_images);
 }
 
 py::dict Export(const py::dict& options, const py::tuple& listeners) {

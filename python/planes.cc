@@ -5,8 +5,8 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
-#include "colmap_tsar/tools/plane_export/plane_view.h"
 
 #include <array>
 #include <cmath>
@@ -106,7 +106,7 @@ py::dict ReadPlanes(const std::filesystem::path& workspace_path,
   ExportedPlanes planes;
   {
     const py::gil_scoped_release release;
-    planes = ExportPlanes(OpenWorkspaceWithPlanes(workspace_path, type),
+    planes = ExportPlanes(OpenWorkspaceWithMaps(workspace_path, type),
                           {.min_area = min_area},
                           progress,
                           [] {

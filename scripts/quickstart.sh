@@ -123,18 +123,13 @@ step "Result, measured against the scene's laser scans"
 evaluate "$sample/before.ply" "$sample/before.json"
 evaluate "$sample/after.ply" "$sample/after.json"
 "$python" scripts/compare_scores.py "$sample/before.json" "$sample/after.json"
-"$program" tsar_report --workspace_path "$sample" \
-  --output_path "$sample/comparison.png" --report_path "$sample/report" \
-  --overwrite 1 \
-  --before_path "$sample/before.ply" --after_path "$sample/after.ply" \
-  --scans_path "$sample/scans/scan_alignment.mlp" \
-  --ground_truth_path "$sample/ground_truth/depth"
+"$program" tsar_report --workspace_path "$sample" --overwrite 1
 
 cat <<END
 
-Open $sample/report/index.html in a browser: images and a 3D view, before and
-after. $sample/comparison.png shows three images at once, and $sample/before.ply
-and after.ply are for a viewer of point clouds.
+Open $sample/report/index.html in a browser: depth and normals of each image,
+before and after. $sample/before.ply and after.ply are for a viewer of point
+clouds.
 
 With a dense workspace of your own, after colmap patch_match_stereo (or, without
 an NVIDIA card, $program tsar_stereo):

@@ -12,15 +12,12 @@
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/refine_workspace.h"
-#include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/report/debug_pictures.h"
 
 #include <filesystem>
 #include <iostream>
 #include <limits>
-#include <memory>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -102,19 +99,6 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
       " On the CPU, those that compute; a few more read and write files. With "
       "GPUs, two fifths of them read files and as many write, at most ten per "
       "GPU.");
-#if TSAR_TOOL_REPORT
-  options->Add(
-      group + "debug_path",
-      &command->debug_path,
-      "Write a picture (PNG) of every intermediate result here, in a "
-      "folder for each image; nothing but such pictures may be there. The maps "
-      "stay the same; it takes longer, "
-      "and images that were done before are done again. Depth is red "
-      "near and blue far; normals as tsar_report shows them; values "
-      "dark violet where they are 0 and yellow where they are largest; "
-      "labels a color each; black is none. The pictures: " +
-          DebugPicturesText() + ".");
-#endif
   options->Add(group + "shard",
                &command->shard,
                "For several machines with one file system: the part of the "
@@ -227,26 +211,7 @@ RunSummary RefineCommand::Run(Progress& progress,
   parsed.devices = devices.Parse();
   parsed.shard = ParseShard(shard);
   parsed.pass = ParsePass(pass);
-  std::unique_ptr<RefineObserver> pictures;
-#if TSAR_TOOL_REPORT
-  if (!debug_path.empty()) {
-    parsed.Check();
-    refine.Check();
-    const std::string option = OptionName("debug_path");
-    if (parsed.pass != RefinePass::kAll) {
-      throw Error(ErrorCode::kBadOption,
-                  option + ": shards draw no pictures; leave it out, or run " +
-                      OptionName("pass") + " all");
-    }
-    for (const auto& root : {parsed.workspace_path, parsed.output_path}) {
-      if (!root.empty()) {
-        RequireOutsideInputs(root, debug_path, option);
-      }
-    }
-    pictures = std::make_unique<DebugPictures>(debug_path);
-  }
-#endif
-  return RefineWorkspace(parsed, refine, progress, should_stop, pictures.get());
+  return RefineWorkspace(parsed, refine, progress, should_stop);
 }
 
 int RunTsarRefine(int argc, char** argv) {

@@ -9,7 +9,6 @@
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
-#include <filesystem>
 #include <functional>
 #include <string>
 
@@ -24,7 +23,6 @@ struct RefineCommand {
   std::string restore_conflicts = "report";
   std::string preset = "default";
   DeviceArguments devices;
-  std::filesystem::path debug_path;
   std::string shard;
   std::string pass = "all";
   std::string experiment;

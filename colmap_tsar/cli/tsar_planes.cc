@@ -10,10 +10,9 @@
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
 #include "colmap_tsar/tools/plane_export/floor_plan.h"
-#include "colmap_tsar/tools/plane_export/plane_view.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
 #include <algorithm>
@@ -32,8 +31,8 @@ constexpr const char* kSummary =
     "ceilings and other flat surfaces, each with its normal, how certain it "
     "is, its area, the images that see it, and its outlines with holes in the "
     "world frame. Walls and floors meet in the same lines. JSON holds "
-    "everything; PLY, OBJ and GLB (glTF) hold triangles for viewers, DXF "
-    "triangles and outlines for CAD programs. With --plan_path it draws a "
+    "everything; OBJ holds faces for viewers, DXF faces and outlines for CAD "
+    "programs. With --plan_path it draws a "
     "floor plan of the walls instead, or as well. Coordinates and lengths are "
     "those of the sparse model, unless --up and --scale change them.";
 
@@ -41,7 +40,6 @@ struct PlanesCommand {
   std::filesystem::path workspace_path;
   std::filesystem::path output_path;
   std::filesystem::path plan_path;
-  std::string format;
   std::string input_type;
   std::string up = EnumName(kUpAxisNames, UpAxis::kModel);
   double scale = 0.0;
@@ -55,13 +53,9 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                        "The refined dense workspace.");
   options->Add("output_path",
                &command->output_path,
-               "The file to write; not needed with --plan_path. One that is "
-               "there is replaced with --overwrite 1 alone.");
-  options->AddChoice(
-      "format",
-      &command->format,
-      PlaneFormatNames(),
-      "What to write. If not given: what the name of the file ends in.");
+               "The file to write: .json, .obj or .dxf; not needed with "
+               "--plan_path. One that is there is replaced with --overwrite 1 "
+               "alone.");
   options->Add("plan_path",
                &command->plan_path,
                "A floor plan to write: the walls seen from above, as a picture "
@@ -70,7 +64,7 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
       "input_type",
       &command->input_type,
       "The maps that were refined. If not given: geometric, or photometric "
-      "where only those have planes.",
+      "where only those were refined.",
       options);
   options->Add("min_area",
                &command->options.min_area,
@@ -85,7 +79,7 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                      "The axis of the written coordinates that points up: z "
                      "for CAD programs, y for most viewers. model: the axes of "
                      "the sparse model, which point anywhere unless it was "
-                     "aligned. In GLB it is y in any case.");
+                     "aligned.");
   options->Add("scale",
                &command->scale,
                "Meters per unit of the sparse model: what is written is in "
@@ -156,18 +150,12 @@ void CheckUse(const PlanesCommand& command) {
                     " is missing; give the file to write, or a floor plan as " +
                     OptionName("plan_path"));
   }
-  const auto refuse = [](const std::string& option) {
-    throw Error(ErrorCode::kBadOption,
-                OptionName(option) + " is for " + OptionName("output_path") +
-                    "; give that, too, or leave it out: a floor plan has the "
-                    "format that its name ends in and the axes of " +
-                    OptionName("up") + " z");
-  };
-  if (!command.format.empty()) {
-    refuse("format");
-  }
   if (EnumValue(kUpAxisNames, command.up) == UpAxis::kY) {
-    refuse("up");
+    throw Error(ErrorCode::kBadOption,
+                OptionName("up") + " is for " + OptionName("output_path") +
+                    "; give that, too, or leave it out: a floor plan has the "
+                    "axes of " +
+                    OptionName("up") + " z");
   }
 }
 
@@ -207,12 +195,12 @@ int RunTsarPlanes(int argc, char** argv) {
   std::optional<PlaneFormat> format;
   std::optional<PlanFormat> plan_format;
   if (!command.output_path.empty()) {
-    format = ParsePlaneFormat(command.format, command.output_path.string());
+    format = ParsePlaneFormat(command.output_path.string());
   }
   if (!command.plan_path.empty()) {
     plan_format = ParsePlanFormat(command.plan_path.string());
   }
-  const Workspace workspace = OpenWorkspaceWithPlanes(
+  const Workspace workspace = OpenWorkspaceWithMaps(
       command.workspace_path, ParseMapType(command.input_type));
   Check(command);
   if (command.scale > 0.0) {

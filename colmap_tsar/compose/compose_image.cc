@@ -61,35 +61,6 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
   return refined.superpixels.ToHost();
 }
 
-Image<uint8_t> EvidenceRaster(const Image<uint16_t>& superpixels,
-                              const std::vector<LabelEvidence>& of_superpixel) {
-  Image<uint8_t> kinds(superpixels.Width(), superpixels.Height());
-  for (size_t i = 0; i < kinds.NumPixels(); ++i) {
-    kinds.Data()[i] =
-        static_cast<uint8_t>(of_superpixel[superpixels.Data()[i]]);
-  }
-  return kinds;
-}
-
-// Shows the observer the plane of each superpixel.
-void ShowScene(StageObserver* observer,
-               const ViewEvidence& evidence,
-               const LabeledView& labeled) {
-  if (observer == nullptr) {
-    return;
-  }
-  const Image<uint16_t>& superpixels = evidence.superpixels;
-  Image<int> labels(superpixels.Width(), superpixels.Height());
-  std::transform(
-      superpixels.begin(),
-      superpixels.end(),
-      labels.begin(),
-      [&](uint16_t superpixel) { return labeled.labels[superpixel]; });
-  observer->Show(RefineStage::kSceneLabels, labels);
-  observer->Show(RefineStage::kLabelEvidence,
-                 EvidenceRaster(superpixels, labeled.evidence));
-}
-
 DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
   const DeviceImage<float> gray =
       ComputeGray(DeviceImage<Rgb>(device, evidence.color).View(), device);
@@ -140,8 +111,7 @@ RefineResult ComposeImage(
     const std::vector<ObservedView>& views,
     const FoundScene& found,
     const RefineOptions& options,
-    Device& device,
-    StageObserver* observer) {
+    Device& device) {
   RefineResult result;
   result.seconds = found.seconds;
   StageTimer timer(device, &result.seconds);
@@ -163,8 +133,6 @@ RefineResult ComposeImage(
   const DeviceImage<uint16_t> device_superpixels(device, superpixels);
   const Buffer<ComposedSuperpixel> of_superpixel(
       device, DescribeSuperpixels(found, evidence.prior.normals));
-  ShowScene(observer, evidence, labeled);
-  ShowStage(observer, RefineStage::kScenePlanes, scene_planes, device);
   const DeviceImage<float> texture = RasterTexture(evidence, device);
   const DeviceImage<float> prior_depth(device, evidence.prior.depth);
   const DeviceImage<float> prior_sigma(device, evidence.prior.sigma);
@@ -187,7 +155,6 @@ RefineResult ComposeImage(
                                       evidence.resolution,
                                       MakeCompositionOptions(views),
                                       device);
-  ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   const AppliedCylinders applied = ApplyCylinders(found.cylinders,
                                                   std::as_const(flags).View(),
                                                   view.MapIntrinsics(),
@@ -249,7 +216,6 @@ RefineResult ComposeImage(
   }
   Download(composed, confidence, view.MapIntrinsics(), &result.maps);
   timer.Finish("download");
-  ShowMaps(observer, result.maps);
   result.reason_to_keep = ReasonToKeep(result.maps, options);
   return result;
 }

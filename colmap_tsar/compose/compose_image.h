@@ -8,7 +8,6 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene/evidence/observed_view.h"
 #include "colmap_tsar/scene/find_scene.h"
-#include "colmap_tsar/view/refine_observer.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/view_data.h"
 
@@ -23,15 +22,13 @@ namespace tsar {
 // Composes the reference's map from the planes and surfaces that were found in
 // it. The evidence of the reference must have all its parts. sources: for
 // RefineOptions::photometric; none where the map was judged at a smaller size.
-// observer: as in RefineImage.
 RefineResult ComposeImage(
     const ViewData& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,
     const std::vector<ObservedView>& views,
     const FoundScene& found,
     const RefineOptions& options,
-    Device& device,
-    StageObserver* observer = nullptr);
+    Device& device);
 
 // The options with which ComposeImage() composes these views: the noise of
 // their measurements sets the tolerance at planes.

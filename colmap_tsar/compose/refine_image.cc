@@ -105,14 +105,13 @@ RefineResult RefineImage(
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
-    Device& device,
-    StageObserver* observer) {
+    Device& device) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  Surfaces surfaces = FindSurfaces(
-      reference, image_id, options, &views, device, &timer, observer);
+  Surfaces surfaces =
+      FindSurfaces(reference, image_id, options, &views, device, &timer);
   const PlaneRaster region_planes = views.OnMap(surfaces.region_planes);
   ComposedMap composed;
   if (options.fill_before_regions) {
@@ -122,7 +121,6 @@ RefineResult RefineImage(
     composed =
         ComposeSurfaces(region_planes, options, &surfaces, &views, device);
   }
-  ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
   if (!options.fill_before_regions) {
     FillHoles(views.Color(),
               views.MapIntrinsics(),
@@ -144,7 +142,6 @@ RefineResult RefineImage(
   timer.Finish("composition");
   Download(composed, confidence, views.MapIntrinsics(), &result.maps);
   timer.Finish("download");
-  ShowMaps(observer, result.maps);
   result.reason_to_keep = ReasonToKeep(result.maps, options);
   return result;
 }
@@ -154,19 +151,13 @@ RefineResult MeasureImage(
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
-    Device& device,
-    StageObserver* observer) {
+    Device& device) {
   RefineResult result;
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  const Surfaces surfaces = FindSurfaces(reference,
-                                         image_id,
-                                         MeasuringOptions(options),
-                                         &views,
-                                         device,
-                                         &timer,
-                                         observer);
+  const Surfaces surfaces = FindSurfaces(
+      reference, image_id, MeasuringOptions(options), &views, device, &timer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),

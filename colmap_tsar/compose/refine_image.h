@@ -8,7 +8,6 @@
 #include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/scene/evidence/gather_evidence.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
-#include "colmap_tsar/view/refine_observer.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/refined_maps.h"
 #include "colmap_tsar/view/view_data.h"
@@ -55,15 +54,13 @@ std::string ReasonToKeep(const RefinedMaps& maps, const RefineOptions& options);
 // files; the result is a function of the arguments, for any number of the
 // device's threads. image_id keys the random numbers. When it returns, the
 // device has finished all work. Sources may have been uploaded by another
-// device of the same GPU. They are released as soon as possible. observer:
-// where given, receives the results of the stages, without effect on them.
+// device of the same GPU. They are released as soon as possible.
 RefineResult RefineImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
-    Device& device,
-    StageObserver* observer = nullptr);
+    Device& device);
 
 // The first two of the steps by which an image is refined together with all
 // others; neither makes maps. MeasureImage takes the image through the stages
@@ -77,8 +74,7 @@ RefineResult MeasureImage(
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
-    Device& device,
-    StageObserver* observer = nullptr);
+    Device& device);
 void MakeEvidence(const RefineOptions& options,
                   Device& device,
                   RefineResult* result);

@@ -50,12 +50,9 @@ FuseSummary FuseWorkspace(Workspace workspace,
   workspace.UseMasks(options.mask_path);
   // The lock keeps the maps of an image consistent.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
-  if (!options.originals) {
-    WarnOfChangedResults(workspace);
-  }
-  FusionPlan plan = PlanFusion(
+  WarnOfChangedResults(workspace);
+  const FusionPlan plan = PlanFusion(
       workspace, options.image_list_path, options.fusion.check_num_images);
-  plan.originals = options.originals;
   FusionRun run(workspace, plan, options.fusion, options.devices);
   FusedCloudWriter writer(UserPath(options.output_path));
   std::vector<EncodedPoints> encoded(plan.order.size());

@@ -28,8 +28,6 @@ struct FuseWorkspaceOptions {
   // A file of image names, see io/image_lists.h: only their pixels become
   // points, and all images serve as sources. Empty: all images.
   std::filesystem::path image_list_path;
-  // Fuses the maps as they were before refinement.
-  bool originals = false;
   // See io/masks_and_labels.h; empty: none.
   std::filesystem::path mask_path;
   // A box in the world frame; points outside of it are left out.

@@ -21,8 +21,6 @@ struct FusionPlan {
   std::vector<std::vector<int>> sources;
   // By image: its index in the order; -1 where it is not fused.
   std::vector<int> places;
-  // Whether the maps are read as they were before refinement.
-  bool originals = false;
 };
 
 // Plans the fusion of the listed images that have maps; image_list_path: a file

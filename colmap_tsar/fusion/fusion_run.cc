@@ -173,8 +173,7 @@ void FusionRun::Load(const Group& group,
   std::vector<FusionView> loaded(missing.size());
   ForEachImage(workspace_, missing, device_options_.num_threads, [&](size_t i) {
     StopIfAsked(should_stop);
-    loaded[i] = LoadFusionView(
-        workspace_, missing[i], SourcesOf(missing[i]), plan_.originals);
+    loaded[i] = LoadFusionView(workspace_, missing[i], SourcesOf(missing[i]));
   });
   for (size_t i = 0; i < missing.size(); ++i) {
     cache_.Add(missing[i], std::move(loaded[i]));

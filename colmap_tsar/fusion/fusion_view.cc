@@ -47,10 +47,8 @@ void MakeRoom(int64_t num_new_bytes,
 
 FusionView LoadFusionView(const Workspace& workspace,
                           int image,
-                          const std::vector<int>& sources,
-                          bool originals) {
-  const ImageMaps maps = originals ? ReadOriginalImageMaps(workspace, image)
-                                   : ReadImageMaps(workspace, image);
+                          const std::vector<int>& sources) {
+  const ImageMaps maps = ReadImageMaps(workspace, image);
   const int width = maps.depth.Width();
   const int height = maps.depth.Height();
   const Image<Rgb> color = workspace.ReadImage(image, width, height);

@@ -23,16 +23,13 @@ struct FusionView {
   Image<FusionPixel> pixels;
 };
 
-// The maps of an image as they are in the workspace now or, with originals, as
-// they were before refinement; without masked pixels. sources: images of the
-// same scene, by index in the sparse model; their baselines give the precision
-// of depths without a sigma. Depths without a confidence map have full
-// confidence. Errors as ReadImageMaps(), ReadOriginalImageMaps() and
-// Workspace::ReadImage().
+// The maps of an image without masked pixels. sources: images of the same
+// scene, by index in the sparse model; their baselines give the precision of
+// depths without a sigma. Depths without a confidence map have full confidence.
+// Errors as ReadImageMaps() and Workspace::ReadImage().
 FusionView LoadFusionView(const Workspace& workspace,
                           int image,
-                          const std::vector<int>& sources,
-                          bool originals);
+                          const std::vector<int>& sources);
 
 // Views in main memory, by their images' indices in the sparse model.
 class FusionViewCache {

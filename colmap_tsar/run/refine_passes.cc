@@ -90,23 +90,13 @@ auto NamePlaceOfErrors(const RefineRun& run,
   }
 }
 
-// Null without an observer.
-std::unique_ptr<StageObserver> ObserverOf(const RefineRun& run,
-                                          size_t index,
-                                          const ViewData& view) {
-  return run.observer && run.plan.IsListed(index)
-             ? run.observer->Observe(run.plan.Name(index), view.depth)
-             : nullptr;
-}
-
 // RefineImage, or MeasureImage.
 using SingleViewStages =
     RefineResult (*)(const ViewData& reference,
                      std::vector<DeviceViewCache::View> sources,
                      uint32_t image_id,
                      const RefineOptions& options,
-                     Device& device,
-                     StageObserver* observer);
+                     Device& device);
 
 // Runs the stages with the sources in the worker's memory.
 RefineResult RunSingleView(const RefineRun& run,
@@ -116,8 +106,6 @@ RefineResult RunSingleView(const RefineRun& run,
                            SingleViewStages stages) {
   const int image = run.plan.Reference(index);
   const ViewData& reference = views->Get(image);
-  const std::unique_ptr<StageObserver> observer =
-      ObserverOf(run, index, reference);
   return NamePlaceOfErrors(run, index, worker.name, [&] {
     const Stopwatch uploading;
     // Nothing reads the sources before DeviceViews owns them, which waits for
@@ -135,8 +123,7 @@ RefineResult RunSingleView(const RefineRun& run,
                                  std::move(sources),
                                  HashImageName(run.plan.Name(index)),
                                  run.refine_options,
-                                 *worker.device,
-                                 observer.get());
+                                 *worker.device);
     result.seconds["upload"] += upload_seconds;
     return result;
   });
@@ -170,9 +157,7 @@ RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
 
 ObservePass::ObservePass(const RefineRun& run,
                          std::vector<StageSeconds>& seconds)
-    : run_(run),
-      seconds_(seconds),
-      has_model_(run.observer == nullptr && run.model.IsCurrent()) {}
+    : run_(run), seconds_(seconds), has_model_(run.model.IsCurrent()) {}
 
 ImageReport ObservePass::Begin(size_t index) {
   ImageReport report;
@@ -181,8 +166,7 @@ ImageReport ObservePass::Begin(size_t index) {
   }
   // The last pass finds out and reports why an image cannot be refined.
   if (!(has_model_ ? run_.plan.IsNeeded(index) : run_.plan.IsAnyNeeded()) ||
-      (run_.observer == nullptr &&
-       run_.evidence.IsCurrent(run_.plan.Reference(index))) ||
+      run_.evidence.IsCurrent(run_.plan.Reference(index)) ||
       !run_.plan.CanRefine(index)) {
     report.outcome = ImageReport::Outcome::kSkipped;
   }
@@ -310,8 +294,6 @@ RefineResult ComposePass::Compose(size_t index,
     return result;
   }
   const RefineWorker& worker = run_.devices.workers[worker_index];
-  const std::unique_ptr<StageObserver> observer =
-      ObserverOf(run_, index, reference);
   return NamePlaceOfErrors(run_, index, worker.name, [&] {
     std::unique_ptr<ImageScene> scene = std::move(scenes_[index]);
     if (!scene) {
@@ -330,8 +312,7 @@ RefineResult ComposePass::Compose(size_t index,
                         scene->views,
                         scene->found,
                         run_.refine_options,
-                        *worker.device,
-                        observer.get());
+                        *worker.device);
   });
 }
 

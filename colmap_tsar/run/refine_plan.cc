@@ -62,15 +62,13 @@ RefinePlan::RefinePlan(const Workspace& workspace,
                        std::vector<bool> has_maps,
                        std::vector<bool> is_listed,
                        std::string options_hash,
-                       std::string planes,
-                       bool reuses_results)
+                       std::string planes)
     : workspace_(workspace),
       inputs_(inputs),
       has_maps_(std::move(has_maps)),
       is_listed_(std::move(is_listed)),
       options_hash_(std::move(options_hash)),
       planes_(std::move(planes)),
-      reuses_results_(reuses_results),
       is_done_flags_(workspace.Problems().size()),
       is_done_(workspace.Problems().size()),
       users_(workspace.Model().images.size()) {
@@ -112,9 +110,8 @@ bool RefinePlan::IsCurrent(int image) {
 
 bool RefinePlan::HasBeenRefined(size_t index) {
   std::call_once(is_done_flags_[index], [&] {
-    // Records the inputs before any is read, also where nothing is reused.
-    inputs_.OfResult(Reference(index));
-    is_done_[index] = reuses_results_ && IsCurrent(Reference(index));
+    // Records the inputs before any is read.
+    is_done_[index] = IsCurrent(Reference(index));
   });
   return is_done_[index] != 0;
 }
@@ -156,7 +153,7 @@ void RefinePlan::RequireOthersFit(const std::filesystem::path& list) {
 }
 
 void RefinePlan::WarnOfChanges(size_t index) {
-  if (!IsListed(index) || HasBeenRefined(index) || !reuses_results_) {
+  if (!IsListed(index) || HasBeenRefined(index)) {
     return;
   }
   const std::optional<ImageRecord> record =

@@ -35,15 +35,13 @@ class RefinePlan {
   // and serve as sources alone. options_hash: the hash of the options that the
   // images are refined with. planes: a fingerprint of the current planes of the
   // scene, where images share them; images that were refined with others are
-  // refined again. reuses_results: whether images that were refined before the
-  // run stay so.
+  // refined again.
   RefinePlan(const Workspace& workspace,
              InputFingerprints& inputs,
              std::vector<bool> has_maps,
              std::vector<bool> is_listed,
              std::string options_hash,
-             std::string planes,
-             bool reuses_results);
+             std::string planes);
 
   size_t NumImages() const { return workspace_.Problems().size(); }
   const StereoProblem& Problem(size_t index) const {
@@ -96,7 +94,6 @@ class RefinePlan {
   const std::vector<bool> is_listed_;  // By image of the run.
   const std::string options_hash_;
   const std::string planes_;
-  const bool reuses_results_;
   // By image of the run: whether it had been refined before the run; valid once
   // the flag is set.
   std::vector<std::once_flag> is_done_flags_;

@@ -12,7 +12,6 @@
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/run/view_loader.h"
 #include "colmap_tsar/run/workspace_check.h"
-#include "colmap_tsar/view/refine_observer.h"
 #include "colmap_tsar/view/refine_options.h"
 
 #include <algorithm>
@@ -37,8 +36,6 @@ struct RefineRun {
   const SceneModelStore& model;
   RefinePlan& plan;
   ViewLoader& loader;
-  // Receives the intermediate results of the stages; may be null.
-  RefineObserver* observer = nullptr;
 
   const std::vector<size_t>& Images() const {
     return shards[options.shard.index];

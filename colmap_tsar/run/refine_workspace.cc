@@ -35,13 +35,11 @@ class RefineController {
   RefineController(const WorkspaceRefineOptions& options,
                    const RefineOptions& refine_options,
                    Progress& progress,
-                   const std::function<bool()>& should_stop,
-                   RefineObserver* observer)
+                   const std::function<bool()>& should_stop)
       : options_(options),
         refine_options_(refine_options),
         progress_(progress),
         should_stop_(should_stop),
-        observer_(IsShard() ? nullptr : observer),
         workspace_(OpenWorkspace(options)),
         shards_(SplitImages(workspace_, options.shard.count)) {
     Lock();
@@ -82,7 +80,6 @@ class RefineController {
   const RefineOptions& refine_options_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
-  RefineObserver* const observer_;
   Workspace workspace_;
   std::optional<WorkspaceLock> lock_;
   std::optional<WorkspaceLock> input_lock_;
@@ -151,15 +148,13 @@ RunSummary RefineController::Run() {
                          options_hash,
                          NumEvidenceViews(overview_, devices_.NumScenes()));
   const SceneModelStore model(workspace_, inputs, options_hash);
-  // An observer is to see every image.
   RefinePlan plan(
       workspace_,
       inputs,
       overview_.has_maps,
       FindListedImages(workspace_, options_.image_list_path),
       options_hash,
-      NeedsEvidence(refine_options_) ? model.PlanesFingerprint() : "",
-      /*reuses_results=*/observer_ == nullptr);
+      NeedsEvidence(refine_options_) ? model.PlanesFingerprint() : "");
   if (NeedsEvidence(refine_options_)) {
     plan.RequireOthersFit(options_.image_list_path);
   }
@@ -174,8 +169,7 @@ RunSummary RefineController::Run() {
                          evidence,
                          model,
                          plan,
-                         loader,
-                         observer_};
+                         loader};
   const std::unique_ptr<RunAccount> account = MakeRunAccount(run);
   account->Begin();
   const PipelineOutcome outcome = RunPasses(run, *account);
@@ -373,8 +367,7 @@ void WorkspaceRefineOptions::Check() const {
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,
-                           const std::function<bool()>& should_stop,
-                           RefineObserver* observer) {
+                           const std::function<bool()>& should_stop) {
   workspace_options.Check();
   refine_options.Check();
   if (!workspace_options.prior_path.empty() && !NeedsEvidence(refine_options)) {
@@ -392,7 +385,7 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
     return MergeShards(workspace_options, refine_options);
   }
   return RefineController(
-             workspace_options, refine_options, progress, should_stop, observer)
+             workspace_options, refine_options, progress, should_stop)
       .Run();
 }
 

@@ -9,7 +9,6 @@
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/run/shard.h"
-#include "colmap_tsar/view/refine_observer.h"
 #include "colmap_tsar/view/refine_options.h"
 
 #include <filesystem>
@@ -63,10 +62,6 @@ struct WorkspaceRefineOptions {
 // what reading and writing an image throw. After any error, images that were
 // done stay done, and the same call resumes from there.
 //
-// observer: receives the intermediate results of the stages for each image; may
-// be null. The maps are the same, but images that were done before are done
-// again. Passes other than kAll do not call it.
-//
 // kObserve and kCompose leave a record of the shard (see ShardAccount) instead
 // of the manifest. Before kCompose, all shards must have been observed with
 // these options, and the planes of the scene must have been found, else
@@ -74,7 +69,6 @@ struct WorkspaceRefineOptions {
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,
-                           const std::function<bool()>& should_stop,
-                           RefineObserver* observer = nullptr);
+                           const std::function<bool()>& should_stop);
 
 }  // namespace tsar

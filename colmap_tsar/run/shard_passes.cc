@@ -62,8 +62,7 @@ void Model(const WorkspaceRefineOptions& options,
                   overview.has_maps,
                   FindListedImages(workspace, {}),
                   options_hash,
-                  store.PlanesFingerprint(),
-                  /*reuses_results=*/true);
+                  store.PlanesFingerprint());
   if (store.IsCurrent() || !plan.IsAnyNeeded()) {
     return;
   }

@@ -250,14 +250,4 @@ void Download(const ComposedMap& composed,
   maps->confidence = confidence.ToHost();
 }
 
-void ShowMaps(StageObserver* observer, const RefinedMaps& maps) {
-  if (observer == nullptr) {
-    return;
-  }
-  observer->Show(RefineStage::kDepth, maps.depth);
-  observer->Show(RefineStage::kNormals, maps.normal);
-  observer->Show(RefineStage::kProvenance, maps.provenance);
-  observer->Show(RefineStage::kConfidence, maps.confidence);
-}
-
 }  // namespace tsar

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/view/planes/group_planes.h"
-#include "colmap_tsar/view/refine_observer.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/refined_maps.h"
 #include "colmap_tsar/view/superpixels/samples.h"
@@ -129,8 +128,5 @@ void Download(const ComposedMap& composed,
               const DeviceImage<float>& confidence,
               const Intrinsics& intrinsics,
               RefinedMaps* maps);
-
-// Shows the result to the observer unless it is null.
-void ShowMaps(StageObserver* observer, const RefinedMaps& maps);
 
 }  // namespace tsar

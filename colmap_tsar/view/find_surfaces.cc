@@ -47,28 +47,21 @@ class SurfaceFinder {
                 const RefineOptions& options,
                 DeviceViews* views,
                 Device& device,
-                StageTimer* timer,
-                StageObserver* observer)
+                StageTimer* timer)
       : reference_(reference),
         image_id_(image_id),
         options_(options),
         views_(*views),
         device_(device),
-        timer_(*timer),
-        observer_(observer) {}
+        timer_(*timer) {}
 
   Surfaces Run() {
-    Show(RefineStage::kImage, views_.RasterColor());
-    Show(RefineStage::kDepthInput, views_.Hypotheses().depth);
-    Show(RefineStage::kNormalsInput, views_.Hypotheses().normal);
     ScoreHypotheses();
-    Show(RefineStage::kScore, surfaces_.score);
     DeviceImage<uint8_t> reliable = SelectReliable(
         surfaces_.score.View(),
         options_.filter ? static_cast<float>(options_.min_aggregated_score)
                         : kAnyScore,
         device_);
-    ShowDepthWhere(RefineStage::kDepthReliable, reliable);
     timer_.Finish("filtering");  // Waits for the device: the sources can go.
     views_.ReleaseSources();
     RefineReliability(std::move(reliable));
@@ -90,16 +83,6 @@ class SurfaceFinder {
   }
 
  private:
-  template <typename Raster>
-  void Show(RefineStage stage, const Raster& raster) const {
-    ShowStage(observer_, stage, raster, device_);
-  }
-  void ShowDepthWhere(RefineStage stage,
-                      const DeviceImage<uint8_t>& mask) const {
-    ShowMaskedDepth(
-        observer_, stage, views_.Hypotheses().depth, mask.View(), device_);
-  }
-
   DeviceImage<float> ScoreMatches() const {
     MatchingCosts costs =
         ComputeMatchingCosts(views_.Reference(), views_.Sources(), device_);
@@ -107,11 +90,7 @@ class SurfaceFinder {
       costs.min_cost = DeviceImage<float>(device_, reference_.min_cost);
       costs.second_cost = DeviceImage<float>(device_, reference_.second_cost);
     }
-    DeviceImage<float> confidence =
-        ComputeConfidence(costs, MakeConfidenceOptions(options_), device_);
-    Show(RefineStage::kCost, costs.min_cost);
-    Show(RefineStage::kMatchConfidence, confidence);
-    return confidence;
+    return ComputeConfidence(costs, MakeConfidenceOptions(options_), device_);
   }
 
   // Joint hypothesis filtering up to its threshold.
@@ -124,7 +103,6 @@ class SurfaceFinder {
     if (options_.view_agreement) {
       agreement = CountAgreeingSources(
           views_.Reference(), views_.Sources(), {}, device_);
-      Show(RefineStage::kAgreement, agreement);
       if (options_.confirmed_depths) {
         const ImageView<const float> gray = views_.Reference().gray;
         // Depths that COLMAP's consistency check rejected are no candidates,
@@ -143,7 +121,6 @@ class SurfaceFinder {
     DeviceImage<float> discontinuity;
     if (options_.filter_discontinuity) {
       discontinuity = ComputeDiscontinuity(depth, views_.Scale(), {}, device_);
-      Show(RefineStage::kDiscontinuity, discontinuity);
     }
     ReliabilityOptions reliability;
     reliability.confidence_weight =
@@ -172,7 +149,6 @@ class SurfaceFinder {
         ReduceNearest(score, views_.Raster(), device_).View(),
         slic,
         device_);
-    Show(RefineStage::kSuperpixels, surfaces_.superpixels.labels);
     timer_.Finish("superpixels");
     CorrelationResult correlation =
         RefineByCorrelation(views_.Hypotheses(),
@@ -188,13 +164,6 @@ class SurfaceFinder {
     surfaces_.superpixel_planes = std::move(correlation.planes);
     surfaces_.trusted = std::move(correlation.trusted);
     surfaces_.spread = std::move(correlation.spread);
-    ShowDepthWhere(RefineStage::kDepthTrusted, surfaces_.trusted);
-    if (observer_ != nullptr && surfaces_.superpixel_planes.Size() > 0) {
-      Show(RefineStage::kSuperpixelPlanes,
-           PlanesOfLabels(std::as_const(surfaces_.superpixels.labels).View(),
-                          surfaces_.superpixel_planes,
-                          device_));
-    }
     timer_.Finish("refinement");
   }
 
@@ -220,9 +189,6 @@ class SurfaceFinder {
       found.segments =
           FindSegments(on_raster.View(), borders.View(), min_size, device_);
     }
-    Show(RefineStage::kEdges, edges);
-    Show(RefineStage::kLines, borders);
-    Show(RefineStage::kRegions, found.between_edges.labels);
     return found;
   }
 
@@ -284,7 +250,6 @@ class SurfaceFinder {
                            planes.View(),
                            device_);
     }
-    Show(RefineStage::kRegionPlanes, planes);
     timer_.Finish("region planes");
     return planes;
   }
@@ -295,7 +260,6 @@ class SurfaceFinder {
   DeviceViews& views_;
   Device& device_;
   StageTimer& timer_;
-  StageObserver* const observer_;
   Surfaces surfaces_;
 };
 
@@ -306,10 +270,8 @@ Surfaces FindSurfaces(const ViewData& reference,
                       const RefineOptions& options,
                       DeviceViews* views,
                       Device& device,
-                      StageTimer* timer,
-                      StageObserver* observer) {
-  return SurfaceFinder(
-             reference, image_id, options, views, device, timer, observer)
+                      StageTimer* timer) {
+  return SurfaceFinder(reference, image_id, options, views, device, timer)
       .Run();
 }
 

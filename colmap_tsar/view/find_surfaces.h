@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/refine_observer.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/stage_timer.h"
 #include "colmap_tsar/view/superpixels/slic.h"
@@ -40,15 +39,13 @@ struct Surfaces {
 };
 
 // Runs filtering, refinement and segmentation, the paper's three stages.
-// Releases the sources of the views as early as possible. observer: may be
-// null.
+// Releases the sources of the views as early as possible.
 Surfaces FindSurfaces(const ViewData& reference,
                       uint32_t image_id,
                       const RefineOptions& options,
                       DeviceViews* views,
                       Device& device,
-                      StageTimer* timer,
-                      StageObserver* observer);
+                      StageTimer* timer);
 
 // The map of one view alone: its trusted depths and the planes of its
 // superpixels and regions (may be empty). Moves the hypotheses out of the

@@ -16,7 +16,6 @@ class RefineKeywords(typing.TypedDict, total=False):
     gpu_index: typing.Union[str, float, typing.Sequence[float]]
     cache_size: float
     num_threads: int
-    debug_path: typing.Union[str, os.PathLike[str], None]
     shard: typing.Union[str, float, typing.Sequence[float], None]
     pass_: typing.Literal['all', 'observe', 'model', 'compose', 'merge']
     distrust_unmatched: bool
@@ -84,20 +83,8 @@ class ImportKeywords(typing.TypedDict, total=False):
 class ReportKeywords(typing.TypedDict, total=False):
     report_path: typing.Union[str, os.PathLike[str], None]
     overwrite: bool
-    debug_path: typing.Union[str, os.PathLike[str], None]
-    prior_path: typing.Union[str, os.PathLike[str], None]
-    prior_type: typing.Literal['auto', 'metric', 'relative', 'inverse']
-    before_path: typing.Union[str, os.PathLike[str], None]
-    after_path: typing.Union[str, os.PathLike[str], None]
-    fuse: typing.Optional[typing.Literal['default', 'paper', 'colmap']]
-    ground_truth_path: typing.Union[str, os.PathLike[str], None]
-    scans_path: typing.Union[str, os.PathLike[str], None]
-    tolerances: typing.Union[str, float, typing.Sequence[float]]
     max_image_size: int
-    max_points: int
     num_threads: int
-    output_path: typing.Union[str, os.PathLike[str], None]
-    num_images: int
 
 class ExportKeywords(typing.TypedDict, total=False):
     mask_path: typing.Union[str, os.PathLike[str], None]

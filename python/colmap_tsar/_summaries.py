@@ -144,10 +144,8 @@ class ImportSummary(PrintedResult):
 class ReportSummary(Result):
     """What Workspace.report() wrote."""
 
-    page_path: Optional[pathlib.Path]
-    """The page, for a browser; None where only a picture was asked for."""
-    picture_path: Optional[pathlib.Path]
-    """The picture, where output_path was given."""
+    page_path: pathlib.Path
+    """The page, for a browser."""
     num_images: int
     """Images that the page shows."""
 

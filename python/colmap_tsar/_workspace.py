@@ -185,8 +185,8 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
     def report(
         self, *, progress: _Progress = True, **options: "Unpack[ReportKeywords]"
     ) -> ReportSummary:
-        """Writes a page about the refined workspace, to be opened in a browser, or a
-        picture of some images: what the command tsar_report does."""
+        """Writes a page about the refined workspace, to be opened in a browser: what the
+        command tsar_report does."""
         command = {**self._to_command(REPORT, options), **self._to_type()}
         return ReportSummary(**_core.report(command, tell_steps(progress)))
 

@@ -49,7 +49,7 @@ PNG). The steps:
 What comes out:
 
   OUTPUT/after.ply, before.ply   the clouds with and without refinement
-  OUTPUT/report/index.html       depth, normals and clouds before and after
+  OUTPUT/report/index.html       depth and normals before and after
   OUTPUT/mesh_poisson.ply, mesh_delaunay.ply
   OUTPUT/textured_poisson/, textured_delaunay/
   OUTPUT/export_FORMAT/
@@ -270,14 +270,12 @@ def reconstruct(args, programs):
 
 
 def make_report(scene, programs):
-    clouds = [f"--{name}_path={scene.folder / name}.ply" for name in ("before", "after")
-              if ply.count(scene.folder / f"{name}.ply", "vertex")]
     scene.step("report", lambda step: step.run(
         programs.tsar, "tsar_report", "--workspace_path", scene.folder / dense.REFINED,
-        "--report_path", scene.folder / "report", *clouds),
-        outputs=["report"], after=["fusion_before", "fusion_after"],
+        "--report_path", scene.folder / "report"),
+        outputs=["report"], after=["refinement"],
         options={"colmap_tsar": programs.versions["colmap_tsar"]})
-    if not any("--after" in cloud for cloud in clouds):
+    if not ply.count(scene.folder / "after.ply", "vertex"):
         raise DatasetError(f"{scene.folder / 'after.ply'}: has no points, since the views agree "
                            f"nowhere; {scene.folder / 'report' / 'index.html'} shows their depth")
 

@@ -60,22 +60,25 @@ TEST_F(TsarRefineTest, TakesAModelInTheFolder0) {
               testing::HasSubstr((root_ / "sparse").string() +
                                  " itself: first copy there what is in " +
                                  (root_ / "sparse/0").string() + "\nNext: "));
-  const std::string picture = (folder_.Path() / "picture.png").string();
-  const std::string planes = (folder_.Path() / "planes.json").string();
-  const auto run = [&](CommandFunction command, const std::string& path) {
+  const auto run = [&](CommandFunction command,
+                       const std::string& option,
+                       const std::string& name) {
+    const std::filesystem::path path = folder_.Path() / name;
     const Outcome outcome =
         RunCaptured("colmap",
-                    {"--workspace_path", root_.string(), "--output_path", path},
+                    {"--workspace_path", root_.string(), option, path.string()},
                     command);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_TRUE(std::filesystem::exists(path));
   };
   run([](int argc,
          char** argv) { return RunCommand(&RunTsarReport, argc, argv); },
-      picture);
+      "--report_path",
+      "page");
   run([](int argc,
          char** argv) { return RunCommand(&RunTsarPlanes, argc, argv); },
-      planes);
+      "--output_path",
+      "planes.json");
   // Once it is copied, nothing is to be done again.
   for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
     std::filesystem::copy(root_ / "sparse/0" / name, root_ / "sparse" / name);

@@ -356,51 +356,6 @@ TEST_F(CudaTest, RestoreDetail) {
   EXPECT_GT(num_moved, 10000u);
 }
 
-// Notes what it is shown, and the inputs, which every device has alike.
-class NotingObserver : public StageObserver {
- public:
-  void Show(RefineStage stage, const Image<Rgb>&) override { Note(stage); }
-  void Show(RefineStage stage, const Image<float>& values) override {
-    Note(stage);
-    if (stage == RefineStage::kDepthInput) {
-      depth = Pixels(values);
-    }
-  }
-  void Show(RefineStage stage, const Image<Vec3f>& values) override {
-    Note(stage);
-    if (stage == RefineStage::kNormalsInput) {
-      normals = Pixels(values);
-    }
-  }
-  void Show(RefineStage stage, const Image<uint8_t>&) override { Note(stage); }
-  void Show(RefineStage stage, const Image<int>&) override { Note(stage); }
-  void Show(RefineStage stage, const Image<Plane>&) override { Note(stage); }
-
-  std::vector<int> stages;
-  std::vector<float> depth;
-  std::vector<Vec3f> normals;
-
- private:
-  void Note(RefineStage stage) { stages.push_back(static_cast<int>(stage)); }
-};
-
-TEST_F(CudaTest, ObserversSeeWhatLiesInTheDevicesMemory) {
-  ExpectAlike("StageObserver",
-              AllScenes(),
-              [](StageInputs& inputs, Device& device, StageResult* result) {
-                NotingObserver observer;
-                RefineImage(inputs.drawn.views[0],
-                            UploadViews(inputs.drawn.Sources(), device),
-                            1,
-                            RefineOptions(),
-                            device,
-                            &observer);
-                result->Add("stages", observer.stages);
-                result->Add("depth", observer.depth);
-                result->Add("normals", observer.normals);
-              });
-}
-
 TEST_F(CudaTest, RefineImage) {
   std::vector<SceneSize> scenes = AllScenes();
   scenes.push_back({SceneKind::kWall, 331, 203});

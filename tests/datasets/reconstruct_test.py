@@ -26,8 +26,6 @@ class ReconstructTest(StandInTest):
         self.assertTrue((self.output / "report" / "index.html").is_file())
         for name in STEPS:
             self.assertTrue((self.output / "logs" / f"{name}.log").is_file(), name)
-        self.assertIn(f"--before_path={self.output}/before.ply --after_path={self.output}/after.ply",
-                      calls[-1])
         names = (self.output / "images.txt").read_text().splitlines()
         self.assertEqual(names, ["a.jpg.png", "e.png", "f.png", "g.png", "left/b.PNG",
                                  "left/c d.png"])
@@ -46,7 +44,7 @@ class ReconstructTest(StandInTest):
         after = lambda command: COMMANDS[COMMANDS.index(command):]
         for option, expected in (
                 ("--StereoFusion.min_num_pixels=3",
-                 ["stereo_fusion", "stereo_fusion", "tsar_report"]),
+                 ["stereo_fusion", "stereo_fusion"]),
                 ("--TsarRefine.scene_planes=0", after("tsar_refine")),
                 ("--preset=paper", after("tsar_refine")),
                 ("--TsarStereo.num_levels=2", after("tsar_stereo")),
@@ -90,7 +88,7 @@ class ReconstructTest(StandInTest):
             self.assertEqual(call.count("min_num_pixels"), 1)
             self.assertIn("--StereoFusion.min_num_pixels 3", call)
         mask.write_text("22")  # The masks are inputs.
-        self.assertEqual(self.commands(*options), ["stereo_fusion", "stereo_fusion", "tsar_report"])
+        self.assertEqual(self.commands(*options), ["stereo_fusion", "stereo_fusion"])
         self.refuses("--TsarRefine.nonsense: none of the commands of this run",
                      "--TsarRefine.nonsense", 1)
         self.refuses("--PoissonMeshing.trim: none", "--PoissonMeshing.trim", 5)
@@ -120,7 +118,7 @@ class ReconstructTest(StandInTest):
         for fusion, preset in (("tsar", "default"), ("paper", "paper")):
             _, calls = self.run_well("--mesh", "--fusion", fusion)
             self.assertEqual([c.split()[0] for c in calls],
-                             ["tsar_fuse", "tsar_report", "poisson_mesher"])
+                             ["tsar_fuse", "poisson_mesher"])
             self.assertIn(f"--workspace_path {self.output}/refined --input_type geometric",
                           calls[0])
             self.assertTrue(calls[0].endswith(f"--TsarFuse.preset {preset}"), calls[0])
@@ -148,7 +146,7 @@ class ReconstructTest(StandInTest):
             self.assertFalse((self.output / "after.ply").exists())
             self.assertTrue((self.output / "part.after.ply.vis").exists())
             self.write("out/part.after.ply.tmp", "")  # As a killed tsar_fuse leaves it.
-            self.assertEqual(self.commands("--fusion", fusion), [command, "tsar_report"])
+            self.assertEqual(self.commands("--fusion", fusion), [command])
             self.assertTrue(ply.is_whole(self.output / "after.ply"))
             self.assertEqual(list(self.output.glob("part.*")), [])
 

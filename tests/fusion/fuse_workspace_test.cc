@@ -85,20 +85,6 @@ TEST_F(FuseWorkspaceTest, ThreadsAndMemoryDoNotChangeAByte) {
   EXPECT_EQ(Bytes(), bytes);
 }
 
-TEST_F(FuseWorkspaceTest, OriginalsAreTheMapsBeforeRefinement) {
-  Fuse();
-  const std::string before = Bytes();
-  WriteRefined(Workspace(root_, MapType::kGeometric),
-               0,
-               MakeRefinedMaps(Wall::kDepth, Wall::kWidth, Wall::kHeight),
-               {});
-  Fuse();
-  EXPECT_NE(Bytes(), before);
-  options_.originals = true;
-  Fuse();
-  EXPECT_EQ(Bytes(), before);
-}
-
 TEST_F(FuseWorkspaceTest, PointsComeFromListedImagesAlone) {
   options_.fusion.point_spacing = 1;
   const fs::path list = folder_.Path() / "list.txt";

@@ -33,8 +33,8 @@ if(cache MATCHES "TSAR_(FLANN|LZ4)[A-Z_]*")
   message(FATAL_ERROR "without tools: ${CMAKE_MATCH_0} is looked for")
 endif()
 
-configure(-DTSAR_TOOL_REPORT=ON)
+configure(-DTSAR_PYTHON=ON)
 if(code EQUAL 0 OR NOT output MATCHES
-   "TSAR_TOOL_REPORT=ON needs TSAR_TOOL_EVALUATION=ON")
-  message(FATAL_ERROR "the report without what it shows: ${code}\n${output}")
+   "TSAR_PYTHON=ON needs TSAR_TOOL_STEREO=ON")
+  message(FATAL_ERROR "the Python module without what it offers: ${code}\n${output}")
 endif()

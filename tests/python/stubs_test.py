@@ -31,7 +31,7 @@ workspace.stereo(num_levels=1, device="auto", gpu_index=0)
 workspace.refine(priors={"a.jpg": image_of_depth}, prior_type="metric")
 colmap_tsar.refine("dense", priors=lambda name: (None, image_of_depth))
 fused: int = workspace.fuse("fused.ply", preset="paper", max_reproj_error=1).num_points
-workspace.report(tolerances=[0.1, 0.2])
+workspace.report(max_image_size=500)
 names = [image.name.upper() for image in workspace.images]
 image: colmap_tsar.WorkspaceImage = workspace["a.jpg"]
 width: int = image.camera.width
@@ -46,7 +46,7 @@ MISUSE = (
     "workspace.stereo(device='gpu')",
     "workspace.fuse('fused.ply', min_num_views=2.5)",
     "workspace.import_maps('maps', format='depth', overwrite='no')",
-    "workspace.report(max_points=[1])",
+    "workspace.report(num_threads=[1])",
     "workspace[3]",
 )
 

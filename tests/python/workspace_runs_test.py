@@ -86,7 +86,7 @@ class WorkspaceRunsTest(SampleTest):
                 *(colmap_tsar.Error, "images"),
             ),
             (self.ws.report, {}, colmap_tsar.NotFoundError, "run tsar_refine"),
-            (self.ws.report, {"tolerances": [2, 1]}, ValueError, "^tolerances: .*rise"),
+            (self.ws.report, {"max_image_size": 1}, ValueError, "^max_image_size"),
             (self.ws.export, {"output_path": "a", "format": "x"}, ValueError, "^format: 'x"),
             (
                 *(self.ws.export, {"output_path": self.workspace / "images", "format": "npy"}),
@@ -255,24 +255,13 @@ class WorkspaceRunsTest(SampleTest):
 
     def test_report(self):
         self.ws.refine(progress=False, device="cpu", **QUICK)
-        with self.assertRaisesRegex(FileNotFoundError, "another output_path"):
-            self.ws.report(output_path=self.folder / "missing" / "a.png")
-        summary = self.ws.report(
-            report_path=self.folder / "page",
-            output_path=self.folder / "picture.png",
-            tolerances=(0.05, 0.1),
-            max_points=100,
-            progress=False,
-        )
+        summary = self.ws.report(report_path=self.folder / "page", progress=False)
         self.assertEqual(summary.page_path, self.folder / "page" / "index.html")
         self.assertTrue(summary.page_path.is_file())
         self.assertEqual(summary.num_images, self.num_images)
-        self.assertTrue(summary.picture_path.read_bytes().startswith(b"\x89PNG"))
         chosen = colmap_tsar.Workspace(self.workspace, input_type="geometric")
-        page = chosen.report(report_path=self.folder / "chosen", progress=False)
-        self.assertEqual(page.num_images, self.num_images)
-        with self.assertRaisesRegex(colmap_tsar.Error, "picture.png.*overwrite=True"):
-            self.ws.report(output_path=self.folder / "picture.png")
+        with self.assertRaisesRegex(colmap_tsar.Error, "page.*overwrite=True"):
+            chosen.report(report_path=self.folder / "page", progress=False)
 
     def test_export_is_the_command(self):
         output = self.folder / "by_method"

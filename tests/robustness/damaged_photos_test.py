@@ -24,10 +24,8 @@ COMMANDS = {
     "refine": (["tsar_refine", work], start.mapped),
     "refine without planes": (["tsar_refine", work, "--TsarRefine.scene_planes", 0], start.mapped),
     "stereo": (STEREO_COMMAND, start.mapped),
-    "report": (["tsar_report", work, "--output_path", os.path.join(folder.name, "page")],
+    "report": (["tsar_report", work, "--report_path", os.path.join(folder.name, "report")],
                start.refined),
-    "picture": (["tsar_report", work, "--output_path", os.path.join(folder.name, "report.png")],
-                start.refined),
 }
 FORMATS = {
     "png": synthetic_photos.png,

@@ -25,7 +25,7 @@ COMMANDS = {
     "undo": (["tsar_import", work, "--restore", 1], start.imported),
     "stereo": (["tsar_stereo", work, *STEREO, "--overwrite", 1], start.bare),
 }
-REPORT = ["tsar_report", work, "--output_path", os.path.join(folder.name, "report.png"),
+REPORT = ["tsar_report", work, "--report_path", os.path.join(folder.name, "report"),
           "--overwrite", 1]
 
 

@@ -21,15 +21,17 @@ site, kept = (os.path.join(folder.name, name) for name in ("site", "kept"))
 output = os.path.join(site, args.command)
 start = StartWorkspaces(folder.name)
 start.make(program)
-debug = os.path.join(folder.name, "debug")
-program.run("tsar_refine", start.refined, "--TsarRefine.debug_path", debug)
-OPTIONS = [start.refined, "--num_threads", 1, "--overwrite", 1]
+OPTIONS = ["--num_threads", 1, "--overwrite", 1]
 if args.command == "report":
-    COMMAND = ["tsar_report", *OPTIONS, "--report_path", output]
-    OTHER = [*COMMAND, "--debug_path", debug, "--max_points", 1]
-    DATA, LIST, MARKER = "data/report.js", "data/files.txt", "unfinished_page"
+    OPTIONS += ["--report_path", output]
+    plain = os.path.join(folder.name, "plain")
+    copy(start.mapped, plain)
+    program.run("tsar_refine", plain, "--TsarRefine.scene_planes", 0)
+    COMMAND = ["tsar_report", plain, *OPTIONS]
+    OTHER = ["tsar_report", start.refined, *OPTIONS]  # Shows planes, too.
+    DATA, LIST, MARKER = "index.html", "tsar_report.txt", "unfinished_page"
 else:
-    COMMAND = ["tsar_export", *OPTIONS, "--output_path", output, "--format", "npy"]
+    COMMAND = ["tsar_export", start.refined, *OPTIONS, "--output_path", output, "--format", "npy"]
     OTHER = [*COMMAND[:-1], "png16"]
     DATA, LIST, MARKER = "manifest.json", "files.txt", "unfinished_export"
 

@@ -26,13 +26,8 @@ args = parse_arguments("shim", "limit")
 program = Program(args.program, args.shim)
 folder = make_folder(args.folder)
 work = os.path.join(folder.name, "work")
-large = os.path.join(folder.name, "large")
 start = StartWorkspaces(folder.name)
 start.make(program)
-# OpenCV divides large pictures among threads.
-synthetic_workspace.enlarge(8)
-synthetic_workspace.draw(large, 2)
-program.run("tsar_refine", large)
 # The command, and from what workspace.
 CASES = {
     "refine": (["tsar_refine", work], start.mapped),
@@ -41,11 +36,7 @@ CASES = {
     "undo": (["tsar_import", work, "--restore", 1], start.imported),
     "stereo": (["tsar_stereo", work, *STEREO], start.bare),
     "report": (["tsar_report", work], start.refined),
-    "picture": (["tsar_report", work, "--output_path", os.path.join(work, "picture.png")],
-                large),
 }
-if args.limit in ("file_size", "memory"):
-    del CASES["picture"]  # Is a report, too.
 
 
 def read_work():

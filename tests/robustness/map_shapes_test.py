@@ -16,7 +16,7 @@ folder = make_folder(args.folder)
 work = os.path.join(folder.name, "work")
 start = StartWorkspaces(folder.name)
 REFINE = ["tsar_refine", work]
-REPORT = ["tsar_report", work, "--output_path", os.path.join(folder.name, "page")]
+REPORT = ["tsar_report", work, "--report_path", os.path.join(folder.name, "page")]
 IMAGE = NAMES[1]
 
 

@@ -1,9 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Puts users' files in every place that tsar_report, and the pictures of
---TsarRefine.debug_path, write to or remove: one clear line, and all of them are
-as they were."""
+"""Puts users' files in every place that tsar_report writes to or removes: one
+clear line, and all of them are as they were."""
 import os
 import shutil
 import signal
@@ -66,7 +65,7 @@ make_page()
 kept = os.path.join(folder.name, "kept")
 copy(site, kept)
 folders = sorted(name for name, content in describe(page).items() if content is None)
-check("images" in folders and "data" in folders and len(folders) >= 4, f"a page has {folders}")
+check("images" in folders and len(folders) >= 3, f"a page has {folders}")
 fails("a page without --overwrite", REPORT, "--overwrite 1")
 for place in ["", *folders]:
     for name in ("thesis.tex", "mine/thesis.tex", "..data"):
@@ -80,7 +79,7 @@ for place in ["", *folders]:
     fails(f"a link in {place}", REPLACE, path)
 
 # Links in the place of a page, its folders and its files.
-for name in ["", *folders, "index.html", "data/report.js", "data/files.txt"]:
+for name in ["", *folders, "index.html", "tsar_report.txt"]:
     copy(kept, site)
     path = os.path.join(page, name).rstrip("/")
     os.rename(path, outside)
@@ -93,18 +92,19 @@ for name in ["", *folders, "index.html", "data/report.js", "data/files.txt"]:
     shutil.rmtree(outside) if os.path.isdir(outside) else os.remove(outside)
 
 # Pages without their whole list.
-with open(os.path.join(kept, "report", "data", "files.txt"), "rb") as file:
+with open(os.path.join(kept, "report", "tsar_report.txt"), "rb") as file:
     files = file.read()
 for content in (None, b"", files[:len(files) // 2], b"\0" * 100):
     copy(kept, site)
-    path = os.path.join(page, "data", "files.txt")
+    path = os.path.join(page, "tsar_report.txt")
     os.remove(path)
     if content is not None:
         synthetic_workspace.write(path, content)
-    fails("a page without its list", REPLACE, "data/files.txt", "move or delete it")
+    fails("a page without its list", REPLACE, page,
+          "is no report" if content is None else "tsar_report.txt")
 
 # Beside a page.
-for name in ("report.tsar_tmp", "report.tsar_tmp/thesis.tex", "report.tsar_tmp/data/report.js"):
+for name in ("report.tsar_tmp", "report.tsar_tmp/thesis.tex", "report.tsar_tmp/tsar_report.txt"):
     copy(kept, site)
     synthetic_workspace.write(os.path.join(site, name), PRECIOUS)
     fails(name, REPLACE, "report.tsar_tmp", "move it away")
@@ -118,7 +118,7 @@ shutil.rmtree(outside)
 for faults in ({}, {"no_exchange": 1}):
     copy(kept, site)
     synthetic_workspace.write(page + ".tsar_old", PRECIOUS)
-    synthetic_workspace.write(page + ".tsar_old_1/data/report.js", PRECIOUS)
+    synthetic_workspace.write(page + ".tsar_old_1/tsar_report.txt", PRECIOUS)
     before = describe(site)
     program.run(*REPLACE, **faults)
     check_same(describe(site), before, "folders that are called as former pages")
@@ -148,44 +148,5 @@ for name in ("images", "sparse", "stereo", "stereo/depth_maps", "images/new"):
         place = os.path.join(root, name)
         fails(f"a page in {place}", ["tsar_report", work, "--report_path",
                                      os.path.join(place, "report")], f"folder {first} of", "--report_path")
-        for file in ("picture.png", "v0.png"):
-            fails(f"a picture in {place}", ["tsar_report", work, "--overwrite", 1, "--output_path",
-                                            os.path.join(place, file)], f"folder {first} of")
-        fails(f"debug pictures in {place}", ["tsar_refine", work, "--TsarRefine.debug_path",
-                                             os.path.join(place, "debug")], f"folder {first} of")
-fails("debug pictures in an output's input", [
-    "tsar_refine", start.mapped, "--output_path", output, "--TsarRefine.debug_path",
-    os.path.join(output, "stereo", "debug")], "folder stereo of")
 
-# Pictures over what is there.
-picture = os.path.join(site, "picture.png")
-DRAW = ["tsar_report", WORK, "--output_path", picture]
-synthetic_workspace.write(picture, PRECIOUS)
-fails("a picture over a file", DRAW, "is there already", "--overwrite 1")
-program.run(*DRAW, "--overwrite", 1)
-check(read_tree(site)["picture.png"] != PRECIOUS, "a picture is replaced where that is asked for")
-MAKERS = (os.mkdir, os.mkfifo, lambda path: os.symlink("/dev/full", path),
-          lambda path: os.symlink(os.path.join(WORK, "images", "v0.png"), path))
-for make in MAKERS:
-    os.remove(picture)
-    make(picture)
-    fails("a picture over no file", [*DRAW, "--overwrite", 1], "choose another --output_path")
-    if os.path.isdir(picture):
-        os.rmdir(picture)
-        synthetic_workspace.write(picture, b"")
-
-# Debug pictures among other files.
-debug = os.path.join(folder.name, "debug")
-copy(start.mapped, outside)
-DEBUG = ["tsar_refine", outside, "--TsarRefine.debug_path", debug]
-for _ in range(2):
-    program.run(*DEBUG)
-for name in ("thesis.tex", "v0.png/thesis.tex", "v0.png/07_score.png.orig", "left/07_score"):
-    path = os.path.join(debug, name)
-    synthetic_workspace.write(path, PRECIOUS)
-    fails(f"debug pictures beside {name}", DEBUG, path, "no picture")
-    os.remove(path)
-synthetic_workspace.write(os.path.join(debug, "v0.png", "07_score.png.tsar_tmp"), b"half")
-program.run(*DEBUG)
-fails("debug pictures in the workspace itself", [*DEBUG[:-1], outside], "no picture")
 print(f"{num_cases} cases")

@@ -24,7 +24,7 @@ RESTORE = ["tsar_refine", work, "--restore", 1]
 IMPORT = ["tsar_import", work, *start.import_options]
 UNDO = ["tsar_import", work, "--restore", 1]
 TO_STEREO = ["tsar_stereo", work, *STEREO, "--overwrite", 1]
-REPORT = ["tsar_report", work, "--output_path", os.path.join(folder.name, "report.png"),
+REPORT = ["tsar_report", work, "--report_path", os.path.join(folder.name, "report"),
           "--overwrite", 1]
 SHARD = [*REFINE, "--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
 observed = os.path.join(folder.name, "observed")

@@ -15,12 +15,6 @@ WIDTH, HEIGHT = 40, 30
 FOCAL, DEPTH, BASELINE = 34.0, 5.0, 0.4
 
 
-def enlarge(factor):
-    """Has all that is drawn from now on be so many times as wide and high."""
-    global WIDTH, HEIGHT, FOCAL
-    WIDTH, HEIGHT, FOCAL = WIDTH * factor, HEIGHT * factor, FOCAL * factor
-
-
 def write(path, content):
     """A new file, so that other links to an old one keep what they have."""
     os.makedirs(os.path.dirname(path), exist_ok=True)

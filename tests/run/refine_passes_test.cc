@@ -75,8 +75,7 @@ class RefinePassesTest : public testing::Test {
                     std::vector<bool>(4, true),
                     std::vector<bool>(4, true),
                     HashRefineOptions(options),
-                    scene_planes ? model.PlanesFingerprint() : "",
-                    /*reuses_results=*/true);
+                    scene_planes ? model.PlanesFingerprint() : "");
     ViewLoader loader(workspace, plan, options.distrust_unmatched);
     const WorkspaceRefineOptions workspace_options;
     const std::vector<std::vector<size_t>> shards = {{0, 1, 2, 3}};

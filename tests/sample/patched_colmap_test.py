@@ -111,5 +111,5 @@ with open(project, "a", encoding="utf-8") as file:
     file.write("num_iteration=3\n")
 fails_with_one_line("--project_path", project, "--workspace_path", sample, text="num_iteration")
 
-run(args.colmap, "tsar_report", "--workspace_path", by_module, "--output_path", path("report.png"))
-check(os.path.getsize(path("report.png")) > 0, "tsar_report draws")
+run(args.colmap, "tsar_report", "--workspace_path", by_module, "--report_path", path("report"))
+check(os.path.getsize(path("report/index.html")) > 0, "tsar_report writes a page")

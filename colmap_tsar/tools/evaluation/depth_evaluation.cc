@@ -274,9 +274,7 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
   for (size_t i = 0; i < names.size(); ++i) {
     const std::string& name = names[i];
     const fs::path map_path =
-        options.find_map
-            ? options.find_map(name)
-            : map_folder / (name + "." + options.input_type + ".bin");
+        map_folder / (name + "." + options.input_type + ".bin");
     if (!Exists(map_path)) {
       ++evaluation.num_images_without_map;
       continue;

@@ -26,9 +26,6 @@ struct DepthEvaluationOptions {
   // Folder of masks (io/masks_and_labels.h), or empty. Masked pixels do not
   // count.
   std::filesystem::path mask_path;
-  // The path of an image's map by the image's name; if not set, in
-  // stereo/depth_maps of the workspace. The file need not exist.
-  std::function<std::filesystem::path(const std::string& name)> find_map;
   // Correct depths are off by less, in units of the model; ascending, > 0.
   std::vector<double> tolerances = {0.02, 0.1};
 };

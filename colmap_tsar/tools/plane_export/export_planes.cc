@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/record.h"
+#include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/tools/plane_export/crease.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
@@ -86,7 +87,16 @@ struct PlaneObservations {
   std::vector<Crease> creases;
 };
 
-// Reads the maps of the images twice.
+// Turns the normal of coordinates, and a box in them with it.
+void TurnOver(PlaneCoordinates* coordinates, Eigen::AlignedBox2d* box) {
+  coordinates->normal *= -1.0;
+  coordinates->axis_t *= -1.0;
+  const double top = -box->min().y();
+  box->min().y() = -box->max().y();
+  box->max().y() = top;
+}
+
+// Reads the maps of the images twice. Normals point to the views.
 PlaneObservations ObservePlanes(const Workspace& workspace,
                                 const std::vector<int>& images,
                                 const SceneModel& model,
@@ -114,6 +124,11 @@ PlaneObservations ObservePlanes(const Workspace& workspace,
     AddStatistics(view, seen.coordinates, &seen.statistics);
     crease_finder.Add(view);
   });
+  for (size_t p = 0; p < model.planes.size(); ++p) {
+    if (!seen.statistics[p].IsSeenFromNormalSide()) {
+      TurnOver(&seen.coordinates[p], &seen.statistics[p].box);
+    }
+  }
   seen.grids = MakeSupportGrids(seen.statistics);
   visit_views("Planes, pass 2 of 2:", [&](const PlaneView& view) {
     AddCoverage(view, seen.coordinates, &seen.grids);
@@ -133,35 +148,6 @@ Vertical VerticalOf(const Workspace& workspace,
   return FindVertical(ups, model.frames);
 }
 
-// Flips a plane so that its normal points to the views that see it.
-void Turn(ExportedPlane* plane) {
-  plane->coordinates.normal *= -1.0;
-  plane->coordinates.axis_t *= -1.0;
-  const Eigen::DiagonalMatrix<double, 3> signs(1.0, -1.0, -1.0);
-  plane->covariance = signs * plane->covariance * signs;
-  const auto mirror = [](Ring* ring) {
-    for (Eigen::Vector2d& point : *ring) {
-      point.y() *= -1.0;
-    }
-    *ring = Ring(ring->rbegin(), ring->rend());
-  };
-  for (PlanePolygon& polygon : plane->polygons) {
-    mirror(&polygon.outline);
-    for (Ring& hole : polygon.holes) {
-      mirror(&hole);
-    }
-  }
-}
-
-std::vector<Eigen::Vector3d> CentersOf(const PlaneStatistics& statistics,
-                                       const SparseModel& sparse) {
-  std::vector<Eigen::Vector3d> centers;
-  for (const PlaneSighting& sighting : statistics.sightings) {
-    centers.push_back(sparse.images[sighting.image].camera.Center());
-  }
-  return centers;
-}
-
 // Sets what needs no polygons or creases, in the model's coordinates.
 ExportedPlane Describe(const ModelPlane& model_plane,
                        const PlaneStatistics& statistics,
@@ -170,15 +156,11 @@ ExportedPlane Describe(const ModelPlane& model_plane,
                        const Vertical& vertical) {
   ExportedPlane plane;
   plane.coordinates = coordinates;
-  plane.plane_class = ClassifyPlane(coordinates.normal,
-                                    coordinates.origin,
-                                    CentersOf(statistics, sparse),
-                                    vertical);
-  plane.covariance = model_plane.covariance;
-  if (coordinates.axis_t.dot(model_plane.axis_t) < 0.0) {
-    const Eigen::DiagonalMatrix<double, 3> signs(1.0, -1.0, 1.0);
-    plane.covariance = signs * plane.covariance * signs;
-  }
+  const Eigen::DiagonalMatrix<double, 3> signs(
+      1.0,
+      coordinates.axis_t.dot(model_plane.axis_t) < 0.0 ? -1.0 : 1.0,
+      coordinates.normal.dot(model_plane.plane.normal) < 0.0 ? -1.0 : 1.0);
+  plane.covariance = signs * model_plane.covariance * signs;
   plane.support = model_plane.support;
   plane.component = model_plane.component;
   plane.frame = model_plane.frame;
@@ -188,10 +170,14 @@ ExportedPlane Describe(const ModelPlane& model_plane,
     plane.share_measured = static_cast<double>(statistics.num_measured) /
                            static_cast<double>(statistics.num_pixels);
   }
+  std::vector<Eigen::Vector3d> cameras;
   for (const PlaneSighting& sighting : statistics.sightings) {
-    plane.images.push_back(
-        {sparse.images[sighting.image].name, sighting.num_pixels});
+    const SparseModel::ModelImage& image = sparse.images[sighting.image];
+    plane.images.push_back({image.name, sighting.num_pixels});
+    cameras.push_back(image.camera.Center());
   }
+  plane.plane_class =
+      ClassifyPlane(coordinates.normal, coordinates.origin, cameras, vertical);
   return plane;
 }
 
@@ -211,7 +197,7 @@ void SetShape(int p, PlaneObservations* seen, ExportedPlane* plane) {
     grid.coverage = {};
   }
   for (const PlanePolygon& polygon : plane->polygons) {
-    plane->area += Area(polygon);
+    plane->area += polygon.area;
   }
 }
 
@@ -312,17 +298,13 @@ void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes) {
     plane.area *= meters_per_unit * meters_per_unit;
     plane.cell *= meters_per_unit;
     for (PlanePolygon& polygon : plane.polygons) {
+      polygon.area *= meters_per_unit * meters_per_unit;
       Scale(meters_per_unit, &polygon.outline);
       for (Ring& hole : polygon.holes) {
         Scale(meters_per_unit, &hole);
       }
     }
   }
-}
-
-bool HasPlanes(const Workspace& workspace) {
-  return Exists(GetSceneModelPath(workspace.Root())) &&
-         !FindPlaneViews(workspace).empty();
 }
 
 ExportedPlanes ExportPlanes(const Workspace& workspace,
@@ -337,6 +319,7 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
   const SceneModel model =
       ReadSceneModel(model_path, SceneModelParts::kWithoutLabels);
   RequirePlanesOfMaps(workspace, images, model_path);
+  WarnOfChangedResults(workspace, {"planes", "provenance"});
   PlaneObservations seen =
       ObservePlanes(workspace, images, model, progress, is_stopped);
   ExportedPlanes result;
@@ -352,9 +335,6 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
                                    result.vertical);
     plane.id = static_cast<int>(p);
     SetShape(plane.id, &seen, &plane);
-    if (!seen.statistics[p].IsSeenFromNormalSide()) {
-      Turn(&plane);
-    }
     if (plane.area >= options.min_area) {
       result.planes.push_back(std::move(plane));
     }

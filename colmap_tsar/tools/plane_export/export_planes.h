@@ -124,15 +124,12 @@ struct PlaneExportOptions {
   double min_area = 0.0;
 };
 
-// Whether a workspace has scene planes and plane maps, as a refinement may.
-bool HasPlanes(const Workspace& workspace);
-
 // The planes of a refined workspace, from its stereo/tsar/planes.bin, with
 // their visible parts in the refined maps of its type. Holds the maps of one
 // image at a time and reads them twice. is_stopped: called before each image.
 //
-// Throws Error: kNotFound (HasPlanes() is false), kMismatch (maps, planes and
-// model are not of one run), kInterrupted, and those of the readers.
+// Throws Error: kNotFound (no scene planes, or no plane maps), kMismatch (maps,
+// planes and model are not of one run), kInterrupted, and those of the readers.
 ExportedPlanes ExportPlanes(const Workspace& workspace,
                             const PlaneExportOptions& options,
                             Progress& progress,

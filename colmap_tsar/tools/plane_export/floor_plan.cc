@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/tools/plane_export/plane_mesh.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
 #include <algorithm>

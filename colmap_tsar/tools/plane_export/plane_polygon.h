@@ -45,24 +45,10 @@ class PlaneProjection {
 
   // Returns false if the pixel does not see the plane.
   bool Intersect(double x, double y, Hit* hit) const;
-  // Computes the point alone.
-  bool Intersect(double x, double y, Eigen::Vector2d* point) const;
 
  private:
-  double Depth(const Eigen::Vector3d& ray) const;
-  Eigen::Vector3d Ray(double x, double y) const;
-  Eigen::Vector2d Point(const Eigen::Vector3d& in_camera) const;
-
-  double fx_;
-  double fy_;
-  double cx_;
-  double cy_;
-  // The plane and its axes in the camera's frame.
-  Eigen::Vector3d normal_;
-  double offset_;
-  Eigen::Vector3d axis_s_;
-  Eigen::Vector3d axis_t_;
-  Eigen::Vector2d center_;  // Camera center.
+  // From homogeneous pixels to homogeneous points of the plane, over depth.
+  Eigen::Matrix3d plane_from_image_;
 };
 
 // A closed line; its last point is joined to its first one.
@@ -73,21 +59,12 @@ using Ring = std::vector<Eigen::Vector2d>;
 struct PlanePolygon {
   Ring outline;
   std::vector<Ring> holes;
+  double area = 0.0;  // Without the holes.
 };
 
 // The z component of the cross product, positive if b is left of a.
 inline double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
-
-// The signed area of a ring, positive if counterclockwise.
-double SignedArea(const Ring& ring);
-
-// The area without the holes.
-double Area(const PlanePolygon& polygon);
-
-// Whether every ring has at least three points and no two edges of the polygon
-// meet, but for neighbors at the point that they share.
-bool IsSimple(const PlanePolygon& polygon);
 
 }  // namespace tsar

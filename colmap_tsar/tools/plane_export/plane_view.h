@@ -5,25 +5,17 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/plane_export/plane_polygon.h"
 
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <map>
-#include <optional>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 namespace tsar {
-
-// Opens a workspace to export its planes. type: of the maps; nullopt:
-// geometric, or photometric if only those have planes. Errors as Workspace.
-Workspace OpenWorkspaceWithPlanes(const std::filesystem::path& root,
-                                  std::optional<MapType> type);
 
 // The maps of one refined image that show the scene planes.
 struct PlaneView {

@@ -190,38 +190,40 @@ std::vector<SupportGrid> MakeSupportGrids(
 void AddCoverage(const PlaneView& view,
                  const std::vector<PlaneCoordinates>& planes,
                  std::vector<SupportGrid>* grids) {
-  ForEachPlanePixel(
-      view,
-      planes,
-      [&](int p,
-          int x,
-          int y,
-          const PlaneProjection& projection,
-          const PlaneProjection::Hit& hit) {
-        SupportGrid& grid = (*grids)[p];
-        const int num_x = NumSamples(hit.extent.x(), grid.cell);
-        const int num_y = NumSamples(hit.extent.y(), grid.cell);
-        const auto weight = static_cast<float>(
-            hit.area / (grid.cell * grid.cell * num_x * num_y));
-        for (int j = 0; j < num_y; ++j) {
-          for (int i = 0; i < num_x; ++i) {
-            Eigen::Vector2d point;
-            if (!projection.Intersect(x + (i + 0.5) / num_x - 0.5,
-                                      y + (j + 0.5) / num_y - 0.5,
-                                      &point)) {
-              continue;
-            }
-            const Eigen::Vector2d place = (point - grid.corner) / grid.cell;
-            // Samples outside of the padding belong to border pixels.
-            if (place.x() >= 1.0 && place.y() >= 1.0 &&
-                place.x() < grid.coverage.Width() - 1 &&
-                place.y() < grid.coverage.Height() - 1) {
-              grid.coverage(static_cast<int>(place.x()),
-                            static_cast<int>(place.y())) += weight;
-            }
-          }
-        }
-      });
+  ForEachPlanePixel(view,
+                    planes,
+                    [&](int p,
+                        int x,
+                        int y,
+                        const PlaneProjection& projection,
+                        const PlaneProjection::Hit& hit) {
+                      SupportGrid& grid = (*grids)[p];
+                      const int num_x = NumSamples(hit.extent.x(), grid.cell);
+                      const int num_y = NumSamples(hit.extent.y(), grid.cell);
+                      const auto weight = static_cast<float>(
+                          hit.area / (grid.cell * grid.cell * num_x * num_y));
+                      for (int j = 0; j < num_y; ++j) {
+                        for (int i = 0; i < num_x; ++i) {
+                          PlaneProjection::Hit sample;
+                          if (!projection.Intersect(x + (i + 0.5) / num_x - 0.5,
+                                                    y + (j + 0.5) / num_y - 0.5,
+                                                    &sample)) {
+                            continue;
+                          }
+                          const Eigen::Vector2d place =
+                              (sample.point - grid.corner) / grid.cell;
+                          // Samples outside of the padding belong to border
+                          // pixels.
+                          if (place.x() >= 1.0 && place.y() >= 1.0 &&
+                              place.x() < grid.coverage.Width() - 1 &&
+                              place.y() < grid.coverage.Height() - 1) {
+                            grid.coverage(static_cast<int>(place.x()),
+                                          static_cast<int>(place.y())) +=
+                                weight;
+                          }
+                        }
+                      }
+                    });
 }
 
 Image<uint8_t> FindSupport(const SupportGrid& grid,

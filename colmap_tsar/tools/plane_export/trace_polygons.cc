@@ -1,15 +1,25 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+// Boost is to compute with the coordinates as they are, not scaled to integers.
+#define BOOST_GEOMETRY_NO_ROBUSTNESS
+
 #include "colmap_tsar/tools/plane_export/trace_polygons.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <optional>
 
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
+#include <boost/geometry/algorithms/area.hpp>
+#include <boost/geometry/algorithms/correct.hpp>
+#include <boost/geometry/algorithms/is_valid.hpp>
+#include <boost/geometry/algorithms/simplify.hpp>
+#include <boost/geometry/geometries/point_xy.hpp>
+#include <boost/geometry/geometries/polygon.hpp>
+#include <boost/geometry/strategies/strategies.hpp>
+#include <boost/polygon/polygon.hpp>
 
 namespace tsar {
 namespace {
@@ -21,57 +31,33 @@ constexpr double kMaxToCorner = 3.5;
 constexpr double kCreaseMargin = 3.0;
 constexpr double kMaxStraight = 1e-6;
 
-using Contour = std::vector<cv::Point>;
+namespace bg = boost::geometry;
+namespace bp = boost::polygon;
 
-struct Contours {
-  Contour outline;
-  std::vector<Contour> holes;
-};
+// Counterclockwise, and closed by a copy of the first point.
+using BoostPoint = bg::model::d2::point_xy<double>;
+using BoostPolygon = bg::model::polygon<BoostPoint, /*ClockWise=*/false, true>;
+using BoostRing = BoostPolygon::ring_type;
 
-// Adds the corners that contours skip at protrusions of the outside.
-Contour WithCorners(const Contour& contour, const cv::Mat& nodes) {
-  Contour result;
-  for (size_t i = 0; i < contour.size(); ++i) {
-    const cv::Point from = contour[i];
-    const cv::Point to = contour[(i + 1) % contour.size()];
-    result.push_back(from);
-    if (std::abs(to.x - from.x) == 1 && std::abs(to.y - from.y) == 1) {
-      const cv::Point corner(from.x, to.y);
-      result.push_back(
-          nodes.at<uint8_t>(corner) != 0 ? corner : cv::Point(to.x, from.y));
-    }
-  }
-  return result;
-}
+// The borders of parts of a support, in cells.
+using Borders = bp::polygon_90_with_holes_data<int>;
 
-// Finds contours in a grid of nodes, three along each side of a cell, the outer
-// two shared with its neighbors: so a contour, which runs through the outermost
-// inner points, follows the cells' borders.
-std::vector<Contours> FindContours(const Image<uint8_t>& support) {
-  cv::Mat nodes = cv::Mat::zeros(
-      2 * support.Height() + 1, 2 * support.Width() + 1, CV_8UC1);
+std::vector<Borders> FindBorders(const Image<uint8_t>& support) {
+  bp::polygon_90_set_data<int> cells;
   for (int y = 0; y < support.Height(); ++y) {
     for (int x = 0; x < support.Width(); ++x) {
-      if (support(x, y) != 0) {
-        nodes(cv::Rect(2 * x, 2 * y, 3, 3)).setTo(255);
+      const int begin = x;
+      while (x < support.Width() && support(x, y) != 0) {
+        ++x;
+      }
+      if (x > begin) {
+        cells.insert(bp::rectangle_data<int>(begin, y, x, y + 1));
       }
     }
   }
-  std::vector<Contour> all;
-  std::vector<cv::Vec4i> hierarchy;
-  cv::findContours(
-      nodes, all, hierarchy, cv::RETR_CCOMP, cv::CHAIN_APPROX_SIMPLE);
-  std::vector<Contours> contours;
-  constexpr int kNext = 0;
-  constexpr int kFirstChild = 2;
-  for (int i = all.empty() ? -1 : 0; i >= 0; i = hierarchy[i][kNext]) {
-    contours.emplace_back().outline = WithCorners(all[i], nodes);
-    for (int hole = hierarchy[i][kFirstChild]; hole >= 0;
-         hole = hierarchy[hole][kNext]) {
-      contours.back().holes.push_back(WithCorners(all[hole], nodes));
-    }
-  }
-  return contours;
+  std::vector<Borders> borders;
+  cells.get(borders);
+  return borders;
 }
 
 std::optional<Eigen::Vector2d> MeetingPoint(const CreaseLine& a,
@@ -110,84 +96,74 @@ Eigen::Vector2d PutOntoCreases(const Eigen::Vector2d& point,
   return near[0]->point + near[0]->Along(point) * near[0]->direction;
 }
 
-// Removes corners between their neighbors on a line, or on one of them.
-void RemoveStraightCorners(double max_distance, Ring* ring) {
-  bool has_changed = true;
-  while (has_changed && ring->size() >= 3) {
-    has_changed = false;
-    for (size_t i = 0; i < ring->size() && ring->size() >= 3;) {
-      const Eigen::Vector2d& before =
-          (*ring)[(i + ring->size() - 1) % ring->size()];
-      const Eigen::Vector2d& after = (*ring)[(i + 1) % ring->size()];
-      const Eigen::Vector2d& corner = (*ring)[i];
-      const double length = (after - before).norm();
-      const double twice_area =
-          std::abs(SignedArea({before, corner, after})) * 2.0;
-      const bool is_between = (corner - before).dot(corner - after) <= 0.0;
-      if (corner == before ||
-          (is_between && twice_area <= max_distance * length)) {
-        ring->erase(ring->begin() + static_cast<std::ptrdiff_t>(i));
-        has_changed = true;
-      } else {
-        ++i;
-      }
-    }
-  }
+BoostRing Simplify(const BoostRing& ring, double tolerance) {
+  BoostRing simplified;
+  bg::simplify(ring, simplified, tolerance);
+  return simplified;
 }
 
-Ring ToRing(const Contour& contour,
-            double tolerance,
-            bool is_hole,
-            const SupportGrid& grid,
-            const std::vector<CreaseLine>& creases) {
-  Contour simplified = contour;
-  if (tolerance > 0.0) {
-    cv::approxPolyDP(contour, simplified, 2.0 * tolerance, true);
+// The ring of a border: simplified, at creases where some are near, and without
+// corners on straight lines.
+template <typename Border>
+BoostRing ToRing(const Border& border,
+                 double tolerance,
+                 const SupportGrid& grid,
+                 const std::vector<CreaseLine>& creases) {
+  BoostRing ring;
+  for (const bp::point_data<int>& corner : border) {
+    ring.emplace_back(corner.x(), corner.y());
   }
-  Ring ring;
-  for (const cv::Point& node : simplified) {
-    ring.push_back(PutOntoCreases(
-        grid.corner + 0.5 * grid.cell * Eigen::Vector2d(node.x, node.y),
+  bg::correct(ring);  // Closes it.
+  ring = Simplify(ring, tolerance);
+  for (BoostPoint& at : ring) {
+    const Eigen::Vector2d point = PutOntoCreases(
+        grid.corner + grid.cell * Eigen::Vector2d(at.x(), at.y()),
         grid.cell,
-        creases));
+        creases);
+    at = {point.x(), point.y()};
   }
-  RemoveStraightCorners(kMaxStraight * grid.cell, &ring);
-  if ((SignedArea(ring) < 0.0) != is_hole) {
-    std::reverse(ring.begin(), ring.end());
-  }
-  return ring;
+  return Simplify(ring, kMaxStraight * grid.cell);
 }
 
-PlanePolygon ToPolygon(const Contours& contours,
+BoostPolygon ToPolygon(const Borders& borders,
                        double tolerance,
                        const SupportGrid& grid,
                        const std::vector<CreaseLine>& creases) {
-  PlanePolygon polygon;
-  polygon.outline = ToRing(contours.outline, tolerance, false, grid, creases);
-  for (const Contour& hole : contours.holes) {
-    Ring ring = ToRing(hole, tolerance, true, grid, creases);
+  BoostPolygon polygon;
+  polygon.outer() = ToRing(borders, tolerance, grid, creases);
+  for (auto hole = borders.begin_holes(); hole != borders.end_holes(); ++hole) {
+    BoostRing ring = ToRing(*hole, tolerance, grid, creases);
     // Degenerate rings are small and dropped.
-    if (ring.size() >= 3) {
-      polygon.holes.push_back(std::move(ring));
+    if (ring.size() > 3) {
+      polygon.inners().push_back(std::move(ring));
     }
   }
+  bg::correct(polygon);  // Turns its rings.
   return polygon;
 }
 
-// The simplest polygon without crossings; the full contour has none.
-PlanePolygon SimplestPolygon(const Contours& contours,
+// The simplest polygon without crossings; the full borders have none.
+BoostPolygon SimplestPolygon(const Borders& borders,
                              const SupportGrid& grid,
                              const std::vector<CreaseLine>& creases) {
   for (const double tolerance : {kTolerance, 0.5 * kTolerance}) {
     for (const std::vector<CreaseLine>& lines :
          {creases, std::vector<CreaseLine>()}) {
-      PlanePolygon polygon = ToPolygon(contours, tolerance, grid, lines);
-      if (IsSimple(polygon)) {
+      BoostPolygon polygon = ToPolygon(borders, tolerance, grid, lines);
+      if (bg::is_valid(polygon)) {
         return polygon;
       }
     }
   }
-  return ToPolygon(contours, 0.0, grid, {});
+  return ToPolygon(borders, 0.0, grid, {});
+}
+
+Ring WithoutLast(const BoostRing& closed) {
+  Ring ring;
+  for (size_t i = 0; i + 1 < closed.size(); ++i) {
+    ring.emplace_back(closed[i].x(), closed[i].y());
+  }
+  return ring;
 }
 
 }  // namespace
@@ -197,10 +173,15 @@ std::vector<PlanePolygon> TracePolygons(
     const Image<uint8_t>& support,
     const std::vector<CreaseLine>& creases) {
   std::vector<PlanePolygon> polygons;
-  for (const Contours& contours : FindContours(support)) {
-    polygons.push_back(SimplestPolygon(contours, grid, creases));
+  for (const Borders& borders : FindBorders(support)) {
+    const BoostPolygon simplest = SimplestPolygon(borders, grid, creases);
+    PlanePolygon& polygon = polygons.emplace_back();
+    polygon.outline = WithoutLast(simplest.outer());
+    std::ranges::transform(
+        simplest.inners(), std::back_inserter(polygon.holes), &WithoutLast);
+    polygon.area = bg::area(simplest);
   }
-  std::ranges::stable_sort(polygons, std::greater(), &Area);
+  std::ranges::stable_sort(polygons, std::greater(), &PlanePolygon::area);
   return polygons;
 }
 

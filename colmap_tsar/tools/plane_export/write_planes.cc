@@ -5,42 +5,36 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/label_color.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/tools/plane_export/plane_mesh.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <charconv>
+#include <cmath>
 #include <cstddef>
 #include <filesystem>
 
+#include <boost/polygon/polygon.hpp>
 #include <nlohmann/json.hpp>
 
 namespace tsar {
 namespace {
 
-// A layer with the name of its class and one of the standard color indices.
-struct Layer {
-  PlaneClass plane_class;
-  int color;
-};
-constexpr std::array<Layer, 4> kLayers = {{{PlaneClass::kFloor, 3},
-                                           {PlaneClass::kCeiling, 5},
-                                           {PlaneClass::kWall, 1},
-                                           {PlaneClass::kOther, 7}}};
+// Standard color indices of the layers, by PlaneClass.
+constexpr std::array kLayerColors = {3, 5, 1, 7};
 
-void PutTriangles(const PlaneMesh& mesh,
-                  const std::string& layer,
-                  DxfWriter* dxf) {
-  for (const auto& [a, b, c] : mesh.triangles) {
+void PutFaces(const ExportedPlane& plane,
+              const std::string& layer,
+              DxfWriter* dxf) {
+  for (const PlaneFace& face : MakeFaces(plane)) {
     dxf->Put(0, "3DFACE");
     dxf->Put(8, layer);
-    int code = 10;
-    // A 3DFACE triangle repeats its last corner.
-    for (const int corner : {a, b, c, c}) {
-      dxf->PutPoint(code++, mesh.points[corner]);
+    for (size_t i = 0; i < 4; ++i) {
+      // Three corners repeat the last one.
+      dxf->PutPoint(static_cast<int>(10 + i),
+                    face[std::min(i, face.size() - 1)]);
     }
   }
 }
@@ -65,6 +59,22 @@ void PutOutline(const Ring& ring,
   }
   dxf->Put(0, "SEQEND");
   dxf->Put(8, layer);
+}
+
+namespace bp = boost::polygon;
+
+// The largest integer coordinate of a plane's points.
+constexpr double kMaxCoordinate = 1 << 28;
+
+bp::polygon_data<int> ToIntegers(const Ring& ring, double scale) {
+  std::vector<bp::point_data<int>> points;
+  for (const Eigen::Vector2d& point : ring) {
+    points.emplace_back(static_cast<int>(std::lround(scale * point.x())),
+                        static_cast<int>(std::lround(scale * point.y())));
+  }
+  bp::polygon_data<int> polygon;
+  bp::set_points(polygon, points.begin(), points.end());
+  return polygon;
 }
 
 using Json = nlohmann::ordered_json;
@@ -180,12 +190,12 @@ void DxfWriter::PutLayers() {
   BeginSection("TABLES");
   Put(0, "TABLE");
   Put(2, "LAYER");
-  Put(70, static_cast<int>(kLayers.size()));
-  for (const Layer& layer : kLayers) {
+  Put(70, static_cast<int>(kLayerColors.size()));
+  for (size_t i = 0; i < kLayerColors.size(); ++i) {
     Put(0, "LAYER");
-    Put(2, LayerName(layer.plane_class));
+    Put(2, LayerName(static_cast<PlaneClass>(i)));
     Put(70, 0);
-    Put(62, layer.color);
+    Put(62, kLayerColors[i]);
     Put(6, "CONTINUOUS");
   }
   Put(0, "ENDTAB");
@@ -196,7 +206,7 @@ void PutPlanesDxf(const ExportedPlanes& planes, std::ostream* out) {
   DxfWriter dxf(planes.in_meters, out);
   for (const ExportedPlane& plane : planes.planes) {
     const std::string layer = DxfWriter::LayerName(plane.plane_class);
-    PutTriangles(MakePlaneMesh(plane), layer, &dxf);
+    PutFaces(plane, layer, &dxf);
     for (const PlanePolygon& polygon : plane.polygons) {
       PutOutline(polygon.outline, plane.coordinates, layer, &dxf);
       for (const Ring& hole : polygon.holes) {
@@ -234,75 +244,32 @@ void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out) {
 
 void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out) {
   *out << "# planes of the scene, by tsar_planes\n";
+  const auto put = [&](const char* kind, const Eigen::Vector3d& vector) {
+    *out << kind << " " << NumberText(vector.x()) << " "
+         << NumberText(vector.y()) << " " << NumberText(vector.z()) << "\n";
+  };
+  // Indices count from 1 through the file.
   size_t num_points = 0;
   size_t num_normals = 0;
   for (const ExportedPlane& plane : planes.planes) {
-    const PlaneMesh mesh = MakePlaneMesh(plane);
-    if (mesh.triangles.empty()) {
+    if (plane.polygons.empty()) {
       continue;
     }
     *out << "g plane_" << plane.id << "_" << ToString(plane.plane_class)
          << "\n";
-    for (const Eigen::Vector3d& point : mesh.points) {
-      *out << "v " << PointText(point) << "\n";
-    }
-    *out << "vn " << PointText(plane.coordinates.normal) << "\n";
+    put("vn", plane.coordinates.normal);
     ++num_normals;
-    for (const auto& triangle : mesh.triangles) {
+    for (const PlaneFace& face : MakeFaces(plane)) {
+      for (const Eigen::Vector3d& corner : face) {
+        put("v", corner);
+      }
       *out << "f";
-      for (const int corner : triangle) {
-        // Indices count from 1 through the file.
-        *out << " " << num_points + static_cast<size_t>(corner) + 1 << "//"
-             << num_normals;
+      for (size_t i = 0; i < face.size(); ++i) {
+        *out << " " << ++num_points << "//" << num_normals;
       }
       *out << "\n";
     }
-    num_points += mesh.points.size();
   }
-}
-
-void PutPlanesPly(const ExportedPlanes& planes, std::ostream* out) {
-  std::vector<PlaneMesh> meshes;
-  size_t num_points = 0;
-  size_t num_triangles = 0;
-  for (const ExportedPlane& plane : planes.planes) {
-    meshes.push_back(MakePlaneMesh(plane));
-    num_points += meshes.back().points.size();
-    num_triangles += meshes.back().triangles.size();
-  }
-  // Coordinates are doubles, for georeferenced models.
-  *out << "ply\nformat ascii 1.0\n"
-       << "comment planes of the scene, by tsar_planes\n"
-       << "element vertex " << num_points << "\n"
-       << "property double x\nproperty double y\nproperty double z\n"
-       << "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-       << "element face " << num_triangles << "\n"
-       << "property list uchar int vertex_indices\nproperty int plane\n"
-       << "end_header\n";
-  for (size_t i = 0; i < meshes.size(); ++i) {
-    const Rgb color = LabelColor(planes.planes[i].id);
-    for (const Eigen::Vector3d& point : meshes[i].points) {
-      *out << PointText(point) << " " << int{color.r} << " " << int{color.g}
-           << " " << int{color.b} << "\n";
-    }
-  }
-  size_t first = 0;
-  for (size_t i = 0; i < meshes.size(); ++i) {
-    for (const auto& triangle : meshes[i].triangles) {
-      *out << "3";
-      for (const int corner : triangle) {
-        *out << " " << first + static_cast<size_t>(corner);
-      }
-      *out << " " << planes.planes[i].id << "\n";
-    }
-    first += meshes[i].points.size();
-  }
-}
-
-const std::vector<std::string>& PlaneFormatNames() {
-  static const std::vector<std::string> names = {
-      "json", "ply", "obj", "dxf", "glb"};
-  return names;
 }
 
 std::string ExtensionOf(const std::string& path) {
@@ -310,22 +277,68 @@ std::string ExtensionOf(const std::string& path) {
       .erase(0, 1);
 }
 
-PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path) {
-  const std::string wanted = name.empty() ? ExtensionOf(path) : name;
-
-  const std::vector<std::string>& names = PlaneFormatNames();
-  const auto found = std::ranges::find(names, wanted);
-  if (found == names.end()) {
-    throw Error(ErrorCode::kBadOption,
-                name.empty()
-                    ? OptionName("output_path") + ": the name " + path +
-                          " does not tell the format; let it end in .json, "
-                          ".ply, .obj, .dxf or .glb, or give " +
-                          OptionName("format")
-                    : OptionName("format") + ": '" + name +
-                          "' is not known; give json, ply, obj, dxf or glb");
+PlaneFormat ParsePlaneFormat(const std::string& path) {
+  const std::string extension = ExtensionOf(path);
+  if (extension == "json") {
+    return PlaneFormat::kJson;
   }
-  return static_cast<PlaneFormat>(found - names.begin());
+  if (extension == "obj") {
+    return PlaneFormat::kObj;
+  }
+  if (extension != "dxf") {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("output_path") + ": the name " + path +
+                    " does not tell the format; let it end in .json, .obj or "
+                    ".dxf");
+  }
+  return PlaneFormat::kDxf;
+}
+
+std::string NumberText(double number) {
+  char text[32];
+  const std::to_chars_result result =
+      std::to_chars(text, text + sizeof(text), number);
+  return std::string(text, result.ptr);
+}
+
+std::vector<PlaneFace> MakeFaces(const ExportedPlane& plane) {
+  double extent = 0.0;
+  for (const PlanePolygon& polygon : plane.polygons) {
+    for (const Eigen::Vector2d& point : polygon.outline) {
+      extent = std::max(extent, point.cwiseAbs().maxCoeff());
+    }
+  }
+  const double scale = kMaxCoordinate / extent;
+  bp::polygon_set_data<int> set;
+  for (const PlanePolygon& polygon : plane.polygons) {
+    set.insert(ToIntegers(polygon.outline, scale));
+    for (const Ring& hole : polygon.holes) {
+      set.insert(ToIntegers(hole, scale), /*is_hole=*/true);
+    }
+  }
+  std::vector<bp::polygon_data<int>> trapezoids;
+  set.get_trapezoids(trapezoids);
+  std::vector<PlaneFace> faces;
+  for (const bp::polygon_data<int>& trapezoid : trapezoids) {
+    // The last point is the first again; those of neighbors on its two parallel
+    // sides are no corners.
+    const std::vector<bp::point_data<int>> points(trapezoid.begin(),
+                                                  trapezoid.end() - 1);
+    PlaneFace face;
+    for (size_t i = 0; i < points.size(); ++i) {
+      const int x = points[i].x();
+      if (x != points[(i + 1) % points.size()].x() ||
+          x != points[(i + points.size() - 1) % points.size()].x()) {
+        face.push_back(plane.coordinates.ToWorld(
+            Eigen::Vector2d(x, points[i].y()) / scale));
+      }
+    }
+    if (bp::winding(trapezoid) == bp::CLOCKWISE) {
+      std::ranges::reverse(face);
+    }
+    faces.push_back(std::move(face));
+  }
+  return faces;
 }
 
 bool IsWritten(const ExportedPlane& plane, PlaneFormat format) {
@@ -336,11 +349,8 @@ void WritePlanes(const ContainedPath& path,
                  PlaneFormat format,
                  const ExportedPlanes& planes) {
   // In the order of PlaneFormat.
-  constexpr std::array kWriters = {&PutPlanesJson,
-                                   &PutPlanesPly,
-                                   &PutPlanesObj,
-                                   &PutPlanesDxf,
-                                   &PutPlanesGlb};
+  constexpr std::array kWriters = {
+      &PutPlanesJson, &PutPlanesObj, &PutPlanesDxf};
   AtomicFile file(path);
   kWriters[static_cast<size_t>(format)](planes, &file.Stream());
   file.Commit();

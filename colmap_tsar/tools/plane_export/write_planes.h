@@ -41,25 +41,28 @@ class DxfWriter {
 // docs/planes.md describes the files.
 enum class PlaneFormat {
   kJson,  // All members.
-  kPly,   // ASCII: triangles, a color for each plane, the plane of each face.
-  kObj,   // Triangles in groups, plane_ID_CLASS.
-  kDxf,  // R12 ASCII: triangles (3DFACE) and outlines (POLYLINE) in a layer for
-         // each class.
-  kGlb,  // Binary glTF 2.0: a mesh of triangles for each plane, plane_ID_CLASS,
-         // with colors as in kPly; y is up where there is a vertical.
+  kObj,   // Faces in groups, plane_ID_CLASS.
+  kDxf,   // R12 ASCII: faces (3DFACE) and outlines (POLYLINE) in a layer for
+          // each class.
 };
-
-// "json", "ply", "obj", "dxf" and "glb", in the order of PlaneFormat.
-const std::vector<std::string>& PlaneFormatNames();
 
 // What follows the last dot of a file's name, in lower case.
 std::string ExtensionOf(const std::string& path);
 
-// The format by its name, or by the extension of a path if the name is empty.
-// Throws Error kBadOption, which lists the formats.
-PlaneFormat ParsePlaneFormat(const std::string& name, const std::string& path);
+// The format by the extension of a path. Throws Error kBadOption.
+PlaneFormat ParsePlaneFormat(const std::string& path);
 
-// Whether a file holds a plane: JSON alone has those without triangles.
+// The shortest text that reads as the same number, whatever the locale.
+std::string NumberText(double number);
+
+// A convex face in the world frame: its three or four corners, counterclockwise
+// against the normal.
+using PlaneFace = std::vector<Eigen::Vector3d>;
+
+// Cuts the polygons of a plane into faces, along its second axis.
+std::vector<PlaneFace> MakeFaces(const ExportedPlane& plane);
+
+// Whether a file holds a plane: JSON alone has those without faces.
 bool IsWritten(const ExportedPlane& plane, PlaneFormat format);
 
 // Writes atomically, the same planes as the same bytes; errors as AtomicFile.
@@ -69,9 +72,7 @@ void WritePlanes(const ContainedPath& path,
 
 // Writers of the formats.
 void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out);
-void PutPlanesPly(const ExportedPlanes& planes, std::ostream* out);
 void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out);
 void PutPlanesDxf(const ExportedPlanes& planes, std::ostream* out);
-void PutPlanesGlb(const ExportedPlanes& planes, std::ostream* out);
 
 }  // namespace tsar

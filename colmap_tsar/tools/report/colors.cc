@@ -3,20 +3,21 @@
 
 #include "colmap_tsar/tools/report/colors.h"
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/label_color.h"
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <numeric>
+#include <vector>
 
 #include <opencv2/imgproc.hpp>
 
 namespace tsar {
 namespace {
+
+static_assert(kProvenanceColors.size() == kProvenanceNames.size());
 
 constexpr double kIgnoredShare = 0.02;
 // The least relative range, for maps of equal depths.
@@ -39,12 +40,17 @@ std::vector<Rgb> ColorScale(cv::ColormapTypes type) {
   return scale;
 }
 
-constexpr Rgb kBorder = {255, 214, 0};
-
 // Maps [-1, 1] to the range of a byte.
 uint8_t ToByte(float component) {
   return static_cast<uint8_t>(
       std::lround(std::clamp(0.5f * component + 0.5f, 0.f, 1.f) * 255.f));
+}
+
+template <typename Value, typename ToColor>
+Image<Rgb> Colorize(const Image<Value>& values, const ToColor& to_color) {
+  Image<Rgb> colors(values.Width(), values.Height());
+  std::ranges::transform(values, colors.begin(), to_color);
+  return colors;
 }
 
 }  // namespace
@@ -73,8 +79,7 @@ DepthRange RobustDepthRange(const Image<float>& before,
 
 Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range) {
   const std::vector<Rgb> scale = ColorScale(cv::COLORMAP_TURBO);
-  Image<Rgb> colors(depth.Width(), depth.Height());
-  std::ranges::transform(depth, colors.begin(), [&](float value) {
+  return Colorize(depth, [&](float value) {
     if (!(value > 0.f)) {
       return Rgb();
     }
@@ -83,90 +88,32 @@ Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range) {
     return scale[255 - std::lround(std::clamp(position, 0.f, 1.f) *
                                    (kNumColors - 1))];
   });
-  return colors;
-}
-
-Image<Rgb> ColorizeLabels(const Image<int>& labels) {
-  Image<Rgb> colors(labels.Width(), labels.Height());
-  std::ranges::transform(labels, colors.begin(), LabelColor);
-  return colors;
-}
-
-Image<Rgb> DrawLabelBorders(const Image<int>& labels, Image<Rgb> image) {
-  for (int y = 0; y < labels.Height(); ++y) {
-    for (int x = 0; x < labels.Width(); ++x) {
-      const int label = labels(x, y);
-      if ((x > 0 && labels(x - 1, y) != label) ||
-          (y > 0 && labels(x, y - 1) != label)) {
-        image(x, y) = kBorder;
-      }
-    }
-  }
-  return image;
 }
 
 Image<Rgb> ColorizeNormals(const Image<Vec3f>& normals) {
-  Image<Rgb> colors(normals.Width(), normals.Height());
-  std::ranges::transform(normals, colors.begin(), [](const Vec3f& normal) {
+  return Colorize(normals, [](const Vec3f& normal) {
     // The comparison also fails for NaN.
     return Dot(normal, normal) > 0.f
                ? Rgb{ToByte(normal.x), ToByte(-normal.y), ToByte(-normal.z)}
                : Rgb();
   });
-  return colors;
 }
 
-Image<Rgb> ColorizeValues(const Image<float>& values,
-                          float max,
-                          const Image<float>* mask) {
-  const std::vector<Rgb> scale = ColorScale(cv::COLORMAP_VIRIDIS);
-
-  Image<Rgb> colors(values.Width(), values.Height());
-  for (size_t i = 0; i < values.NumPixels(); ++i) {
-    if (mask != nullptr && mask->Data()[i] == 0.f) {
-      continue;
-    }
-    // NaN counts as 0.
-    const float share = std::max(0.f, std::min(values.Data()[i] / max, 1.f));
-    colors.Data()[i] = scale[std::lround(255.f * share)];
-  }
-  return colors;
+Image<Rgb> ColorizeConfidence(const Image<uint8_t>& confidence) {
+  std::vector<Rgb> scale = ColorScale(cv::COLORMAP_VIRIDIS);
+  scale[0] = Rgb();
+  return Colorize(confidence, [&](uint8_t level) { return scale[level]; });
 }
 
-const std::vector<ProvenanceKind>& ProvenanceKinds() {
-  // Colors for the color-blind (after Okabe and Ito); measured depths are gray.
-  constexpr std::array<Rgb, kProvenanceNames.size()> kColors = {{
-      {0, 0, 0},
-      {190, 190, 190},
-      {86, 180, 233},
-      {240, 228, 66},
-      {213, 94, 0},
-      {0, 158, 115},
-      {204, 121, 167},
-      {0, 114, 178},
-  }};
-  static const std::vector<ProvenanceKind> kinds = [&] {
-    std::vector<ProvenanceKind> result;
-    for (size_t i = 0; i < kColors.size(); ++i) {
-      result.push_back({kProvenanceNames[i], kColors[i]});
-    }
-    return result;
-  }();
-  return kinds;
+Image<Rgb> ColorizePlanes(const Image<uint16_t>& planes) {
+  return Colorize(planes, [](uint16_t number) {
+    return LabelColor(static_cast<int>(number) - 1);
+  });
 }
 
 Image<Rgb> ColorizeProvenance(const Image<uint8_t>& provenance) {
-  const std::vector<ProvenanceKind>& kinds = ProvenanceKinds();
-  Image<Rgb> colors(provenance.Width(), provenance.Height());
-  std::ranges::transform(provenance, colors.begin(), [&kinds](uint8_t value) {
-    if (value >= kinds.size()) {
-      throw Error(ErrorCode::kCorrupt,
-                  "provenance map: unknown value " + std::to_string(value) +
-                      "; refine the workspace again");
-    }
-    return kinds[value].color;
-  });
-  return colors;
+  return Colorize(provenance,
+                  [](uint8_t value) { return kProvenanceColors.at(value); });
 }
 
 }  // namespace tsar

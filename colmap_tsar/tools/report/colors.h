@@ -6,9 +6,8 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 
+#include <array>
 #include <cstdint>
-#include <string>
-#include <vector>
 
 namespace tsar {
 
@@ -27,33 +26,29 @@ DepthRange RobustDepthRange(const Image<float>& before,
 // Colors depths, clamped to the range: near is red, far is blue, 0 is black.
 Image<Rgb> ColorizeDepth(const Image<float>& depth, const DepthRange& range);
 
-// Draws each label in its fixed color; negative labels are black.
-Image<Rgb> ColorizeLabels(const Image<int>& labels);
-
-// Draws bright lines along the borders of labels; both have the same size.
-Image<Rgb> DrawLabelBorders(const Image<int>& labels, Image<Rgb> image);
-
 // Colors unit normals in the camera's frame: red, green and blue increase to
 // the right, upwards and towards the camera; 0 (no normal) is black.
 Image<Rgb> ColorizeNormals(const Image<Vec3f>& normals);
 
-// Colors values: 0 is dark violet, max (and all above) bright yellow, with
-// green between them, so that brightness increases with the value. Pixels where
-// mask (of the size of values, or not given) is 0 are black.
-Image<Rgb> ColorizeValues(const Image<float>& values,
-                          float max,
-                          const Image<float>* mask = nullptr);
+// Colors a confidence map: 1 is dark violet, 255 bright yellow, with green
+// between them; 0 (no depth) is black.
+Image<Rgb> ColorizeConfidence(const Image<uint8_t>& confidence);
 
-// The display of one value of provenance.
-struct ProvenanceKind {
-  std::string name;
-  Rgb color;
-};
+// Draws each scene plane of a plane map in its fixed color; 0 (none) is black.
+Image<Rgb> ColorizePlanes(const Image<uint16_t>& planes);
 
-// The kinds, indexed by the values of provenance maps; 0 is "none".
-const std::vector<ProvenanceKind>& ProvenanceKinds();
+// The colors of the values of provenance maps; 0 (none) is black. For the
+// color-blind, after Okabe and Ito; measured depths are gray.
+inline constexpr std::array<Rgb, 8> kProvenanceColors = {{{0, 0, 0},
+                                                          {190, 190, 190},
+                                                          {86, 180, 233},
+                                                          {240, 228, 66},
+                                                          {213, 94, 0},
+                                                          {0, 158, 115},
+                                                          {204, 121, 167},
+                                                          {0, 114, 178}}};
 
-// Throws Error kCorrupt for a value that is none of ProvenanceKinds().
+// The values must have a color.
 Image<Rgb> ColorizeProvenance(const Image<uint8_t>& provenance);
 
 }  // namespace tsar

@@ -5,20 +5,16 @@
 
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/report/colors.h"
-#include "colmap_tsar/tools/report/point_sample.h"
-#include "colmap_tsar/view/refine_observer.h"
+#include "colmap_tsar/view/refined_maps.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <string>
-#include <vector>
-
-#include <Eigen/Core>
 
 namespace tsar {
 
-// The content of the page for one refined image.
+// What the page tells of one refined image, besides its pictures.
 struct ImagePage {
   std::string name;
   std::string folder;  // Folder of its pictures, below that of all images.
@@ -26,42 +22,25 @@ struct ImagePage {
   int height = 0;
   int picture_width = 0;  // Size of the pictures.
   int picture_height = 0;
-  DepthRange range;        // For the colors of depth.
-  int64_t num_before = 0;  // Pixels with a depth.
-  int64_t num_after = 0;
-  std::vector<int64_t> num_by_provenance;  // Like ProvenanceKinds().
-  std::map<std::string, double> seconds;   // Per stage, if recorded.
-  std::string note;                        // Note of its record.
-  bool has_sigma = false;   // Whether there is a picture of its sigma map.
-  bool has_planes = false;  // Whether there is a picture of its planes.
-  bool has_prior = false;   // Whether there is a picture of its depth prior.
-  // The optional pictures that exist.
-  std::vector<std::string> stages;
-  PointSample points_before;
-  PointSample points_after;
+  DepthRange range;           // For the colors of depth.
+  double share_before = 0.0;  // Share of the pixels that have a depth.
+  double share_after = 0.0;
+  bool has_confidence = false;  // Whether there is a picture of this map.
+  bool has_planes = false;
+  // Shares of the pixels, by the value of the provenance map.
+  std::array<double, kProvenanceNames.size()> shares_by_provenance = {};
+  double seconds = 0.0;  // Of one worker; 0: not recorded.
+  std::string note;      // Note of its record.
 };
-
-struct ImagePageOptions {
-  int max_picture_size = 1000;  // Longer side, in pixels.
-  // The --TsarRefine.debug_path of the run that made the maps; may be empty.
-  std::filesystem::path debug_path;
-  bool show_planes = false;  // For images with a plane map.
-  // The points of the 3D view; 0 points for none.
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
-  int64_t max_num_points = 0;
-};
-
-// The pictures of an image in debug_path that the page shows.
-std::vector<RefineStage> FindStagePictures(
-    const std::filesystem::path& debug_path, const std::string& image_name);
 
 // Writes the pictures of a refined image to a new folder in `folder`, named by
-// its index on the page. Throws Error: those of ReadComparisonRow, kCorrupt and
-// kMismatch for an invalid confidence, sigma or plane map, kIo.
+// its index on the page. max_picture_size: their longer side, in pixels. Throws
+// Error: what ReadImageMaps, ReadOriginalImageMaps and Workspace::ReadImage
+// throw, kCorrupt (an unknown value of provenance), kIo.
 ImagePage WriteImagePage(const Workspace& workspace,
                          int image,
                          int number,
                          const std::filesystem::path& folder,
-                         const ImagePageOptions& options);
+                         int max_picture_size);
 
 }  // namespace tsar

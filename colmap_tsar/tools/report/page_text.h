@@ -3,29 +3,36 @@
 
 #pragma once
 
+#include "colmap_tsar/tools/report/image_page.h"
+
+#include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace tsar {
 
-// One of the files of page/, which the build embeds in the program.
-struct PageFile {
-  std::string_view name;
-  std::string_view content;
+// An image that kept its maps.
+struct KeptImage {
+  std::string name;
+  std::string reason;
 };
 
-// All embedded files.
-const std::vector<PageFile>& PageFiles();
+// The content of the page. Texts may be any bytes.
+struct PageData {
+  std::string version;
+  std::string workspace;
+  std::string type;
+  std::vector<ImagePage> images;
+  std::vector<KeptImage> kept;
+  // The options of the run that made the maps; empty: not known.
+  std::map<std::string, std::string> options;
+};
 
-void ReplaceAll(std::string_view from, std::string_view to, std::string* text);
+// The page: HTML with its style and script, and pictures in images/FOLDER.
+std::string PageHtml(const PageData& data);
 
 // The text escaped for HTML, between tags and inside quoted attributes.
 std::string EscapeHtml(const std::string& text);
-
-// JSON escaped for a script: without "<", which could end a <script>, and the
-// two line separators that older JavaScript forbids.
-std::string EscapeScript(const std::string& json);
 
 // A file name for image `index`: the index, which makes it unique, and the
 // ASCII part of the image's name. It has no separators and at most 64 letters.

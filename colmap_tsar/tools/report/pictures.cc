@@ -8,8 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <string>
+#include <vector>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -65,14 +65,6 @@ Image<Rgb> FitPicture(const Image<Rgb>& picture,
              0,
              scaling == Scaling::kAverage ? cv::INTER_AREA : cv::INTER_NEAREST);
   return ToImage(resized);
-}
-
-Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures) {
-  std::vector<cv::Mat> parts;
-  std::ranges::transform(pictures, std::back_inserter(parts), AsMat);
-  cv::Mat joined;
-  cv::hconcat(parts, joined);
-  return ToImage(joined);
 }
 
 void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image) {

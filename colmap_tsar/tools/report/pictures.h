@@ -6,8 +6,6 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/image.h"
 
-#include <vector>
-
 namespace tsar {
 
 // Resizing: averages for photos, nearest pixels for maps, which must not mix.
@@ -15,9 +13,6 @@ enum class Scaling { kAverage, kPick };
 
 // The picture with a long side of at most max_size pixels; never enlarged.
 Image<Rgb> FitPicture(const Image<Rgb>& picture, int max_size, Scaling scaling);
-
-// Joins at least one picture, all of the same height, side by side.
-Image<Rgb> JoinPictures(const std::vector<Image<Rgb>>& pictures);
 
 // Writes a photo as JPEG. Replaces the file atomically. Throws Error kIo.
 void WriteJpeg(const ContainedPath& path, const Image<Rgb>& image);

@@ -193,19 +193,6 @@ TEST_F(DepthEvaluationTest, RefusesMasksThatAreNone) {
   EXPECT_EQ(CodeOf(evaluate), ErrorCode::kCorrupt);
 }
 
-TEST_F(DepthEvaluationTest, TakesMapsFromWhereItIsTold) {
-  WritePicture("a.pgm", 8);
-  WriteMap(Truth("a.pgm"), 8, [](int, int) { return 1.f; });
-  WriteMap(Map("a.pgm"), 8, [](int, int) { return 2.f; });
-  WriteMap("original/a.pgm", 8, [](int, int) { return 1.f; });
-  DepthEvaluationOptions options;
-  EXPECT_EQ(EvaluateDepthMaps(folder_, options).scores[0].Recall(), 0.0);
-  options.find_map = [&](const std::string& name) {
-    return folder_ / "original" / name;
-  };
-  EXPECT_EQ(EvaluateDepthMaps(folder_, options).scores[0].Recall(), 1.0);
-}
-
 TEST_F(DepthEvaluationTest, MissingInputsAreNotFound) {
   const auto code = [&] {
     return CodeOf([&] { EvaluateDepthMaps(folder_, {}); });

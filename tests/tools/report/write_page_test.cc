@@ -3,21 +3,19 @@
 
 #include "colmap_tsar/tools/report/write_page.h"
 
-#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/run/store/write_back.h"
 #include "colmap_tsar/tools/report/colors.h"
-#include "colmap_tsar/tools/report/page_text.h"
 
 #include <algorithm>
+#include <regex>
 #include <sstream>
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
-#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -25,6 +23,8 @@ namespace tsar {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
 
 // Of the three images, the first two are refined and the third is kept.
 class WritePageTest : public testing::Test {
@@ -33,34 +33,35 @@ class WritePageTest : public testing::Test {
     MakeTestWorkspace(root_);
     const Workspace workspace(root_, MapType::kGeometric);
     ImageRecord record;
-    record.seconds = {{"matching", 1.5}};
-    record.note = "depth prior not used: it has no depths";
+    record.seconds = {{"matching", 1.25}, {"upload", 0.25}};
+    record.note = "depth prior <not> used";
     RefinedMaps maps = MakeRefinedMaps(9.f);
     WriteRefined(workspace, 0, maps, record);
     maps.depth(0, 0) = 0.f;
     maps.provenance(0, 0) = 0;
     maps.provenance(1, 0) = 1;
-    maps.sigma = Image<uint16_t>(4, 3, ToPositiveHalf(0.045f));
+    maps.planes = Image<uint16_t>(4, 3, 1);
     WriteRefined(workspace, 1, maps, record);
     record.note = "seen by nobody";
     KeepImage(workspace, 2, record);
+    WriteText(root_ / "stereo/tsar/manifest.json",
+              R"({"options": {"refine": "1", "text": "<b>"}})");
     options_.report_path = root_ / "report";
   }
 
   int Write() const {
     std::ostringstream out;
     Progress progress(out, false);
-    Workspace workspace(root_, MapType::kGeometric);
-    workspace.UsePriors(prior_path_, PriorType::kAuto);
-    return WritePage(workspace, options_, progress, [] { return false; });
+    return WritePage(
+        Workspace(root_, MapType::kGeometric), options_, progress, [] {
+          return false;
+        });
   }
-
-  nlohmann::json Data() const {
-    const std::string script =
-        ReadText(options_.report_path / "data/report.js");
-    const size_t begin = script.find('{');
-    return nlohmann::json::parse(
-        script.substr(begin, script.rfind('}') + 1 - begin));
+  std::string Html() const {
+    return ReadText(options_.report_path / "index.html");
+  }
+  cv::Mat Picture(const std::string& path) const {
+    return cv::imread((options_.report_path / "images" / path).string());
   }
 
   void ExpectFailure(ErrorCode code, const std::vector<std::string>& texts) {
@@ -72,66 +73,72 @@ class WritePageTest : public testing::Test {
   TemporaryFolder folder_;
   const fs::path root_ = folder_.Path() / "dense <&>";
   PageOptions options_;
-  fs::path prior_path_;
 };
 
-TEST_F(WritePageTest, CountsAndNamesWhatIsThere) {
+TEST_F(WritePageTest, ShowsNumbersNotesAndOptions) {
   EXPECT_EQ(Write(), 2);
-  const nlohmann::json data = Data();
-  EXPECT_EQ(data["workspace"], "dense <&>");
-  ASSERT_EQ(data["images"].size(), 2u);
-  const nlohmann::json& image = data["images"][1];
-  EXPECT_EQ(image["name"], "left/b.png");
-  EXPECT_EQ(image["folder"], "00001_left_b.png");
-  EXPECT_EQ(image["width"], 4);
-  EXPECT_EQ(image["before"], 12);
-  EXPECT_EQ(image["after"], 11);
-  EXPECT_EQ(image["provenance"], (nlohmann::json{1, 1, 0, 0, 10, 0, 0, 0}));
-  EXPECT_EQ(image["seconds"]["matching"], 1.5);
-  EXPECT_EQ(image["note"], "depth prior not used: it has no depths");
-  ASSERT_EQ(data["kept"].size(), 1u);
-  EXPECT_EQ(data["kept"][0]["name"], "c.png");
-  EXPECT_EQ(data["kept"][0]["reason"], "seen by nobody");
-  EXPECT_FALSE(data["points"]["from_clouds"]);
-  EXPECT_EQ(data["points"]["shown"], (nlohmann::json{24, 23}));
-  EXPECT_EQ(data["points"]["all"], (nlohmann::json{24, 23}));
-}
-
-TEST_F(WritePageTest, HasATableOfTheNumbersOfEachImage) {
-  Write();
-  const std::string table = ReadText(options_.report_path / "data/images.csv");
-  EXPECT_THAT(table,
-              testing::StartsWith("image,pixels,depth_before,depth_after,"));
-  EXPECT_THAT(
-      table,
-      testing::HasSubstr("\n\"left/b.png\",12,12,11,1,1,0,0,10,0,0,0,1.5\n"));
-  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 3);
-}
-
-TEST_F(WritePageTest, HasAllFilesAndEscapesTheTitle) {
-  Write();
-  for (const PageFile& file : PageFiles()) {
-    EXPECT_FALSE(ReadText(options_.report_path / file.name).empty());
+  const std::string html = Html();
+  for (const char* text :
+       {"<h1>dense &lt;&amp;&gt;</h1>",
+        "2 refined images, geometric maps",
+        "left/b.png</a></td><td>100.0 %</td><td>91.7 %</td><td>8.3 %</td>"
+        "<td>0.0 %</td><td>0.0 %</td><td>83.3 %</td>",
+        "<td>1.50</td><td>depth prior &lt;not&gt; used</td>",
+        "<td>c.png</td><td>seen by nobody</td>",
+        "<td>refine</td><td>1</td>",
+        "<td>text</td><td>&lt;b&gt;</td>"}) {
+    EXPECT_THAT(html, HasSubstr(text));
   }
-  const std::string html = ReadText(options_.report_path / "index.html");
-  EXPECT_THAT(html, testing::HasSubstr("<h1>dense &lt;&amp;&gt;</h1>"));
-  EXPECT_THAT(html, testing::Not(testing::HasSubstr("@TITLE@")));
-  EXPECT_THAT(html, testing::Not(testing::HasSubstr("http")));
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+}
+
+// And all that the page refers to is there.
+TEST_F(WritePageTest, ShowsThePicturesOfEachImage) {
+  Write();
+  const std::string html = Html();
+  const std::regex source("src=\"images/([^\"]*)\"");
+  std::vector<std::string> names;
+  for (std::sregex_iterator match(html.begin(), html.end(), source), end;
+       match != end;
+       ++match) {
+    names.push_back((*match)[1]);
+    EXPECT_EQ(Picture(names.back()).size(), cv::Size(4, 3)) << names.back();
+  }
+  std::vector<std::string> expected;
   for (const char* name : {"photo.jpg",
-                           "preview.jpg",
                            "depth_before.png",
                            "depth_after.png",
-                           "normals_before.png",
-                           "normals_after.png",
                            "provenance.png",
-                           "confidence.png"}) {
-    for (const char* image : {"00000_a.png", "00001_left_b.png"}) {
-      EXPECT_FALSE(
-          cv::imread((options_.report_path / "images" / image / name).string())
-              .empty())
-          << image << " " << name;
-    }
+                           "confidence.png",
+                           "normals_before.png",
+                           "normals_after.png"}) {
+    expected.push_back(std::string("00000_a.png/") + name);
+    expected.push_back(std::string("00001_left_b.png/") + name);
   }
+  expected.push_back("00001_left_b.png/planes.png");
+  std::ranges::sort(names);
+  std::ranges::sort(expected);
+  EXPECT_EQ(names, expected);
+  const auto color_at = [&](const char* name, int x, int y) {
+    const cv::Vec3b bgr =
+        Picture(std::string("00001_left_b.png/") + name).at<cv::Vec3b>(y, x);
+    return std::vector<int>{bgr[2], bgr[1], bgr[0]};
+  };
+  const std::vector<int> black = {0, 0, 0};
+  EXPECT_EQ(color_at("depth_after.png", 0, 0), black);
+  EXPECT_NE(color_at("depth_before.png", 0, 0), black);
+  EXPECT_EQ(color_at("provenance.png", 0, 0), black);
+  const Rgb& measured = kProvenanceColors[1];
+  EXPECT_EQ(color_at("provenance.png", 1, 0),
+            (std::vector<int>{measured.r, measured.g, measured.b}));
+}
+
+TEST_F(WritePageTest, ShowsWhatIsThere) {
+  fs::remove_all(root_ / "stereo/confidence_maps");
+  WriteText(root_ / "stereo/tsar/manifest.json", "no JSON");
+  Write();
+  EXPECT_THAT(Html(), Not(HasSubstr("confidence.png")));
+  EXPECT_THAT(Html(), Not(HasSubstr("Options of the run")));
 }
 
 TEST_F(WritePageTest, RefusesAWorkspaceThatAnotherProgramChanges) {
@@ -152,12 +159,12 @@ TEST_F(WritePageTest, ThreadsChangeNothing) {
 
 TEST_F(WritePageTest, ListsAllItsFiles) {
   Write();
-  std::istringstream list(ReadText(options_.report_path / "data/files.txt"));
+  std::istringstream list(ReadText(options_.report_path / "tsar_report.txt"));
   std::vector<std::string> names;
   for (std::string name; std::getline(list, name);) {
     names.push_back(name);
   }
-  std::sort(names.begin(), names.end());
+  std::ranges::sort(names);
   std::vector<std::string> found;
   for (const auto& [path, content] : ReadTree(options_.report_path)) {
     if (content != "folder") {
@@ -177,80 +184,12 @@ TEST_F(WritePageTest, GoesIntoNoFolderOfInputs) {
   }
 }
 
-TEST_F(WritePageTest, KeepsToTheGivenSizes) {
+TEST_F(WritePageTest, PicturesKeepToTheGivenSize) {
   options_.max_picture_size = 2;
-  options_.max_num_points = 4;
   Write();
-  const cv::Mat picture = cv::imread(
-      (options_.report_path / "images/00000_a.png/depth_after.png").string());
-  EXPECT_EQ(picture.cols, 2);
-  EXPECT_EQ(Data()["images"][0]["picture_width"], 2);
-  const nlohmann::json points = Data()["points"];
-  EXPECT_GT(points["shown"][1], 0);
-  EXPECT_LE(points["shown"][1], 4);
-  EXPECT_EQ(points["all"][1], 23);
-}
-
-TEST_F(WritePageTest, ShowsCloudsWhereTheyAreGiven) {
-  const std::string header =
-      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
-      "property float y\nproperty float z\nend_header\n";
-  options_.before_path = folder_.Path() / "before.ply";
-  options_.after_path = folder_.Path() / "after.ply";
-  WriteText(options_.before_path, header + "1 2 3\n");
-  WriteText(options_.after_path, header + "1 2\n");
-  ExpectFailure(ErrorCode::kCorrupt, {"after.ply"});
-  WriteText(options_.after_path, header + "4 5 6\n");
-  Write();
-  EXPECT_TRUE(Data()["points"]["from_clouds"]);
-  EXPECT_EQ(Data()["points"]["shown"], (nlohmann::json{1, 1}));
-  EXPECT_FALSE(Data()["points"]["before_from_maps"]);
-  // Without the one before, the points of the original maps.
-  options_.before_path.clear();
-  options_.overwrite = true;
-  options_.max_num_points = 1000000;
-  Write();
-  EXPECT_TRUE(Data()["points"]["from_clouds"]);
-  EXPECT_TRUE(Data()["points"]["before_from_maps"]);
-  EXPECT_GT(Data()["points"]["shown"][0], 1);
-  EXPECT_EQ(Data()["points"]["shown"][1], 1);
-  options_.scans_path = "scans.mlp";
-  ExpectFailure(ErrorCode::kBadOption, {"scans_path", "before_path"});
-  options_.scans_path.clear();
-  options_.before_path = options_.after_path;
-  options_.after_path.clear();
-  ExpectFailure(ErrorCode::kBadOption, {"before_path", "after_path"});
-}
-
-TEST_F(WritePageTest, ScoresBothTheOriginalsAndTheRefinedMaps) {
-  // The geometric depth before is 2, 4 and 6; after, 9, 9 and 6.
-  const fs::path truth = folder_.Path() / "truth";
-  fs::create_directories(truth / "left");
-  WriteDepthMap(UserPath(truth / "a.png.bin"), Image<float>(4, 3, 9.f));
-  WriteDepthMap(UserPath(truth / "c.png.bin"), Image<float>(4, 3, 6.f));
-  options_.ground_truth_path = truth;
-  options_.tolerances = {0.1};
-  Write();
-  const nlohmann::json rows = Data()["gains"]["depth"];
-  ASSERT_EQ(rows.size(), 2u);
-  EXPECT_EQ(rows[0]["before"]["recall"], 0.5);
-  EXPECT_EQ(rows[0]["after"]["recall"], 1.0);
-  options_.ground_truth_path = folder_.Path() / "nowhere";
-  options_.overwrite = true;
-  ExpectFailure(ErrorCode::kNotFound, {"nowhere"});
-}
-
-TEST_F(WritePageTest, CopiesStagesAndMissesAFolderWithout) {
-  options_.debug_path = folder_.Path() / "debug";
-  ExpectFailure(ErrorCode::kNotFound, {"debug_path"});
-  WriteText(options_.debug_path / "left/b.png/14_regions.png", "a picture");
-  WriteText(options_.debug_path / "left/b.png/07_score.png", "not shown");
-  Write();
-  EXPECT_EQ(Data()["images"][0]["stages"], nlohmann::json::array());
-  EXPECT_EQ(Data()["images"][1]["stages"], nlohmann::json{"regions"});
-  EXPECT_EQ(
-      ReadText(options_.report_path / "images/00001_left_b.png/regions.png"),
-      "a picture");
+  EXPECT_EQ(Picture("00000_a.png/depth_after.png").size(), cv::Size(2, 2));
+  EXPECT_EQ(Picture("00000_a.png/photo.jpg").size(), cv::Size(2, 2));
+  EXPECT_THAT(Html(), HasSubstr("width=\"2\" height=\"2\""));
 }
 
 TEST_F(WritePageTest, StopsWhenAskedAndLeavesNothing) {
@@ -265,43 +204,15 @@ TEST_F(WritePageTest, StopsWhenAskedAndLeavesNothing) {
   EXPECT_TRUE(ReadTree(root_) == before);
 }
 
-TEST_F(WritePageTest, ShowsSigmaOfImagesThatHaveIt) {
-  Write();
-  const nlohmann::json images = Data()["images"];
-  EXPECT_EQ(images[0]["has_sigma"], false);
-  EXPECT_EQ(images[1]["has_sigma"], true);
-  const fs::path pictures = options_.report_path / "images";
-  EXPECT_FALSE(fs::exists(pictures / "00000_a.png/sigma.png"));
-  const cv::Mat sigma =
-      cv::imread((pictures / "00001_left_b.png/sigma.png").string());
-  // 0.5 % of the depth is half of the scale; there is no depth at (0, 0).
-  const Rgb half = ColorizeValues(Image<float>(1, 1, 0.5f), 1.f)(0, 0);
-  EXPECT_NEAR(sigma.at<cv::Vec3b>(1, 1)[1], half.g, 2);
-  EXPECT_EQ(sigma.at<cv::Vec3b>(0, 0), cv::Vec3b(0, 0, 0));
-}
-
-TEST_F(WritePageTest, ShowsDepthPriorsInTheColorsOfDepth) {
-  prior_path_ = folder_.Path() / "priors";
-  fs::create_directories(prior_path_);
-  // At another size and in another unit.
-  cv::imwrite((prior_path_ / "a.png").string(),
-              cv::Mat(6, 8, CV_16U, cv::Scalar(1234)));
-  Write();
-  EXPECT_EQ(Data()["images"][0]["has_prior"], true);
-  EXPECT_EQ(Data()["images"][1]["has_prior"], false);
-  const fs::path pictures = options_.report_path / "images/00000_a.png";
-  const cv::Mat prior = cv::imread((pictures / "prior.png").string());
-  const cv::Mat before = cv::imread((pictures / "depth_before.png").string());
-  ASSERT_EQ(prior.size(), cv::Size(8, 6));
-  EXPECT_EQ(prior.at<cv::Vec3b>(3, 3), before.at<cv::Vec3b>(1, 1));
-}
-
 TEST_F(WritePageTest, DamagedMapsAreOneErrorAndNoPage) {
-  const fs::path sigma = root_ / "stereo/sigma_maps/left/b.png.geometric.npy";
-  const std::string whole = ReadText(sigma);
-  WriteText(sigma, whole.substr(0, whole.size() - 1));
-  ExpectFailure(ErrorCode::kCorrupt, {"sigma_maps/left/b.png.geometric.npy"});
-  WriteText(sigma, whole);
+  const fs::path normal = root_ / "stereo/normal_maps/a.png.geometric.bin";
+  const std::string whole = ReadText(normal);
+  WriteNormalMap(UserPath(normal), Image<Vec3f>(2, 3));
+  ExpectFailure(ErrorCode::kMismatch, {normal.string()});
+  WriteText(normal, whole);
+  const fs::path kinds = root_ / "stereo/provenance_maps/a.png.geometric.png";
+  cv::imwrite(kinds.string(), cv::Mat(3, 4, CV_8UC1, cv::Scalar(8)));
+  ExpectFailure(ErrorCode::kCorrupt, {kinds.string(), "unknown value 8"});
   WriteText(root_ / "stereo/confidence_maps/a.png.geometric.png", "no picture");
   ExpectFailure(ErrorCode::kCorrupt, {"confidence_maps/a.png.geometric.png"});
 }

@@ -1,54 +1,16 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/tools/report/pictures.h"
-
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/tools/report/page_text.h"
 
-#include <filesystem>
 #include <set>
 #include <string>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
 namespace {
-
-namespace fs = std::filesystem;
-
-class PngTest : public ::testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(::testing::TempDir()) /
-              ::testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path folder_;
-};
-
-TEST_F(PngTest, WrittenColorsAreReadByOthers) {
-  Image<Rgb> image(2, 1);
-  image(0, 0) = {255, 10, 20};
-  image(1, 0) = {30, 40, 250};
-  const fs::path path = folder_ / "colors.png";
-  WritePng(UserPath(path), image);
-  const cv::Mat read = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(read.type(), CV_8UC3);
-  ASSERT_EQ(read.size(), cv::Size(2, 1));
-  EXPECT_EQ(read.at<cv::Vec3b>(0, 0), cv::Vec3b(20, 10, 255));
-  EXPECT_EQ(read.at<cv::Vec3b>(0, 1), cv::Vec3b(250, 40, 30));
-}
-
-TEST_F(PngTest, WritingIntoAMissingFolderIsAnError) {
-  EXPECT_THROW(WritePng(UserPath(folder_ / "none" / "a.png"), Image<Rgb>(1, 1)),
-               Error);
-}
 
 using testing::HasSubstr;
 using testing::Not;
@@ -60,18 +22,10 @@ TEST(EscapeHtml, LeavesNothingThatMeansMarkup) {
   EXPECT_EQ(EscapeHtml(""), "");
 }
 
-TEST(EscapeScript, CannotEndTheScriptOrTheLine) {
-  EXPECT_EQ(EscapeScript("\"</script><!--\""), "\"\\u003c/script>\\u003c!--\"");
-  EXPECT_EQ(EscapeScript("\"\xE2\x80\xA8\xE2\x80\xA9\""), "\"\\u2028\\u2029\"");
-  EXPECT_EQ(EscapeScript("{\"a\": 1}"), "{\"a\": 1}");
-}
-
-TEST(SafeFileName, KeepsWhatIsPlain) {
+TEST(SafeFileName, IsOneHarmlessNameWhateverTheImageIsCalled) {
   EXPECT_EQ(SafeFileName(7, "DSC-0001.JPG"), "00007_DSC-0001.JPG");
   EXPECT_EQ(SafeFileName(123456, "a.png"), "123456_a.png");
-}
-
-TEST(SafeFileName, IsOneHarmlessNameWhateverTheImageIsCalled) {
+  EXPECT_NE(SafeFileName(1, "a/b"), SafeFileName(2, "a_b"));
   const std::string hostile[] = {"../../etc/passwd",
                                  "left/0001.jpg",
                                  "..",
@@ -84,7 +38,6 @@ TEST(SafeFileName, IsOneHarmlessNameWhateverTheImageIsCalled) {
                                  std::string("nul\0l.png", 9),
                                  "caf\xC3\xA9 \n.jpg",
                                  std::string(1000, 'x') + ".jpg"};
-  std::set<std::string> names;
   for (const std::string& name : hostile) {
     const std::string safe = SafeFileName(1, name);
     EXPECT_EQ(safe.find_first_not_of("0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -97,8 +50,47 @@ TEST(SafeFileName, IsOneHarmlessNameWhateverTheImageIsCalled) {
   }
 }
 
-TEST(SafeFileName, DiffersWhereOnlyTheNumberDoes) {
-  EXPECT_NE(SafeFileName(1, "a/b"), SafeFileName(2, "a_b"));
+// Every text that may come from files is hostile.
+TEST(PageHtml, HostileTextsStayText) {
+  const std::string hostile = "\"><script>alert('1')</script>&";
+  PageData data;
+  data.version = data.workspace = data.type = hostile;
+  ImagePage image;
+  image.name = image.note = hostile;
+  image.folder = "00000_a";
+  image.width = image.height = 1;
+  data.images = {image};
+  data.kept = {{hostile, hostile}};
+  data.options = {{hostile, hostile}};
+  const std::string html = PageHtml(data);
+  EXPECT_THAT(html, Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(html, Not(HasSubstr("\">\"")));
+  int count = 0;
+  const std::string escaped = EscapeHtml(hostile);
+  for (size_t at = html.find(escaped); at != std::string::npos;
+       at = html.find(escaped, at + 1)) {
+    ++count;
+  }
+  // The title twice, the version, the type, and the rest of the texts; the name
+  // of the image is in the table and above its pictures.
+  EXPECT_EQ(count, 2 + 1 + 1 + 3 + 2 + 2);
+}
+
+TEST(PageHtml, WeighsTheMeanByPixels) {
+  ImagePage large;
+  large.width = 3;
+  large.height = 1;
+  large.share_before = 1.0;
+  large.shares_by_provenance[4] = 1.0;
+  ImagePage small;
+  small.width = small.height = 1;
+  small.share_after = 1.0;
+  PageData data;
+  data.images = {large, small};
+  EXPECT_THAT(PageHtml(data),
+              HasSubstr("<b>mean</b></td><td>75.0 %</td><td>25.0 %</td>"
+                        "<td>0.0 %</td><td>0.0 %</td><td>0.0 %</td>"
+                        "<td>75.0 %</td>"));
 }
 
 }  // namespace
