@@ -188,12 +188,13 @@ RefineResult ComposeImage(
                                       MakeCompositionOptions(views),
                                       device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
-  const AppliedCylinders applied = ApplyCylinders(found.cylinders,
-                                                  std::as_const(flags).View(),
-                                                  view.MapIntrinsics(),
-                                                  evidence.resolution,
-                                                  &composed,
-                                                  device);
+  const DeviceImage<float> variances_on_cylinders =
+      ApplyCylinders(found.cylinders,
+                     std::as_const(flags).View(),
+                     view.MapIntrinsics(),
+                     evidence.resolution,
+                     &composed,
+                     device);
   // Wider holes have no plane because the images contradict the planes around.
   constexpr int kHoleIterations = 1;
   FillHoles(view.color.View(),
@@ -212,7 +213,7 @@ RefineResult ComposeImage(
                                                          min_fill_confidence,
                                                          device);
   FillByPrior(inputs, min_fill_confidence, &composed, &confidence, device);
-  SetConfidenceOfCylinders(applied, &confidence, device);
+  SetConfidenceOfCylinders(variances_on_cylinders, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
@@ -225,8 +226,7 @@ RefineResult ComposeImage(
                                                     evidence.noise,
                                                     sigma_options,
                                                     device);
-    SetSigmaOfCylinders(applied,
-                        view.MapIntrinsics(),
+    SetSigmaOfCylinders(variances_on_cylinders,
                         evidence.resolution,
                         composed.map,
                         sigma_options,

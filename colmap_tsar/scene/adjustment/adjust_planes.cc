@@ -10,11 +10,11 @@
 #include <cstddef>
 #include <limits>
 #include <map>
-#include <set>
-#include <utility>
+#include <vector>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
 #include <ceres/ceres.h>
 #include <ceres/normal_prior.h>
 
@@ -185,47 +185,45 @@ class PlaneProblem {
     return moves;
   }
 
-  // Sets centers, axes and covariances of the model's planes.
+  // Sets centers, axes and covariances of the model's planes: those of the
+  // inverse of the information matrix, which is found in a small part of the
+  // time of ceres::Covariance, since there are many more rows than columns.
   void Describe(SceneModel* model) {
-    ceres::Covariance::Options options;
-    options.sparse_linear_algebra_library_type = ceres::EIGEN_SPARSE;
-    options.num_threads = 1;
-    ceres::Covariance covariance(options);
-    using Block = std::pair<const double*, const double*>;
-    std::set<Block> blocks;
-    for (const MovingPlane& plane : planes_) {
-      blocks.insert({{plane.turn, plane.turn},
-                     {plane.turn, plane.height},
-                     {plane.height, plane.height}});
+    using Matrix = Eigen::SparseMatrix<double>;
+    ceres::CRSMatrix rows;
+    Eigen::SimplicialLDLT<Matrix> information;
+    bool is_known = problem_.Evaluate({}, nullptr, nullptr, nullptr, &rows);
+    if (is_known && rows.num_rows > 0) {
+      const Matrix derivatives =
+          Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>(
+              rows.num_rows,
+              rows.num_cols,
+              rows.values.size(),
+              rows.rows.data(),
+              rows.cols.data(),
+              rows.values.data());
+      information.compute(derivatives.transpose() * derivatives);
+      is_known = information.info() == Eigen::Success;
     }
-    const bool is_known =
-        !blocks.empty() &&
-        covariance.Compute(std::vector<Block>(blocks.begin(), blocks.end()),
-                           &problem_);
     for (size_t p = 0; p < planes_.size(); ++p) {
       const MovingPlane& plane = planes_[p];
-      Eigen::Matrix3d turns = kUnknown * Eigen::Matrix3d::Identity();
-      Eigen::Vector3d mixed = Eigen::Vector3d::Zero();
-      double height = kUnknown;
-      if (is_known) {
-        const auto get = [&](const double* a, const double* b, double* block) {
-          covariance.GetCovarianceBlockInTangentSpace(a, b, block);
-        };
-        get(plane.turn, plane.turn, turns.data());
-        get(plane.turn, plane.height, mixed.data());
-        get(plane.height, plane.height, &height);
-      }
-      Eigen::Matrix4d all;
+      const int turn = columns_.at(plane.turn);
+      const Eigen::Vector4i columns(
+          turn, turn + 1, turn + 2, columns_.at(plane.height));
+      Eigen::Matrix4d all = 4.0 * kUnknownVariance * Eigen::Matrix4d::Identity();
       // Steps of a quaternion are half of the turn; a plane that moves along
       // its normal is less high above the point.
-      all << 4.0 * turns, -2.0 * mixed, -2.0 * mixed.transpose(), height;
+      const Eigen::Vector4d units(2.0, 2.0, 2.0, -1.0);
+      for (int i = 0; is_known && i < 4; ++i) {
+        const Eigen::VectorXd column = information.solve(
+            Eigen::VectorXd::Unit(rows.num_cols, columns[i]));
+        all.col(i) = units[i] * units.cwiseProduct(column(columns));
+      }
       Describe(all, plane.middle, &model->planes[p]);
     }
   }
 
  private:
-  static constexpr double kUnknown = 4.0 * kUnknownVariance;
-
   struct MovingPlane {
     Eigen::Vector3d normal;  // Before the turn.
     // Amid its measurements, so that the errors of turn and shift are nearly
@@ -282,6 +280,8 @@ class PlaneProblem {
                 double* block) {
     problem_.AddResidualBlock(
         new ceres::NormalPrior(weights, mean), nullptr, block);
+    columns_[block] = num_columns_;
+    num_columns_ += static_cast<int>(weights.rows());
   }
 
   // Ties each plane that lies in no frame to few others, so that time is linear
@@ -350,6 +350,9 @@ class PlaneProblem {
   // The turns of the frames, those of the planes, and the heights: in one
   // array, since the order of sums is that of addresses.
   std::vector<double> parameters_;
+  // The first column of each of them in the derivatives.
+  std::map<const double*, int> columns_;
+  int num_columns_ = 0;
   ceres::Problem problem_;
 };
 
