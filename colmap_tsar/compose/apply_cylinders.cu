@@ -9,165 +9,141 @@
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/depth_confidence.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstddef>
 
 namespace tsar {
 namespace {
 
-constexpr size_t kMaxCylinders = 255;
-
 struct ApplyKernel {
-  const SeenCylinder* cylinders;
+  const CameraCylinder* cylinders;
   int num_cylinders;
   ImageView<const uint8_t> flags;
   Intrinsics intrinsics;
   DepthResolution resolution;
   ComposedViews map;
-  ImageView<uint8_t> labels;
+  ImageView<float> variances;
 
   TSAR_HD void operator()(int x, int y) const {
     const Vec3f ray = intrinsics.Ray(x, y);
-    Cylinder::Intersection nearest;
-    int label = 0;
+    CameraCylinder::Intersection nearest;
+    const CameraCylinder* cylinder = nullptr;
     for (int k = 0; k < num_cylinders; ++k) {
-      Cylinder::Intersection intersection;
-      if (cylinders[k].cylinder.Intersect(ray, &intersection) &&
-          cylinders[k].IsSeenAt(intersection.height) &&
-          (label == 0 || intersection.depth < nearest.depth)) {
+      CameraCylinder::Intersection intersection;
+      if (cylinders[k].Intersect(ray, &intersection) &&
+          (cylinder == nullptr || intersection.depth < nearest.depth)) {
         nearest = intersection;
-        label = k + 1;
+        cylinder = cylinders + k;
       }
     }
-    if (label > 0 && Stands(x, y, ray, nearest)) {
-      label = 0;
+    if (cylinder == nullptr || Stands(x, y, ray, nearest)) {
+      variances(x, y) = 0.f;
+      return;
     }
-    labels(x, y) = static_cast<uint8_t>(label);
-    if (label > 0) {
-      map.Set(x, y, nearest.depth, nearest.normal, Provenance::kInterpolated);
-    }
+    variances(x, y) =
+        fmaxf(cylinder->DepthVariance(ray, nearest.normal), kLeastVariance);
+    map.Set(x, y, nearest.depth, nearest.normal, Provenance::kInterpolated);
   }
 
-  // Whether the measurement of the pixel is of another surface and is kept.
+  // Whether the depth of the pixel is of another surface and is kept.
   TSAR_HD bool Stands(int x,
                       int y,
                       const Vec3f& ray,
-                      const Cylinder::Intersection& on_cylinder) const {
-    if (map.Source(x, y) != Provenance::kMeasured) {
-      return false;
-    }
+                      const CameraCylinder::Intersection& on_cylinder) const {
+    const Provenance source = map.Source(x, y);
     const float gap =
         (map.depth(x, y) - on_cylinder.depth) /
         (on_cylinder.depth * resolution.RelativeDepthError(on_cylinder.depth));
+    if (gap < -kOnSurface) {
+      return source == Provenance::kMeasured ||
+             source == Provenance::kRegionPlane;
+    }
     // Close to the outlines, matching finds these, which differ between views.
-    return gap < -kOnSurface ||
-           (gap > kOnSurface &&
-            SeenCylinder::FacesCamera(on_cylinder.normal, ray) &&
-            MeasurementFlags::IsConfirmedDistinctly(flags(x, y)));
+    return gap > kOnSurface && source == Provenance::kMeasured &&
+           CameraCylinder::FacesCamera(on_cylinder.normal, ray) &&
+           MeasurementFlags::IsConfirmedDistinctly(flags(x, y));
   }
+
+  static constexpr float kLeastVariance = 1e-30f;
 };
 
 struct ConfidenceKernel {
-  ImageView<const uint8_t> labels;
+  ImageView<const float> variances;
   ImageView<float> confidence;
 
   TSAR_HD void operator()(int x, int y) const {
-    if (labels(x, y) > 0) {
+    if (variances(x, y) > 0.f) {
       confidence(x, y) = kConfidenceOfCylinder;
     }
   }
 };
 
 struct SigmaOfCylindersKernel {
-  const SeenCylinder* cylinders;
-  Intrinsics intrinsics;
+  ImageView<const float> variances;
   DepthResolution resolution;
-  ImageView<const uint8_t> labels;
   ImageView<const float> depth;
-  ImageView<const Vec3f> normal;
   ImageView<uint16_t> sigma;
   float on_cylinder;
 
   TSAR_HD void operator()(int x, int y) const {
-    const int label = labels(x, y);
     const float z = depth(x, y);
-    if (label == 0 || !(z > 0.f)) {
-      return;
+    if (variances(x, y) > 0.f && z > 0.f) {
+      const float matching = on_cylinder * z * resolution.RelativeDepthError(z);
+      sigma(x, y) =
+          ToPositiveHalf(sqrtf(matching * matching + variances(x, y)));
     }
-    const Vec3f ray = intrinsics.Ray(x, y);
-    const float matching = on_cylinder * z * resolution.RelativeDepthError(z);
-    sigma(x, y) = ToPositiveHalf(
-        sqrtf(matching * matching +
-              cylinders[label - 1].DepthVariance(ray, normal(x, y))));
   }
 };
 
 }  // namespace
 
-AppliedCylinders ApplyCylinders(const std::vector<SeenCylinder>& cylinders,
-                                ImageView<const uint8_t> flags,
-                                const Intrinsics& intrinsics,
-                                const DepthResolution& resolution,
-                                ComposedMap* composed,
-                                Device& device) {
-  AppliedCylinders applied;
+DeviceImage<float> ApplyCylinders(const std::vector<CameraCylinder>& cylinders,
+                                  ImageView<const uint8_t> flags,
+                                  const Intrinsics& intrinsics,
+                                  const DepthResolution& resolution,
+                                  ComposedMap* composed,
+                                  Device& device) {
   if (cylinders.empty()) {
-    return applied;
+    return {};
   }
-  const size_t count = std::min(cylinders.size(), kMaxCylinders);
-  applied.cylinders = Buffer<SeenCylinder>(
-      device,
-      std::vector<SeenCylinder>(
-          cylinders.begin(),
-          cylinders.begin() + static_cast<std::ptrdiff_t>(count)));
-  const int width = composed->map.depth.Width();
-  const int height = composed->map.depth.Height();
-  applied.labels = DeviceImage<uint8_t>(device, width, height);
+  const Buffer<CameraCylinder> buffer(device, cylinders);
+  DeviceImage<float> variances(
+      device, composed->map.depth.Width(), composed->map.depth.Height());
   ParallelFor(device,
-              width,
-              height,
-              ApplyKernel{applied.cylinders.Data(),
-                          static_cast<int>(count),
+              variances.Width(),
+              variances.Height(),
+              ApplyKernel{buffer.Data(),
+                          static_cast<int>(cylinders.size()),
                           flags,
                           intrinsics,
                           resolution,
                           composed->Views(),
-                          applied.labels.View()});
-  return applied;
+                          variances.View()});
+  return variances;
 }
 
-void SetConfidenceOfCylinders(const AppliedCylinders& applied,
+void SetConfidenceOfCylinders(const DeviceImage<float>& variances,
                               DeviceImage<float>* confidence,
                               Device& device) {
-  if (!applied.labels.Empty()) {
-    ParallelFor(device,
-                applied.labels.Width(),
-                applied.labels.Height(),
-                ConfidenceKernel{applied.labels.View(), confidence->View()});
-  }
+  ParallelFor(device,
+              variances.Width(),
+              variances.Height(),
+              ConfidenceKernel{variances.View(), confidence->View()});
 }
 
-void SetSigmaOfCylinders(const AppliedCylinders& applied,
-                         const Intrinsics& intrinsics,
+void SetSigmaOfCylinders(const DeviceImage<float>& variances,
                          const DepthResolution& resolution,
                          const DepthNormalImages& map,
                          const SceneSigmaOptions& options,
                          DeviceImage<uint16_t>* sigma,
                          Device& device) {
-  if (!applied.labels.Empty()) {
-    ParallelFor(device,
-                applied.labels.Width(),
-                applied.labels.Height(),
-                SigmaOfCylindersKernel{applied.cylinders.Data(),
-                                       intrinsics,
-                                       resolution,
-                                       applied.labels.View(),
-                                       map.depth.View(),
-                                       map.normal.View(),
-                                       sigma->View(),
-                                       options.on_cylinder});
-  }
+  ParallelFor(device,
+              variances.Width(),
+              variances.Height(),
+              SigmaOfCylindersKernel{variances.View(),
+                                     resolution,
+                                     map.depth.View(),
+                                     sigma->View(),
+                                     options.on_cylinder});
 }
 
 }  // namespace tsar

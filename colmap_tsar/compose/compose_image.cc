@@ -155,12 +155,13 @@ RefineResult ComposeImage(
                                       evidence.resolution,
                                       MakeCompositionOptions(views),
                                       device);
-  const AppliedCylinders applied = ApplyCylinders(found.cylinders,
-                                                  std::as_const(flags).View(),
-                                                  view.MapIntrinsics(),
-                                                  evidence.resolution,
-                                                  &composed,
-                                                  device);
+  const DeviceImage<float> variances_on_cylinders =
+      ApplyCylinders(found.cylinders,
+                     std::as_const(flags).View(),
+                     view.MapIntrinsics(),
+                     evidence.resolution,
+                     &composed,
+                     device);
   // Wider holes have no plane because the images contradict the planes around.
   constexpr int kHoleIterations = 1;
   FillHoles(view.color.View(),
@@ -179,7 +180,7 @@ RefineResult ComposeImage(
                                                          min_fill_confidence,
                                                          device);
   FillByPrior(inputs, min_fill_confidence, &composed, &confidence, device);
-  SetConfidenceOfCylinders(applied, &confidence, device);
+  SetConfidenceOfCylinders(variances_on_cylinders, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
@@ -192,8 +193,7 @@ RefineResult ComposeImage(
                                                     evidence.noise,
                                                     sigma_options,
                                                     device);
-    SetSigmaOfCylinders(applied,
-                        view.MapIntrinsics(),
+    SetSigmaOfCylinders(variances_on_cylinders,
                         evidence.resolution,
                         composed.map,
                         sigma_options,

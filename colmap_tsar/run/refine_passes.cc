@@ -13,7 +13,6 @@
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/view/reduce_view.h"
-#include "colmap_tsar/view/stage_timer.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -64,9 +63,8 @@ std::unique_ptr<ImageScene> FindImageScene(const RefineRun& run,
     }
   }
   scene->found = FindScene(scene->views, model.planes, labels, device);
-  StageTimer timer(device, &scene->found.seconds);
-  scene->found.cylinders = FindSeenCylinders(scene->views[0], model.cylinders);
-  timer.Finish("columns and pipes");
+  scene->found.cylinders =
+      ToCameraCylinders(model.cylinders, scene->views[0].camera);
   return scene;
 }
 

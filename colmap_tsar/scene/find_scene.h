@@ -8,13 +8,13 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene/adjustment/inverse_depth_error.h"
 #include "colmap_tsar/scene/creases/bounding_creases.h"
+#include "colmap_tsar/scene/cylinders.h"
 #include "colmap_tsar/scene/discovery/discover_planes.h"
 #include "colmap_tsar/scene/discovery/join_planes.h"
 #include "colmap_tsar/scene/evidence/label_view.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/scene/labeling/label_inputs.h"
 #include "colmap_tsar/scene/labeling/plane_costs.h"
-#include "colmap_tsar/scene/surfaces/seen_cylinders.h"
 #include "colmap_tsar/view/refine_options.h"
 
 #include <cstddef>
@@ -96,10 +96,10 @@ struct FoundScene {
   // For each source view, the plane of each of its superpixels, in its camera's
   // frame; invalid where it has none.
   std::vector<std::vector<Plane>> planes_of_sources;
-  // Columns and pipes whose outlines the image shows. The caller of FindScene
-  // sets them, and their time.
-  std::vector<SeenCylinder> cylinders;
-  // Seconds per stage: "labels", "columns and pipes".
+  // Columns and pipes of the scene in the camera's frame; the caller of
+  // FindScene sets them.
+  std::vector<CameraCylinder> cylinders;
+  // Seconds per stage: "labels".
   std::map<std::string, double> seconds;
 };
 

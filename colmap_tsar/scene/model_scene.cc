@@ -9,13 +9,13 @@
 #include "colmap_tsar/scene/creases/bounding_creases.h"
 #include "colmap_tsar/scene/creases/plane_lines.h"
 #include "colmap_tsar/scene/creases/shared_lines.h"
+#include "colmap_tsar/scene/cylinders.h"
 #include "colmap_tsar/scene/discovery/join_planes.h"
 #include "colmap_tsar/scene/discovery/manhattan_frame.h"
 #include "colmap_tsar/scene/discovery/plane_measurement.h"
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/label_sweeps.h"
-#include "colmap_tsar/scene/scene_cylinders.h"
 #include "colmap_tsar/scene/scene_options.h"
 
 #include <algorithm>

@@ -11,6 +11,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -24,18 +25,16 @@ constexpr float kWall = 4.f;
 constexpr int kBefore = 20;
 constexpr int kBeside = 5;
 
-// Upright before the camera, seen in the lower half of its two units.
-SeenCylinder MakeCylinder(float distance, float radius) {
-  SeenCylinder seen;
-  seen.cylinder = {{0.f, -1.f, distance}, {0.f, 1.f, 0.f}, radius};
-  seen.length = 2.f;
-  for (int bin = SeenCylinder::kNumBins / 2; bin < SeenCylinder::kNumBins;
-       ++bin) {
-    seen.is_seen[bin] = 1;
-  }
-  seen.across = {1.f, 0.f, 0.f};
-  seen.third = {0.f, 0.f, 1.f};
-  return seen;
+// Upright before the camera, below its optical axis.
+CameraCylinder MakeCylinder(float distance, float radius) {
+  CameraCylinder cylinder;
+  cylinder.point = {0.f, 0.f, distance};
+  cylinder.axis = {0.f, 1.f, 0.f};
+  cylinder.radius = radius;
+  cylinder.length = 1.f;
+  cylinder.across = {1.f, 0.f, 0.f};
+  cylinder.third = {0.f, 0.f, 1.f};
+  return cylinder;
 }
 
 class ApplyCylindersTest : public testing::Test {
@@ -45,36 +44,32 @@ class ApplyCylindersTest : public testing::Test {
     resolution_.error_per_depth = 0.005f;
   }
 
-  void Lay(const std::vector<SeenCylinder>& cylinders, int num_threads = 1) {
-    // They are of the device of the time before.
-    composed_ = {};
-    applied_ = {};
-    device_ = Device::CreateCpu(num_threads);
+  void Lay(const std::vector<CameraCylinder>& cylinders) {
     composed_.map.depth = DeviceImage<float>(*device_, depth_);
     composed_.map.normal = DeviceImage<Vec3f>(
         *device_, Image<Vec3f>(kWidth, kHeight, {0.f, 0.f, -1.f}));
     composed_.provenance = DeviceImage<uint8_t>(*device_, provenance_);
     const DeviceImage<uint8_t> flags(*device_, ratings_);
-    applied_ = ApplyCylinders(cylinders,
-                              flags.View(),
-                              kIntrinsics,
-                              resolution_,
-                              &composed_,
-                              *device_);
+    variances_ = ApplyCylinders(cylinders,
+                                flags.View(),
+                                kIntrinsics,
+                                resolution_,
+                                &composed_,
+                                *device_);
     depth_ = composed_.map.depth.ToHost();
     normal_ = composed_.map.normal.ToHost();
     provenance_ = composed_.provenance.ToHost();
   }
 
+  const std::unique_ptr<Device> device_ = CreateTestDevice();
   DepthResolution resolution_;
   Image<float> depth_{kWidth, kHeight, kWall};
   Image<Vec3f> normal_;
   Image<uint8_t> provenance_{
       kWidth, kHeight, static_cast<uint8_t>(Provenance::kMeasured)};
   Image<uint8_t> ratings_{kWidth, kHeight};
-  std::unique_ptr<Device> device_;
   ComposedMap composed_;
-  AppliedCylinders applied_;
+  DeviceImage<float> variances_;
 };
 
 TEST_F(ApplyCylindersTest, LaysWhatIsSeenAndLeavesTheRest) {
@@ -115,10 +110,13 @@ TEST_F(ApplyCylindersTest, KeepsWhatWasMeasuredBeforeIt) {
   provenance_(kBefore, 20) = guessed;
   depth_(kBefore, 21) = 0.f;
   provenance_(kBefore, 21) = static_cast<uint8_t>(Provenance::kNone);
+  depth_(kBefore, 22) = 1.9f;
+  provenance_(kBefore, 22) = static_cast<uint8_t>(Provenance::kRegionPlane);
   Lay({MakeCylinder(2.5f, 0.5f)});
   EXPECT_EQ(depth_(kBefore, 18), 1.97f);
   EXPECT_EQ(provenance_(kBefore, 18),
             static_cast<uint8_t>(Provenance::kMeasured));
+  EXPECT_EQ(depth_(kBefore, 22), 1.9f);
   for (const int y : {19, 20, 21}) {
     EXPECT_NEAR(depth_(kBefore, y), 2.f, 1e-4f);
   }
@@ -141,11 +139,11 @@ TEST_F(ApplyCylindersTest, KeepsWhatOtherViewsConfirmOnDistinctTexture) {
 }
 
 TEST_F(ApplyCylindersTest, LaysTheNearestOfTwo) {
-  const SeenCylinder near = MakeCylinder(1.5f, 0.1f);
-  const SeenCylinder far = MakeCylinder(3.f, 0.5f);
-  const std::vector<std::vector<SeenCylinder>> orders = {{near, far},
+  const CameraCylinder near = MakeCylinder(1.5f, 0.1f);
+  const CameraCylinder far = MakeCylinder(3.f, 0.5f);
+  const std::vector<std::vector<CameraCylinder>> orders = {{near, far},
                                                          {far, near}};
-  for (const std::vector<SeenCylinder>& order : orders) {
+  for (const std::vector<CameraCylinder>& order : orders) {
     std::fill(depth_.begin(), depth_.end(), kWall);
     Lay(order);
     EXPECT_NEAR(depth_(kBefore, 20), 1.4f, 1e-4f);
@@ -154,11 +152,11 @@ TEST_F(ApplyCylindersTest, LaysTheNearestOfTwo) {
 }
 
 TEST_F(ApplyCylindersTest, SetsTheConfidenceOfWhatItAppliedAlone) {
-  SeenCylinder cylinder = MakeCylinder(2.5f, 0.5f);
-  cylinder.variances[2] = 0.03f * 0.03f;
+  CameraCylinder cylinder = MakeCylinder(2.5f, 0.5f);
+  cylinder.covariance.row2.z = 0.03f * 0.03f;
   Lay({cylinder});
   DeviceImage<float> confidence(*device_, Image<float>(kWidth, kHeight, 0.25f));
-  SetConfidenceOfCylinders(applied_, &confidence, *device_);
+  SetConfidenceOfCylinders(variances_, &confidence, *device_);
   DeviceImage<uint16_t> sigma(
       *device_, Image<uint16_t>(kWidth, kHeight, ToPositiveHalf(1.f)));
   // Dropped in the meantime.
@@ -166,7 +164,7 @@ TEST_F(ApplyCylindersTest, SetsTheConfidenceOfWhatItAppliedAlone) {
   depth(kBefore, 25) = 0.f;
   composed_.map.depth = DeviceImage<float>(*device_, depth);
   SetSigmaOfCylinders(
-      applied_, kIntrinsics, resolution_, composed_.map, {}, &sigma, *device_);
+      variances_, resolution_, composed_.map, {}, &sigma, *device_);
   const Image<float> confidences = confidence.ToHost();
   EXPECT_GT(confidences(kBefore, 20), 0.5f);
   EXPECT_LE(confidences(kBefore, 20), 1.f);
@@ -179,25 +177,6 @@ TEST_F(ApplyCylindersTest, SetsTheConfidenceOfWhatItAppliedAlone) {
   EXPECT_GT(in_the_middle, 0.03f);
   EXPECT_LT(in_the_middle, 0.04f);
   EXPECT_GT(HalfToFloat(sigmas(kBefore + 7, 20)), in_the_middle);
-}
-
-TEST_F(ApplyCylindersTest, DoesNothingWithoutCylinders) {
-  Lay({});
-  EXPECT_EQ(depth_(kBefore, 20), kWall);
-  DeviceImage<float> confidence(*device_, Image<float>(kWidth, kHeight, 0.25f));
-  SetConfidenceOfCylinders(applied_, &confidence, *device_);
-  EXPECT_EQ(confidence.ToHost()(kBefore, 20), 0.25f);
-}
-
-TEST_F(ApplyCylindersTest, ThreadsDoNotMatter) {
-  Lay({MakeCylinder(2.5f, 0.5f), MakeCylinder(1.5f, 0.1f)}, 1);
-  const Image<float> one = depth_;
-  std::fill(depth_.begin(), depth_.end(), kWall);
-  std::fill(provenance_.begin(),
-            provenance_.end(),
-            static_cast<uint8_t>(Provenance::kMeasured));
-  Lay({MakeCylinder(2.5f, 0.5f), MakeCylinder(1.5f, 0.1f)}, 4);
-  EXPECT_TRUE(std::equal(one.begin(), one.end(), depth_.begin()));
 }
 
 }  // namespace

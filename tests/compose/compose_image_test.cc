@@ -13,6 +13,7 @@
 #include "tests/support/find_scene_in.h"
 #include "tests/support/observe_image.h"
 #include "tests/support/synthetic_views_test.h"
+#include "tests/support/test_device.h"
 #include "tests/support/test_workspace.h"
 
 namespace tsar {
@@ -195,23 +196,6 @@ TEST_F(ComposeImageTest, NothingReliableGetsWorseThanWithASingleView) {
   }
   EXPECT_GE(num_right_together, num_right_alone);
   EXPECT_LE(error_together, error_alone);
-}
-
-TEST_F(ComposeImageTest, DoesNotDependOnTheNumberOfThreads) {
-  const TemporaryFolder folder;
-  const auto bytes = [&](const ViewEvidence& evidence) {
-    WriteEvidence(UserPath(folder.Path() / "evidence.bin"), "", evidence);
-    return ReadText(folder.Path() / "evidence.bin");
-  };
-  device_ = Device::CreateCpu(1);
-  const auto with_one = Observe(drawn_.views.size());
-  const RefinedMaps one = Compose(with_one).maps;
-  device_ = Device::CreateCpu(3);
-  const auto with_three = Observe(drawn_.views.size());
-  for (size_t i = 0; i < with_one.size(); ++i) {
-    EXPECT_TRUE(bytes(*with_one[i]) == bytes(*with_three[i])) << i;
-  }
-  ExpectSameMaps(one, Compose(with_three).maps);
 }
 
 TEST_F(ComposeImageTest, ScalingTheSceneByAPowerOfTwoScalesTheDepthsExactly) {

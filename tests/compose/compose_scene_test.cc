@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -80,20 +81,20 @@ class ComposeSceneTest : public testing::Test {
     ratings_(x, y) = MeasurementFlags::Pack(false, confirmation);
   }
 
-  ComposeSceneInputs Inputs() const {
+  ComposeSceneInputs Inputs() {
     const auto on_map = [&](const Image<Plane>& planes) {
-      return PlaneRaster{planes.View(),
+      return PlaneRaster{on_device_(planes),
                          Intrinsics{10.f, 10.f, 0.f, 0.f},
                          own_.Width(),
                          own_.Height()};
     };
-    return {ratings_.View(),
+    return {on_device_(ratings_),
             on_map(scene_),
-            superpixels_.View(),
-            of_superpixel_.data(),
-            texture_.View(),
-            {prior_depth_.View(),
-             prior_sigma_.View(),
+            on_device_(superpixels_),
+            on_device_(of_superpixel_),
+            on_device_(texture_),
+            {on_device_(prior_depth_),
+             on_device_(prior_sigma_),
              outlier_share_,
              Intrinsics{10.f, 10.f, 0.f, 0.f},
              own_.Width(),
@@ -104,7 +105,7 @@ class ComposeSceneTest : public testing::Test {
     prior_depth_ = Image<float>(kWidth, kHeight, depth);
     prior_sigma_ = Image<float>(kWidth, kHeight, sigma);
   }
-  ComposedMap ComposeOnDevice() const {
+  ComposedMap ComposeOnDevice() {
     Image<Vec3f> normal(own_.Width(), own_.Height());
     for (size_t i = 0; i < own_.NumPixels(); ++i) {
       normal.Data()[i] = own_.Data()[i] > 0.f ? kOwnNormal : Vec3f{};
@@ -115,7 +116,7 @@ class ComposeSceneTest : public testing::Test {
     return ComposeScene(
         std::move(own), Inputs(), {views_, {}}, scale_, options_, *device_);
   }
-  Result Compose() const {
+  Result Compose() {
     ComposedMap composed = ComposeOnDevice();
     DeviceImage<float> confidence = Rate(composed);
     FillByPrior(
@@ -125,7 +126,7 @@ class ComposeSceneTest : public testing::Test {
             composed.provenance.ToHost(),
             confidence.ToHost()};
   }
-  DeviceImage<float> Rate(const ComposedMap& composed) const {
+  DeviceImage<float> Rate(const ComposedMap& composed) {
     return ComputeSceneConfidence(composed,
                                   Inputs(),
                                   {views_, {}},
@@ -161,7 +162,8 @@ class ComposeSceneTest : public testing::Test {
     EXPECT_LT(result.confidence(x, y), 1.f);
   }
 
-  const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
+  const std::unique_ptr<Device> device_ = CreateTestDevice(2);
+  DeviceCopies on_device_{*device_};
   ComposeSceneOptions options_;
   float min_fill_confidence_ = 0.f;
   DisparityScale scale_;
@@ -179,17 +181,6 @@ class ComposeSceneTest : public testing::Test {
   ViewEvidence evidence_;
   std::vector<ObservedView> views_;
 };
-
-TEST_F(ComposeSceneTest, NothingIsMadeOfNothing) {
-  // Depths that are not trusted do not count.
-  MeasureWithoutTrust(3, 3, 4.f);
-  const Result result = Compose();
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      Expect(result, x, y, 0.f, {}, Provenance::kNone, 0.f);
-    }
-  }
-}
 
 TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   for (int x = 0; x < 4; ++x) {
@@ -215,18 +206,6 @@ TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   Expect(result, 4, 0, 0.f, {}, Provenance::kNone, 0.f);
   ASSERT_EQ(static_cast<int>(LabelEvidence::kGuessed), 1);
   ASSERT_EQ(static_cast<int>(LabelEvidence::kCarried), 2);
-}
-
-TEST_F(ComposeSceneTest, WhatTheViewSeesItselfIsAPlaneOfARegion) {
-  scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kMeasured);
-  Expect(Compose(),
-         5,
-         3,
-         kScene,
-         kPlaneNormal,
-         Provenance::kRegionPlane,
-         ConfidenceOnPlane(DepthKind::kFilled));
 }
 
 // What the views say decides between two surfaces: see ViewVotesTest for how
@@ -286,25 +265,12 @@ TEST_F(ComposeSceneTest, WhereThereIsNoPlaneMeasurementsStand) {
   EXPECT_EQ(result.depth(6, 2), 0.f);
 }
 
-TEST_F(ComposeSceneTest, TheToleranceGrowsWithTheErrorOfADepth) {
-  options_ = {};
-  options_.min_log_odds = -100.f;
-  scale_.error_per_depth = 0.002f;  // 1 % at a depth of 5.
-  scene_ = PlanesAt(kScene);
-  const auto limit = options_.on_plane * 0.01f;
-  Measure(2, 2, kScene * (1.f + 0.9f * limit));
-  Measure(6, 2, kScene * (1.f + 1.2f * limit));
-  const Result result = Compose();
-  EXPECT_FLOAT_EQ(result.depth(2, 2), kScene);
-  EXPECT_FLOAT_EQ(result.depth(6, 2), own_(6, 2));
-}
-
 TEST_F(ComposeSceneTest, InterpolatedDepthsHaveAConfidenceOfTheirOwn) {
   scene_(1, 1) = PlaneAt(kScene);
   Image<uint8_t> filled(kWidth, kHeight);
   filled(1, 1) = 1;
   ComposedMap composed = ComposeOnDevice();
-  MarkInterpolated(std::as_const(filled).View(), &composed, *device_);
+  MarkInterpolated(on_device_(filled), &composed, *device_);
   const Image<float> confidence = Rate(composed).ToHost();
   EXPECT_FLOAT_EQ(confidence(1, 1),
                   ConfidenceOnPlane(DepthKind::kInterpolated));
@@ -345,14 +311,6 @@ TEST_F(ComposeSceneTest, APriorFillsWhereThereIsNoPlane) {
   EXPECT_EQ(result.provenance(1, 2),
             static_cast<uint8_t>(Provenance::kRegionPlane));
   Expect(result, 10, 2, 0.f, {}, Provenance::kNone, 0.f);
-}
-
-TEST_F(ComposeSceneTest, ADoubtfulPlaneStaysAHoleWhereAPriorContradictsIt) {
-  scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kGuessed);
-  SetPrior(1.5f * kScene, 0.005f);
-  min_fill_confidence_ = 0.3f;
-  EXPECT_EQ(Compose().confidence(2, 2), 0.f);
 }
 
 TEST_F(ComposeSceneTest, ConfidenceOfAPriorIsThatOfItsSigma) {
@@ -422,20 +380,6 @@ TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
   EXPECT_FLOAT_EQ(depth_with(log_odds + 0.1f), kScene);
 }
 
-TEST_F(ComposeSceneTest, APriorThatAgreesRaisesTheConfidenceOfAPlane) {
-  scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kGuessed);
-  const float without = Compose().confidence(3, 3);
-  SetPrior(kScene, 0.02f);
-  EXPECT_GT(Compose().confidence(3, 3), without);
-  SetPrior(kOff, 0.02f);
-  const float contradicted = Compose().confidence(3, 3);
-  EXPECT_LT(contradicted, without);
-  EXPECT_GE(contradicted, kMinConfidence);
-  min_fill_confidence_ = 0.3f;
-  EXPECT_EQ(Compose().confidence(3, 3), 0.f);
-}
-
 TEST(DepthConfidenceTest, ValuesAreProbabilities) {
   for (int kind = 0; kind < kNumDepthKinds; ++kind) {
     for (const float value : {0.f, 1.f}) {
@@ -479,26 +423,6 @@ TEST(DepthConfidenceTest, GrowsWithTheMarginAndFallsWithTheUncertainty) {
     worse.uncertainty += 0.5f;
     EXPECT_LT(ConfidenceOnPlane(kind, worse), ConfidenceOnPlane(kind));
   }
-}
-
-TEST(DepthConfidenceTest, FallsWithTheNoiseAndTheErrorOfAPixel) {
-  const auto with = [](float resolution, float noise) {
-    return ConfidenceOf({DepthKind::kMoved, {}, kLabel, resolution, noise});
-  };
-  EXPECT_LT(with(kResolution, 2.f * kNoise), with(kResolution, kNoise));
-  EXPECT_LT(with(2.f * kResolution, kNoise), with(kResolution, kNoise));
-}
-
-TEST(DepthConfidenceTest, TrustAndTextureRaiseItWhereAMeasurementStands) {
-  const auto standing = [](float texture, bool is_trusted) {
-    return ConfidenceOf({DepthKind::kStanding,
-                         {{}, texture, is_trusted},
-                         {},
-                         kResolution,
-                         kNoise});
-  };
-  EXPECT_GT(standing(10.f, false), standing(1.f, false));
-  EXPECT_GT(standing(1.f, true), standing(1.f, false));
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -43,7 +44,7 @@ class DepthSigmaTest : public testing::Test {
     of_superpixel_[x].evidence = evidence;
   }
   // In shares of the depth.
-  std::vector<float> Compute(bool is_of_scene = true) const {
+  std::vector<float> Compute(bool is_of_scene = true) {
     Image<uint16_t> superpixels(kWidth, 1);
     for (int x = 0; x < kWidth; ++x) {
       superpixels(x, 0) = static_cast<uint16_t>(x);
@@ -51,13 +52,13 @@ class DepthSigmaTest : public testing::Test {
     const Image<Plane> planes(kWidth, 1, Plane{{0.f, 0.f, -1.f}, kScene});
     const Image<uint8_t> flags(kWidth, 1);
     const ComposeSceneInputs inputs{
-        flags.View(),
-        {planes.View(), Intrinsics{10.f, 10.f, 0.f, 0.f}, kWidth, 1},
-        superpixels.View(),
-        of_superpixel_.data(),
+        on_device_(flags),
+        {on_device_(planes), Intrinsics{10.f, 10.f, 0.f, 0.f}, kWidth, 1},
+        on_device_(superpixels),
+        on_device_(of_superpixel_),
         {},
-        {prior_depth_.View(),
-         prior_sigma_.View(),
+        {on_device_(prior_depth_),
+         on_device_(prior_sigma_),
          0.1f,
          Intrinsics{10.f, 10.f, 0.f, 0.f},
          kWidth,
@@ -87,7 +88,8 @@ class DepthSigmaTest : public testing::Test {
   }
 
   static constexpr int kWidth = 10;
-  const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
+  const std::unique_ptr<Device> device_ = CreateTestDevice(2);
+  DeviceCopies on_device_{*device_};
   DepthResolution resolution_;
   Image<float> depth_{kWidth, 1};
   Image<uint8_t> provenance_{kWidth, 1};

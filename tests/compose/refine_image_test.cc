@@ -15,6 +15,7 @@
 
 #include "tests/run/counting_device.h"
 #include "tests/support/synthetic_views_test.h"
+#include "tests/support/test_device.h"
 
 namespace tsar {
 namespace {
@@ -183,56 +184,6 @@ TEST_F(RefineImageTest, EverySwitchLeavesSoundMaps) {
   EXPECT_EQ(strict.reason_to_keep, "");
 }
 
-TEST_F(RefineImageTest, RegionsReplaceWhatWasFilledBefore) {
-  RefineOptions options;
-  options.superpixel_planes = false;
-  options.fill_before_regions = true;
-  options.fill_wide_holes = true;
-  const auto count_interpolated = [&](bool segment) {
-    options.segment = segment;
-    const RefinedMaps maps = Refine(options).maps;
-    ExpectSoundMaps(maps);
-    int count = 0;
-    for (int y = 0; y < Before().Height(); ++y) {
-      for (int x = 0; x < Before().Width(); ++x) {
-        count += IsBare(x, y) && static_cast<Provenance>(maps.provenance(
-                                     x, y)) == Provenance::kInterpolated
-                     ? 1
-                     : 0;
-      }
-    }
-    return count;
-  };
-  // Not the pixels on edges, which belong to no region.
-  const int num_without = count_interpolated(false);
-  EXPECT_GT(num_without, 500);
-  EXPECT_LT(5 * count_interpolated(true), num_without);
-}
-
-TEST_F(RefineImageTest, SpreadMediansSmoothWhatTheyConfirm) {
-  RefineOptions options;
-  options.segment = false;
-  options.superpixel_planes = false;
-  const auto mean_error = [&](const RefinedMaps& maps) {
-    double sum = 0.0;
-    int count = 0;
-    for (int y = 0; y < Before().Height(); ++y) {
-      for (int x = 0; x < Before().Width(); ++x) {
-        if (static_cast<Provenance>(maps.provenance(x, y)) ==
-            Provenance::kMeasured) {
-          sum += RelativeError(maps.depth, x, y);
-          ++count;
-        }
-      }
-    }
-    EXPECT_GT(count, 4000);
-    return sum / count;
-  };
-  const double own = mean_error(Refine(options).maps);
-  options.spread_medians = true;
-  EXPECT_LT(mean_error(Refine(options).maps), 0.7 * own);
-}
-
 TEST_F(RefineImageTest, WithoutAnyStageKeepsTheDepths) {
   RefineOptions options;
   options.filter = false;
@@ -269,12 +220,6 @@ TEST_F(RefineImageTest, TakesTheCostsThatComeWithTheMaps) {
   EXPECT_EQ(Refine(options).reason_to_keep, "");
 }
 
-TEST_F(RefineImageTest, DoesNotDependOnTheNumberOfThreads) {
-  const RefinedMaps two = Refine().maps;
-  device_ = Device::CreateCpu(5);
-  ExpectSameMaps(two, Refine().maps);
-}
-
 // A GPU that tells whether it may have work left, and on request has no memory
 // left.
 class BusyDevice : public CountingDevice {
@@ -298,7 +243,7 @@ class BusyDevice : public CountingDevice {
 };
 
 TEST_F(RefineImageTest, SourcesStayUntilTheDeviceIsDoneWithThem) {
-  const auto cpu = Device::CreateCpu(1);
+  const auto cpu = CreateTestDevice(1);
   int num_gone = 0;
   // Returns the number of allocations.
   const auto refine = [&](int num_good_allocations) {

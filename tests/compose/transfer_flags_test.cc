@@ -9,9 +9,9 @@
 
 #include <cstdint>
 #include <memory>
-#include <utility>
 
 #include "tests/support/synthetic_views.h"
+#include "tests/support/test_device.h"
 #include "tests/support/test_workspace.h"
 #include <gtest/gtest.h>
 
@@ -63,7 +63,7 @@ class TransferFlagsTest : public testing::Test {
         .ToHost();
   }
 
-  const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
+  const std::unique_ptr<Device> device_ = CreateTestDevice(2);
   ViewData view_;
   ViewData reduced_;
   Image<uint8_t> ratings_;
@@ -122,17 +122,6 @@ TEST_F(TransferFlagsTest, TheToleranceIsHalfOfWhatMatchingCanTell) {
   EXPECT_EQ(transferred(13, 10), FlagsOf(4, 3));
 }
 
-TEST_F(TransferFlagsTest, ANormalThatFacesAwayTellsOfNoSlant) {
-  for (Vec3f& normal : reduced_.normal) {
-    normal = {0.f, 0.f, 1.f};
-  }
-  view_.depth(10, 10) = reduced_.depth(3, 3);
-  view_.depth(13, 10) = 1.0035f * reduced_.depth(4, 3);
-  const Image<uint8_t> transferred = Transfer();
-  EXPECT_EQ(transferred(10, 10), FlagsOf(3, 3));
-  EXPECT_NE(transferred(13, 10), FlagsOf(4, 3));
-}
-
 TEST_F(TransferFlagsTest, TheTrustOfAWholeMapStaysAsItIs) {
   const DeviceReference reference(view_, *device_);
   ViewEvidence evidence;
@@ -181,11 +170,12 @@ TEST(PackFlags, KeepTrustAndConfirmation) {
     confirmations(x, 0) = confirmations(x, 1) = static_cast<uint8_t>(x % 3);
     trusted(x, 0) = 1;
   }
-  const std::unique_ptr<Device> device = Device::CreateCpu(1);
+  const std::unique_ptr<Device> device = CreateTestDevice(1);
+  DeviceCopies on_device(*device);
   const auto pack = [&](ImageView<const uint8_t> votes) {
-    return PackFlags(std::as_const(trusted).View(), votes, *device).ToHost();
+    return PackFlags(on_device(trusted), votes, *device).ToHost();
   };
-  const Image<uint8_t> flags = pack(std::as_const(confirmations).View());
+  const Image<uint8_t> flags = pack(on_device(confirmations));
   for (int x = 0; x < kCount; ++x) {
     for (int y = 0; y < 2; ++y) {
       const uint8_t packed = flags(x, y);

@@ -7,6 +7,7 @@
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/cuda_device.h"
+#include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/run/device_view_cache.h"
 #include "colmap_tsar/run/memory_plan.h"
@@ -31,15 +32,6 @@ namespace {
 
 constexpr auto kChunk = static_cast<int64_t>(CudaStaging::kChunkSize);
 
-class WorkersOnCudaTest : public testing::Test {
- protected:
-  void SetUp() override {
-    if (Device::NumCudaDevices() == 0) {
-      GTEST_SKIP() << "no CUDA device: skipped";
-    }
-  }
-};
-
 std::vector<uint8_t> DrawnBytes(size_t size, uint32_t seed) {
   std::vector<uint8_t> bytes(size);
   Philox random(seed, 0, 0);
@@ -49,7 +41,7 @@ std::vector<uint8_t> DrawnBytes(size_t size, uint32_t seed) {
   return bytes;
 }
 
-TEST_F(WorkersOnCudaTest, CopiesOfAnySizeAreComplete) {
+TEST(WorkersOnCudaTest, CopiesOfAnySizeAreComplete) {
   const auto device = Device::CreateCuda(0);
   for (const int64_t size : {int64_t{1},
                              kChunk - 1,
@@ -68,7 +60,7 @@ TEST_F(WorkersOnCudaTest, CopiesOfAnySizeAreComplete) {
       Buffer<uint8_t>(*device, std::vector<uint8_t>()).ToHost().empty());
 }
 
-TEST_F(WorkersOnCudaTest, TwoDevicesOfOneGpuCopySideBySide) {
+TEST(WorkersOnCudaTest, TwoDevicesOfOneGpuCopySideBySide) {
   std::vector<std::jthread> threads;
   for (uint32_t seed = 0; seed < 2; ++seed) {
     threads.emplace_back([seed] {
@@ -83,7 +75,7 @@ TEST_F(WorkersOnCudaTest, TwoDevicesOfOneGpuCopySideBySide) {
   }
 }
 
-TEST_F(WorkersOnCudaTest, CountsMemory) {
+TEST(WorkersOnCudaTest, CountsMemory) {
   constexpr size_t kSize = size_t{256} << 20;
   const auto device = Device::CreateCuda(0);
   const size_t before = device->FreeMemory();
@@ -97,7 +89,7 @@ TEST_F(WorkersOnCudaTest, CountsMemory) {
   EXPECT_GE(device->PeakMemory(), kSize);
 }
 
-TEST_F(WorkersOnCudaTest, WorksAfterAnAllocationThatFailed) {
+TEST(WorkersOnCudaTest, WorksAfterAnAllocationThatFailed) {
   const auto device = Device::CreateCuda(0);
   ExpectError(ErrorCode::kOutOfMemory, {"GPU memory", "device cpu"}, [&] {
     Buffer<uint8_t>(*device, size_t{1} << 50);
@@ -106,22 +98,6 @@ TEST_F(WorkersOnCudaTest, WorksAfterAnAllocationThatFailed) {
   EXPECT_EQ(ComputeGray(DeviceImage<Rgb>(*device, color).View(), *device)
                 .ToHost()(36, 2),
             0.299f * 10 + 0.587f * 20 + 0.114f * 30);
-}
-
-TEST_F(WorkersOnCudaTest, GrayIsTheSameAsOnTheCpu) {
-  const auto cuda = Device::CreateCuda(0);
-  const auto cpu = Device::CreateCpu(2);
-  const std::vector<uint8_t> bytes = DrawnBytes(3 * 211 * 97, 5);
-  Image<Rgb> color(211, 97);
-  std::memcpy(color.Data(), bytes.data(), bytes.size());
-  const auto gray = [&](Device& device) {
-    return ComputeGray(DeviceImage<Rgb>(device, color).View(), device).ToHost();
-  };
-  const Image<float> on_cuda = gray(*cuda);
-  const Image<float> on_cpu = gray(*cpu);
-  for (size_t i = 0; i < on_cpu.NumPixels(); ++i) {
-    ASSERT_EQ(on_cuda.Data()[i], on_cpu.Data()[i]) << i;
-  }
 }
 
 bool HaveSameBytes(const RefinedMaps& a, const RefinedMaps& b) {
@@ -135,7 +111,7 @@ bool HaveSameBytes(const RefinedMaps& a, const RefinedMaps& b) {
          same(a.provenance, b.provenance);
 }
 
-TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
+TEST(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
   const SyntheticViews drawn = MakeSyntheticViews({});
   const int num_views = static_cast<int>(drawn.views.size());
   const auto refine = [&](int reference, DeviceViewCache& cache, Device& gpu) {
@@ -179,7 +155,7 @@ TEST_F(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
   }
 }
 
-class WorkspaceOnCudaTest : public WorkersOnCudaTest {
+class WorkspaceOnCudaTest : public testing::Test {
  protected:
   using Tree = std::map<std::string, std::string>;
 
@@ -341,6 +317,33 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuMatchToTheSameBytes) {
   const Tree expected = match(Cpu());
   EXPECT_GE(expected.size(), 16u);
   ExpectSameFiles(expected, match(Gpus("0")));
+}
+
+TEST_F(WorkspaceOnCudaTest, CpuAndGpuFuseToTheSameBytes) {
+  MakeSyntheticWorkspace(root_);
+  const auto fuse =
+      [&](FusionPreset preset, DeviceChoice device, double cache_size) {
+        FuseWorkspaceOptions options;
+        options.fusion = PresetFusionOptions(preset);
+        options.devices.choice = device;
+        options.devices.cache_size = cache_size;
+        options.output_path = folder_.Path() / "fused.ply";
+        std::ostringstream out;
+        Progress progress(out, false);
+        const FuseSummary summary = FuseWorkspace(
+            Workspace(root_, MapType::kGeometric), options, progress, [] {
+              return false;
+            });
+        EXPECT_GT(summary.num_points, 500);
+        return ReadText(options.output_path) +
+               ReadText(options.output_path.string() + ".vis");
+      };
+  for (const FusionPreset preset :
+       {FusionPreset::kDefault, FusionPreset::kPaper, FusionPreset::kColmap}) {
+    const std::string on_cpu = fuse(preset, DeviceChoice::kCpu, 1.0);
+    EXPECT_TRUE(fuse(preset, DeviceChoice::kCuda, 1.0) == on_cpu);
+    EXPECT_TRUE(fuse(preset, DeviceChoice::kCuda, 1e-4) == on_cpu);
+  }
 }
 
 TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {

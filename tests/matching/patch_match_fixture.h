@@ -14,6 +14,7 @@
 
 #include "tests/matching/textured_plane.h"
 #include "tests/support/same_bytes.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -40,7 +41,7 @@ struct Accuracy {
 class PatchMatchTest : public testing::Test {
  protected:
   PatchMatchTest()
-      : device_(Device::CreateCpu(2)),
+      : device_(CreateTestDevice(2)),
         camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         intrinsics_(camera_.GetIntrinsics()) {
     options_.depth_min = 1.5f;
@@ -100,16 +101,15 @@ class PatchMatchTest : public testing::Test {
   }
 
   Accuracy Compare(TexturedPlane& scene, const Image<Plane>& planes) const {
-    const ReferenceView truth = scene.Reference();
     std::vector<float> depth_errors;
     std::vector<float> normal_errors;
     int num_near = 0;
     for (int y = kMargin; y < kHeight - kMargin; ++y) {
       for (int x = kMargin; x < kWidth - kMargin; ++x) {
         const float depth = planes(x, y).Depth(intrinsics_.Ray(x, y));
-        depth_errors.push_back(std::abs(depth / truth.depth(x, y) - 1.f));
+        depth_errors.push_back(std::abs(depth / scene.Depth()(x, y) - 1.f));
         normal_errors.push_back(
-            AngleBetween(planes(x, y).normal, truth.normal(x, y)));
+            AngleBetween(planes(x, y).normal, scene.Normal()));
         num_near += depth_errors.back() < 0.005f ? 1 : 0;
       }
     }

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include <cmath>
-#include <utility>
 
 #include "tests/matching/patch_match_fixture.h"
+#include "tests/support/test_device.h"
 
 namespace tsar {
 namespace {
@@ -18,7 +18,7 @@ class PatchMatchPriorTest : public PatchMatchTest {
       value *= 1.f + share;
     }
     return PlanesFromMaps(intrinsics_,
-                          std::as_const(depth).View(),
+                          DeviceCopies(*device_)(depth),
                           scene.Reference().normal,
                           *device_);
   }
@@ -72,17 +72,6 @@ TEST_F(PatchMatchPriorTest, CostsTellTheDistanceFromThePrior) {
   }
 }
 
-TEST_F(PatchMatchPriorTest, IgnoresPixelsWithoutPrior) {
-  TexturedPlane scene = Scene(kTilt);
-  options_.num_iterations = 2;
-  const Buffer<SourceView> sources = Images(scene);
-  const DeviceImage<Plane> none(*device_, Image<Plane>(kWidth, kHeight));
-  const HostHypotheses with = Run(scene, sources, Draw(), 1, none.View());
-  const HostHypotheses without = Run(scene, sources, Draw());
-  EXPECT_TRUE(SameBytes(with.planes, without.planes));
-  EXPECT_TRUE(SameBytes(with.costs, without.costs));
-}
-
 // The left half keeps the planes that it has, right or wrong; the other finds
 // its own.
 TEST_F(PatchMatchPriorTest, PixelsKeepTheirPlanesIfToldSo) {
@@ -96,7 +85,7 @@ TEST_F(PatchMatchPriorTest, PixelsKeepTheirPlanesIfToldSo) {
   }
   const Image<Plane> drawn = Draw().ToHost();
   const Image<Plane> found =
-      Run(scene, sources, Draw(), 1, {}, keeps.View()).planes;
+      Run(scene, sources, Draw(), 1, {}, DeviceCopies(*device_)(keeps)).planes;
   const Image<float>& depth = scene.Depth();
   int num_right = 0;
   for (int y = kMargin; y < kHeight - kMargin; ++y) {

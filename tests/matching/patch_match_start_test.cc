@@ -6,6 +6,7 @@
 
 #include "tests/matching/patch_match_fixture.h"
 #include "tests/matching/textured_plane.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -51,15 +52,6 @@ class UntexturedTest : public PatchMatchTest,
   }
 };
 
-TEST_P(UntexturedTest, KeepsThePlanesWithoutTexture) {
-  TexturedPlane scene = UntexturedScene();
-  const HostHypotheses kept = Run(scene, Images(scene), Draw());
-  EXPECT_TRUE(SameBytes(kept.planes, Draw().ToHost()));
-  for (const float cost : kept.costs) {
-    ASSERT_NEAR(cost, kMaxCost, 1e-5f);
-  }
-}
-
 TEST_P(UntexturedTest, KeepsThePlanesWithoutTextureAndDepths) {
   TexturedPlane scene = UntexturedScene();
   for (int i = 0; i < GetParam(); ++i) {
@@ -75,19 +67,6 @@ TEST_P(UntexturedTest, KeepsThePlanesWithoutTextureAndDepths) {
 INSTANTIATE_TEST_SUITE_P(Sources,
                          UntexturedTest,
                          testing::Values(1, 2, 3, 5, 7, 10, 12, 19));
-
-TEST_F(PatchMatchTest, KeepsThePlanesWithoutSources) {
-  TexturedPlane scene = BareScene(kTilt);
-  const Image<Plane> drawn = Draw().ToHost();
-  const HostHypotheses kept = Run(scene, Images(scene), Draw());
-  EXPECT_TRUE(SameBytes(kept.planes, drawn));
-  for (const float cost : kept.costs) {
-    ASSERT_GE(cost, kMaxCost);
-    ASSERT_LE(
-        cost,
-        kMaxCost + options_.geometric_weight * options_.max_geometric_error);
-  }
-}
 
 TEST_F(PatchMatchTest, CostsKeepWithinTheirBounds) {
   TexturedPlane scene = Scene(kTilt);
@@ -120,19 +99,10 @@ TEST_F(PatchMatchTest, FillsPixelsWithoutAPlane) {
   const HostHypotheses filled = Run(scene,
                                     Images(scene),
                                     PlanesFromMaps(intrinsics_,
-                                                   std::as_const(depth).View(),
+                                                   DeviceCopies(*device_)(depth),
                                                    scene.Reference().normal,
                                                    *device_));
   EXPECT_EQ(Compare(scene, filled.planes).share, 1.f);
-}
-
-TEST_F(PatchMatchTest, DrawsPlanesWhereThereAreNone) {
-  TexturedPlane scene = Scene(kTilt);
-  const HostHypotheses found =
-      Run(scene,
-          Images(scene),
-          DeviceImage<Plane>(*device_, Image<Plane>(kWidth, kHeight)));
-  EXPECT_GT(Compare(scene, found.planes).share, 0.9f);
 }
 
 TEST_F(PatchMatchTest, TakesOnePixel) {

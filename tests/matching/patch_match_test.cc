@@ -11,6 +11,7 @@
 
 #include "tests/matching/patch_match_fixture.h"
 #include "tests/matching/textured_plane.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -70,21 +71,6 @@ TEST_F(PatchMatchTest, TakesMoreThan32Sources) {
   EXPECT_GT(Compare(scene, Run(scene, sources, Draw()).planes).share, 0.9f);
 }
 
-TEST_F(PatchMatchTest, DoesNotDependOnThreads) {
-  TexturedPlane scene = Scene(kTilt);
-  options_.num_iterations = 2;
-  const auto run = [&](int num_threads) {
-    device_ = Device::CreateCpu(num_threads);
-    return Run(scene, scene.Sources(), Draw());
-  };
-  // The scene's buffers are made on the device that it was given.
-  const std::unique_ptr<Device> first = std::move(device_);
-  const HostHypotheses one = run(1);
-  const HostHypotheses four = run(4);
-  EXPECT_TRUE(SameBytes(one.planes, four.planes));
-  EXPECT_TRUE(SameBytes(one.costs, four.costs));
-}
-
 TEST_F(PatchMatchTest, DependsOnTheStreamAlone) {
   TexturedPlane scene = Scene(kTilt);
   options_.num_iterations = 2;
@@ -104,32 +90,6 @@ TEST_F(PatchMatchTest, KeepsTheTruth) {
   EXPECT_EQ(accuracy.share, 1.f);
   EXPECT_LT(accuracy.median_depth_error, 5e-4f);
   EXPECT_LT(accuracy.median_normal_error, 2.f);
-}
-
-TEST_F(PatchMatchTest, ChangesLessAfterPastIterations) {
-  TexturedPlane scene = Scene(kTilt);
-  // So far from the truth that only small steps lead to it.
-  Image<float> depth = scene.Depth();
-  for (float& value : depth) {
-    value *= 1.004f;
-  }
-  const auto accuracy_after = [&](int num_past_iterations) {
-    options_.num_iterations = 1;
-    options_.num_past_iterations = num_past_iterations;
-    return Compare(scene,
-                   Run(scene,
-                       Images(scene),
-                       PlanesFromMaps(intrinsics_,
-                                      std::as_const(depth).View(),
-                                      scene.Reference().normal,
-                                      *device_))
-                       .planes);
-  };
-  EXPECT_LT(accuracy_after(4).median_depth_error,
-            accuracy_after(0).median_depth_error);
-  // Steps that are too small for floats leave everything where it is but for
-  // the two trials that draw anew.
-  EXPECT_NEAR(accuracy_after(100).median_depth_error, 0.004f, 2e-4f);
 }
 
 TEST_F(PatchMatchTest, DoesNotDependOnTheUnitOfLength) {
@@ -177,20 +137,6 @@ TEST_F(PatchMatchTest, StartsWithTheTwoSourcesThatMatchBest) {
       ASSERT_LT(costs(x, y), 0.1f) << x << ", " << y;
     }
   }
-}
-
-TEST_F(PatchMatchTest, FindsThePlaneFarFromThoseItHas) {
-  TexturedPlane scene = Scene(kTilt);
-  // Small steps do not lead anywhere; planes have to be drawn anew.
-  options_.num_past_iterations = 100;
-  const Image<float> far(kWidth, kHeight, 5.8f);
-  const DeviceImage<float> depth(*device_, far);
-  const HostHypotheses found =
-      Run(scene,
-          Images(scene),
-          PlanesFromMaps(
-              intrinsics_, depth.View(), scene.Reference().normal, *device_));
-  EXPECT_LT(Compare(scene, found.planes).median_depth_error, 0.02f);
 }
 
 TEST_F(PatchMatchTest, FindsNormalsFarFromThoseItHas) {
@@ -254,7 +200,7 @@ TEST_F(PatchMatchTest, FollowsTheDepthsOfSourcesWithoutTexture) {
   };
   const auto wrong_planes = [&] {
     return PlanesFromMaps(intrinsics_,
-                          std::as_const(depth).View(),
+                          DeviceCopies(*device_)(depth),
                           scene.Reference().normal,
                           *device_);
   };

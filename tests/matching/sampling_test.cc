@@ -23,15 +23,6 @@ constexpr DepthBounds kBounds{2.f, 50.f};
 // Of a pixel far from the middle.
 const Vec3f kRay = {0.7f, -0.5f, 1.f};
 
-TEST(DepthBounds, ContainTheirEnds) {
-  EXPECT_TRUE(kBounds.Contains(2.f));
-  EXPECT_TRUE(kBounds.Contains(50.f));
-  EXPECT_FALSE(kBounds.Contains(1.999f));
-  EXPECT_FALSE(kBounds.Contains(50.01f));
-  EXPECT_FALSE(kBounds.Contains(0.f));
-  EXPECT_FALSE(kBounds.Contains(NAN));
-}
-
 TEST(DepthBounds, DrawsUniformlyInInverseDepth) {
   Philox random(1, 2, 3);
   std::array<int, 10> histogram = {};
@@ -63,17 +54,6 @@ TEST(DepthBounds, DrawsAroundADepthWithinItsShare) {
     }
     EXPECT_LT(lowest, -0.99f * share);
     EXPECT_GT(highest, 0.99f * share);
-  }
-}
-
-TEST(DepthBounds, DrawsAroundADepthWithinTheBounds) {
-  Philox random(1, 2, 3);
-  for (const float center : {2.f, 2.1f, 40.f, 50.f}) {
-    for (int i = 0; i < kNumDraws; ++i) {
-      const float depth = kBounds.DrawAround(center, 0.5f, &random);
-      ASSERT_GE(depth, 2.f * (1.f - 1e-6f));
-      ASSERT_LE(depth, 50.f * (1.f + 1e-6f));
-    }
   }
 }
 
@@ -116,21 +96,6 @@ TEST(DrawNormalAround, StaysNearAndFacesTheCamera) {
   }
 }
 
-TEST(DrawNormalAround, KeepsTheNormalWhereItWouldTurnAway) {
-  Philox random(1, 2, 3);
-  // Nearly along the ray.
-  const Vec3f across = Normalized(Cross(kRay, {0.f, 1.f, 0.f}));
-  const Vec3f normal = Normalized(across - 1e-3f * kRay);
-  ASSERT_LT(Dot(normal, kRay), 0.f);
-  int num_kept = 0;
-  for (int i = 0; i < kNumDraws; ++i) {
-    const Vec3f turned = DrawNormalAround(normal, 0.3f, kRay, &random);
-    ASSERT_LT(Dot(turned, kRay), 0.f);
-    num_kept += turned == normal ? 1 : 0;
-  }
-  EXPECT_NEAR(num_kept, kNumDraws / 2, kNumDraws / 20);
-}
-
 TEST(PlaneSampling, DependsOnTheStreamAlone) {
   Philox first(4, 5, 6);
   Philox second(4, 5, 6);
@@ -167,26 +132,9 @@ std::vector<PixelOffset> OffsetsOf(int area) {
   return offsets;
 }
 
-int Reach(const std::vector<PixelOffset>& offsets) {
-  int reach = 0;
-  for (const PixelOffset& offset : offsets) {
-    reach = std::max({reach, std::abs(offset.x), std::abs(offset.y)});
-  }
-  return reach;
-}
-
 bool FindBest(
     const Image<float>& costs, int x, int y, int area, PixelOffset* best) {
   return BestOfArea(costs.View(), x, y, area, best);
-}
-
-TEST(PropagationAreas, HoldPixelsOfTheOtherColor) {
-  for (int area = 0; area < kNumPropagationAreas; ++area) {
-    for (const PixelOffset& offset : OffsetsOf(area)) {
-      EXPECT_EQ((std::abs(offset.x) + std::abs(offset.y)) % 2, 1)
-          << area << ": " << offset.x << ", " << offset.y;
-    }
-  }
 }
 
 TEST(PropagationAreas, HaveDistinctMembersAndDoNotOverlap) {
@@ -198,25 +146,6 @@ TEST(PropagationAreas, HaveDistinctMembersAndDoNotOverlap) {
     }
   }
   EXPECT_EQ(members.size(), 4u * (7u + 11u));
-}
-
-TEST(PropagationAreas, ReachAsFarAsTheyShould) {
-  for (int area = 0; area < kNumPropagationAreas; ++area) {
-    EXPECT_EQ(Reach(OffsetsOf(area)), area < 4 ? 4 : 23) << area;
-  }
-}
-
-TEST(PropagationAreas, LieInFourDirections) {
-  // Up, right, down and left.
-  const PixelOffset directions[] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
-  for (int area = 0; area < kNumPropagationAreas; ++area) {
-    const PixelOffset& direction = directions[area % 4];
-    for (const PixelOffset& offset : OffsetsOf(area)) {
-      const int along = offset.x * direction.x + offset.y * direction.y;
-      const int across = offset.x * direction.y - offset.y * direction.x;
-      EXPECT_GT(along, std::abs(across)) << area;
-    }
-  }
 }
 
 TEST(BestOfArea, FindsTheLowestCostWhereverItIs) {
@@ -236,17 +165,6 @@ TEST(BestOfArea, FindsTheLowestCostWhereverItIs) {
       EXPECT_EQ(best.x, kMiddle + offset.x) << area;
       EXPECT_EQ(best.y, kMiddle + offset.y) << area;
     }
-  }
-}
-
-TEST(BestOfArea, TakesTheFirstOfEqualOnes) {
-  const Image<float> costs(kSize, kSize, 1.f);
-  for (int area = 0; area < kNumPropagationAreas; ++area) {
-    const PixelOffset first = OffsetsOf(area).front();
-    PixelOffset best = {-1, -1};
-    ASSERT_TRUE(FindBest(costs, kMiddle, kMiddle, area, &best));
-    EXPECT_EQ(best.x, kMiddle + first.x) << area;
-    EXPECT_EQ(best.y, kMiddle + first.y) << area;
   }
 }
 
@@ -297,31 +215,6 @@ int WeightOf(const std::vector<float>& costs, int iteration = 0) {
   return weight.Get();
 }
 
-TEST(ViewWeight, IsZeroWithoutCosts) { EXPECT_EQ(WeightOf({}), 0); }
-
-TEST(ViewWeight, NeedsThreeLowCosts) {
-  EXPECT_EQ(WeightOf({0.1f, 0.1f}), 0);
-  EXPECT_EQ(WeightOf({0.1f, 0.1f, 1.f, 1.f, 1.f}), 0);
-  EXPECT_GT(WeightOf({0.1f, 0.1f, 0.1f}), 0);
-  EXPECT_GT(WeightOf({0.1f, 1.f, 0.1f, 1.f, 0.1f}), 0);
-}
-
-TEST(ViewWeight, AllowsTwoHighCosts) {
-  const std::vector<float> low(6, 0.1f);
-  std::vector<float> costs = low;
-  costs.insert(costs.end(), {1.3f, 2.f});
-  EXPECT_EQ(WeightOf(costs), WeightOf(low));
-  costs.push_back(1.21f);
-  EXPECT_EQ(WeightOf(costs), 0);
-}
-
-TEST(ViewWeight, CountsCostsBetweenLowAndHighForNothing) {
-  const std::vector<float> low(3, 0.2f);
-  std::vector<float> costs = low;
-  costs.insert(costs.end(), 6, 1.1f);
-  EXPECT_EQ(WeightOf(costs), WeightOf(low));
-}
-
 TEST(ViewWeight, GetsStricterWithTheIterations) {
   // 0.8 exp(-t^2 / 90): 0.8, 0.791, 0.765, 0.724, 0.670, 0.606.
   const float bounds[] = {0.8f, 0.7912f, 0.7652f, 0.7239f, 0.6697f, 0.6060f};
@@ -332,23 +225,6 @@ TEST(ViewWeight, GetsStricterWithTheIterations) {
     EXPECT_EQ(WeightOf(std::vector<float>(9, bound + 1e-3f), iteration), 0)
         << iteration;
   }
-}
-
-TEST(ViewWeight, FallsWithTheCosts) {
-  EXPECT_EQ(WeightOf({0.f, 0.f, 0.f}), 255);
-  // 255 exp(-1 / 2)
-  EXPECT_EQ(WeightOf({0.3f, 0.3f, 0.3f}), 155);
-  // Of those that are low it is the mean.
-  EXPECT_EQ(WeightOf({0.f, 0.3f, 0.f, 0.3f}), 205);
-  int last = 255;
-  for (float cost = 0.f; cost < 0.79f; cost += 0.01f) {
-    const int weight = WeightOf(std::vector<float>(9, cost));
-    EXPECT_LE(weight, last) << cost;
-    // However high the low costs are, the view is used.
-    EXPECT_GT(weight, 0) << cost;
-    last = weight;
-  }
-  EXPECT_LT(last, 20);
 }
 
 }  // namespace

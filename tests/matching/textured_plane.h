@@ -14,6 +14,7 @@
 
 #include "tests/matching/gray_pairs.h"
 #include "tests/support/synthetic_scene.h"
+#include "tests/support/test_device.h"
 
 namespace tsar {
 
@@ -24,6 +25,7 @@ class TexturedPlane {
       : plane_(plane),
         camera_(camera),
         device_(device),
+        on_device_(device),
         depth_(DrawDepth(plane, camera)),
         normal_(camera.width, camera.height, plane.normal),
         gray_(Render(camera).first) {}
@@ -36,33 +38,37 @@ class TexturedPlane {
     for (float& value : gray) {
       value = contrast * value + brightness;
     }
-    rasters_.push_back({std::move(gray), {}, std::move(depth)});
+    rasters_.push_back({std::move(gray), std::move(depth)});
     views_.push_back(
         {source.GetIntrinsics(), ComputeRelativePose(camera_, source), {}, {}});
   }
 
   ReferenceView Reference() const {
-    return {
-        camera_.GetIntrinsics(), gray_.View(), depth_.View(), normal_.View()};
+    return {camera_.GetIntrinsics(),
+            on_device_(gray_),
+            on_device_(depth_),
+            on_device_(normal_)};
   }
   Buffer<SourceView> Sources() {
     for (size_t i = 0; i < views_.size(); ++i) {
-      rasters_[i].pairs = PairsOf(rasters_[i].gray);
-      views_[i].gray = std::as_const(rasters_[i].pairs).View();
-      views_[i].depth = std::as_const(rasters_[i].depth).View();
+      views_[i].gray = on_device_(PairsOf(rasters_[i].gray));
+      views_[i].depth = on_device_(rasters_[i].depth);
     }
-    return Buffer<SourceView>(device_, views_);
+    Buffer<SourceView> sources(device_, views_);
+    // Other devices may read them.
+    device_.Synchronize();
+    return sources;
   }
 
   Image<float>& Gray() { return gray_; }
   Image<float>& Depth() { return depth_; }
+  const Vec3f& Normal() const { return plane_.normal; }
   Image<float>& SourceGray(int i) { return rasters_[i].gray; }
   Image<float>& SourceDepth(int i) { return rasters_[i].depth; }
 
  private:
   struct Rasters {
     Image<float> gray;
-    Image<GrayPair> pairs;
     Image<float> depth;
   };
 
@@ -100,6 +106,7 @@ class TexturedPlane {
   Plane plane_;
   Camera camera_;
   Device& device_;
+  mutable DeviceCopies on_device_;
   Image<float> depth_;
   Image<Vec3f> normal_;
   Image<float> gray_;

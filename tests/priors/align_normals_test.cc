@@ -148,17 +148,6 @@ TEST_F(AlignNormalsTest, WrongNormalsAreDropped) {
   ExpectDropped(PriorVerdict::kUnlike);
 }
 
-TEST_F(AlignNormalsTest, NothingIsKnownWhereFewPlanesWereMeasured) {
-  Draw(0.1f, 0.f);
-  planes_.assign(kNumSuperpixels, Plane());
-  for (size_t k = 0; k < 19; ++k) {
-    planes_[k] = {Truth(static_cast<int>(k)), 2.f};
-  }
-  ExpectDropped(PriorVerdict::kFewMeasured);
-  normals_ = {};
-  ExpectDropped(PriorVerdict::kNone);
-}
-
 TEST_F(AlignNormalsTest, PlanesOfFewSamplesAreNotComparedWith) {
   Draw(0.1f, 0.f);
   const float sigma = Align().assessment.normal_sigma;
@@ -171,15 +160,6 @@ TEST_F(AlignNormalsTest, PlanesOfFewSamplesAreNotComparedWith) {
     }
   }
   EXPECT_NEAR(Align().assessment.normal_sigma, sigma, 0.02f);
-}
-
-// The walls of a facade have one direction, which a constant explains.
-TEST_F(AlignNormalsTest, ExactNormalsOfOneWallAreUsed) {
-  for (Plane& plane : planes_) {
-    plane = {{0.f, 0.f, -1.f}, 2.f};
-  }
-  normals_ = Image<Vec3f>(8, 6, Normalized({0.1f, 0.f, -1.f}));
-  EXPECT_EQ(Align().assessment.of_normals, PriorVerdict::kUsed);
 }
 
 }  // namespace

@@ -5,9 +5,7 @@
 
 #include "colmap_tsar/base/random.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <functional>
 #include <limits>
 
@@ -125,12 +123,6 @@ TEST_F(AlignPriorTest, DropsPriorsThatExplainNothing) {
   ExpectDropped(Draw(PriorType::kMetric, &Inverse), "explains only 0 %");
 }
 
-TEST_F(AlignPriorTest, DropsPriorsWithoutDepth) {
-  DepthPrior prior;
-  prior.normals = Image<Vec3f>(3, 2, Vec3f{0.f, 0.f, -1.f});
-  ExpectDropped(prior, "it has no depths");
-}
-
 TEST_F(AlignPriorTest, DropsPriorsThatTooLittleMeasures) {
   // 10 x 20 pixels are just enough.
   const auto measure = [&](int height) {
@@ -212,22 +204,6 @@ TEST_F(AlignPriorTest, IsLessCertainAtStepsThatItBlurs) {
   }
 }
 
-TEST_F(AlignPriorTest, GivesTheSameBitsAgain) {
-  const DepthPrior prior = Draw(PriorType::kAuto, &Inverse);
-  const AlignedPrior a = AlignPrior(prior, samples_);
-  const AlignedPrior b = AlignPrior(prior, samples_);
-  const auto has_bits_of = [](const Image<float>& first,
-                              const Image<float>& second) {
-    return first.HasSizeOf(second) && !first.Empty() &&
-           std::memcmp(first.Data(),
-                       second.Data(),
-                       first.NumPixels() * sizeof(float)) == 0;
-  };
-  EXPECT_TRUE(has_bits_of(a.depth, b.depth));
-  EXPECT_TRUE(has_bits_of(a.sigma, b.sigma));
-  EXPECT_EQ(a.outlier_share, b.outlier_share);
-}
-
 TEST_F(AlignPriorTest, HolesStayHoles) {
   for (const float none : {0.f, -1.f, kNan, kInfinity}) {
     DepthPrior prior = DrawMetric();
@@ -249,17 +225,6 @@ TEST_F(AlignPriorTest, HolesStayHoles) {
       }
     }
   }
-}
-
-// Where the line of inverse depths crosses zero, there is no depth.
-TEST_F(AlignPriorTest, ValuesWithoutADepthAreHoles) {
-  DepthPrior prior =
-      Draw(PriorType::kInverse, [](float depth) { return 1.f / depth + 0.5f; });
-  prior.values(40, 10) = 0.1f;
-  const AlignedPrior aligned = AlignPrior(prior, samples_);
-  ASSERT_FALSE(aligned.Empty());
-  EXPECT_EQ(aligned.depth(40, 10), 0.f);
-  EXPECT_EQ(aligned.sigma(40, 10), 0.f);
 }
 
 TEST_F(AlignPriorTest, TakesPriorsOfOtherSizes) {

@@ -105,17 +105,6 @@ TEST(FitPriorTest, NoiseExplainsNothing) {
   }
 }
 
-TEST(FitPriorTest, ConstantsExplainNothing) {
-  const std::vector<PriorSample> samples =
-      DrawSamples([](double) { return 2.0; });
-  for (const PriorType type : {PriorType::kAuto,
-                               PriorType::kMetric,
-                               PriorType::kRelative,
-                               PriorType::kInverse}) {
-    EXPECT_NEAR(FitPrior(samples, type).Skill(), 0.0, 0.1);
-  }
-}
-
 // Depth where inverse depth was said to be.
 TEST(FitPriorTest, AFallingPriorIsNoneOfItsType) {
   const PriorFit fit = FitPrior(DrawSamples(&InverseValue), PriorType::kMetric);
@@ -128,15 +117,6 @@ TEST(FitPriorTest, AFallingPriorIsNoneOfItsType) {
       FitPrior(DrawSamples(&RelativeValue), PriorType::kInverse).Skill(),
       0.0,
       1e-9);
-}
-
-TEST(FitPriorTest, TakesOneSampleAndEqualDepths) {
-  const PriorFit one = FitPrior({{2.0, 6.0}}, PriorType::kAuto);
-  EXPECT_DOUBLE_EQ(one.function.Depth(2.0), 6.0);
-  EXPECT_EQ(one.Skill(), 0.0);
-  const PriorFit equal =
-      FitPrior({{2.0, 6.0}, {3.0, 6.0}, {4.0, 6.0}}, PriorType::kAuto);
-  EXPECT_EQ(equal.Skill(), 0.0);
 }
 
 TEST(PriorFunctionTest, HasNoDepthBehindTheCamera) {

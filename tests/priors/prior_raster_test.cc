@@ -42,13 +42,6 @@ class PriorRasterTest : public testing::Test {
   Image<float> sigma_{kWidth, kHeight, 0.01f};
 };
 
-TEST_F(PriorRasterTest, SaysNothingWhereThereIsNone) {
-  EXPECT_EQ(PriorRaster{}.At(3, 2).depth, 0.f);
-  depth_(5, 4) = 0.f;
-  EXPECT_EQ(On(1).At(5, 4).depth, 0.f);
-  EXPECT_EQ(On(1).At(4, 4).depth, 4.f);
-}
-
 TEST_F(PriorRasterTest, IsThePriorItselfAtItsOwnSize) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -132,29 +125,6 @@ TEST_F(PriorRasterTest, NormalsAreThoseOfSlantedPlanes) {
       }
     }
   }
-}
-
-// At a step the neighbor on the other side tells the slope.
-TEST_F(PriorRasterTest, NormalsDoNotLookAcrossSteps) {
-  const Plane plane{Normalized(Vec3f{0.2f, 0.1f, -1.f}), 4.f};
-  Draw(plane);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = kWidth / 2; x < kWidth; ++x) {
-      depth_(x, y) *= 1.5f;
-    }
-  }
-  const PriorRaster raster = On(1);
-  for (int x = 0; x < kWidth; ++x) {
-    EXPECT_GT(Dot(raster.NormalAt(x, 4), plane.normal), 0.9999f) << x;
-  }
-}
-
-TEST_F(PriorRasterTest, WhereNothingTellsTheNormalItFacesTheCamera) {
-  depth_ = Image<float>(kWidth, kHeight);
-  depth_(5, 4) = 4.f;
-  const PriorRaster raster = On(1);
-  const Vec3f ray = raster.intrinsics.Ray(5, 4);
-  EXPECT_NEAR(Dot(raster.NormalAt(5, 4), ray), -Norm(ray), 1e-5f);
 }
 
 }  // namespace

@@ -107,19 +107,6 @@ TEST_F(ReadPriorTest, ValuesWithoutMeaningAreNone) {
   EXPECT_THAT(ValuesOf(ReadDepth(file)), ElementsAre(0, 0, 0, 0, 0, 2));
 }
 
-TEST_F(ReadPriorTest, AcceptsWhatHoldsNothing) {
-  EXPECT_THAT(ValuesOf(ReadDepth(
-                  Write("a.npy", NpyOf(3, 2, 1, std::vector<float>(6, kNan))))),
-              testing::Each(0.f));
-  EXPECT_THAT(ValuesOf(ReadDepth(
-                  Write("a.npy", NpyOf(3, 2, 1, std::vector<float>(6, 7.f))))),
-              testing::Each(7.f));
-  for (const Vec3f& normal : ReadNormals(WritePicture(
-           "a.tif", cv::Mat(2, 3, CV_32FC3, cv::Scalar::all(0))))) {
-    EXPECT_TRUE(normal == Vec3f{});
-  }
-}
-
 TEST_F(ReadPriorTest, ReadsNormalsOfEachFormat) {
   // OpenCV's own order is blue, green, red.
   const cv::Mat floats(2, 3, CV_32FC3, cv::Scalar(-0.8, 0.6, 0.0));

@@ -11,6 +11,7 @@
 #include <memory>
 
 #include "tests/support/synthetic_views.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -18,7 +19,7 @@ namespace tsar {
 class SyntheticViewsTest : public testing::Test {
  protected:
   SyntheticViewsTest()
-      : device_(Device::CreateCpu(2)), drawn_(MakeSyntheticViews({})) {}
+      : device_(CreateTestDevice(2)), drawn_(MakeSyntheticViews({})) {}
 
   float RelativeError(const Image<float>& depth, int x, int y) const {
     return std::abs(depth(x, y) / drawn_.truth(x, y) - 1.f);

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/view/compose.h"
 
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -13,7 +14,7 @@ constexpr int kMiddle = kSize / 2;
 
 // Fills an image with one measured pixel in its middle.
 RefinedMaps FillAroundOnePixel(const RefineOptions& options) {
-  const auto device = Device::CreateCpu(1);
+  const auto device = CreateTestDevice(1);
   const Image<Rgb> color(kSize, kSize, {100, 110, 120});
   Image<float> depth(kSize, kSize, 0.f);
   Image<Vec3f> normal(kSize, kSize);
@@ -25,7 +26,7 @@ RefinedMaps FillAroundOnePixel(const RefineOptions& options) {
   map.map.depth = DeviceImage<float>(*device, depth);
   map.map.normal = DeviceImage<Vec3f>(*device, normal);
   map.provenance = DeviceImage<uint8_t>(*device, provenance);
-  FillHoles(color.View(),
+  FillHoles(DeviceCopies(*device)(color),
             Intrinsics{20.f, 20.f, 10.f, 10.f},
             options,
             /*num_iterations=*/1,
@@ -62,7 +63,7 @@ TEST(FillHoles, DistancesInPixelsEndWhereNoWeightIsLeft) {
 }
 
 TEST(Download, TiltsNormalsThatFaceAwayAndNoOthers) {
-  const auto device = Device::CreateCpu(1);
+  const auto device = CreateTestDevice(1);
   const Intrinsics intrinsics{2.f, 2.f, 1.f, 0.f};
   // The rays are (-0.5, 0, 1), (0, 0, 1) and (0.5, 0, 1).
   Image<Vec3f> normal(3, 1);

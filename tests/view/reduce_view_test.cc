@@ -13,6 +13,7 @@
 #include "tests/support/same_bytes.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/synthetic_views.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -29,16 +30,6 @@ ViewData FlatView(int width, int height, float depth) {
   return view;
 }
 
-TEST(ReductionFactor, LeavesMapsUpToTheLimit) {
-  EXPECT_EQ(ReductionFactor(1280, 960), 1);
-  EXPECT_EQ(ReductionFactor(1, 1), 1);
-  EXPECT_EQ(ReductionFactor(1281, 960), 2);
-  EXPECT_EQ(ReductionFactor(1200, 2560), 2);
-  EXPECT_EQ(ReductionFactor(2561, 10), 3);
-  EXPECT_EQ(ReductionFactor(6000, 4000), 5);
-  EXPECT_EQ(ReductionFactor(97, 10, 48), 3);
-}
-
 TEST(FactorBetween, IsThatOfTheReduction) {
   for (const auto& [width, height] :
        {std::pair{1280, 960}, {1601, 7}, {2560, 1920}, {5000, 6001}}) {
@@ -53,17 +44,6 @@ TEST(FactorBetween, IsThatOfTheReduction) {
   EXPECT_EQ(FactorBetween(100, 80, 101, 80), 0);
   EXPECT_EQ(FactorBetween(100, 80, 1, 1), 100);
   EXPECT_EQ(FactorBetween(3, 2, 1, 2), 0);
-}
-
-TEST(ReduceView, ByOneIsTheSame) {
-  const ViewData view = MakeSyntheticViews({}).views[1];
-  const ViewData reduced = ReduceView(view, 1);
-  EXPECT_TRUE(SameBytes(reduced.color, view.color));
-  EXPECT_TRUE(SameBytes(reduced.depth, view.depth));
-  EXPECT_TRUE(SameBytes(reduced.normal, view.normal));
-  EXPECT_TRUE(SameBytes(reduced.is_to_refine, view.is_to_refine));
-  EXPECT_EQ(reduced.camera.cx, view.camera.cx);
-  EXPECT_EQ(reduced.num_depths_to_refine, view.num_depths_to_refine);
 }
 
 TEST(ReduceView, RaysGoThroughTheMiddleOfSquares) {
@@ -169,22 +149,6 @@ TEST(ReduceView, TakesTheOtherTypeWhereTheMapToRefineHasGaps) {
   EXPECT_EQ(ReduceView(view, 3).num_depths_to_refine, 3);
 }
 
-TEST(ReduceView, DepthsOfASquareAreAlike) {
-  // Alike but for one of nine, for one of four, and for two.
-  ViewData view = FlatView(9, 3, 2.f);
-  view.depth(1, 1) = 2.1f;
-  EXPECT_EQ(ReduceView(view, 3).depth(0, 0), 2.f);
-  EXPECT_EQ(ReduceView(view, 2).depth(0, 0), 0.f);
-  view.depth(0, 1) = 1.9f;
-  EXPECT_EQ(ReduceView(view, 3).depth(0, 0), 0.f);
-  // By 0.5 % at most.
-  view = FlatView(2, 2, 2.f);
-  view.depth(1, 0) = 2.009f;
-  EXPECT_EQ(ReduceView(view, 2).depth(0, 0), 2.f);
-  view.depth(1, 0) = 2.011f;
-  EXPECT_EQ(ReduceView(view, 2).depth(0, 0), 0.f);
-}
-
 TEST(ReduceView, SquaresAtTheEndHaveFewerPixels) {
   ViewData view = FlatView(5, 5, 0.f);
   for (const auto& [x, y] : {std::pair{3, 3}, {3, 4}, {4, 3}, {4, 4}}) {
@@ -203,17 +167,8 @@ TEST(ReduceView, SquaresAtTheEndHaveFewerPixels) {
   EXPECT_EQ(reduced.color(1, 0).g, 1);
 }
 
-TEST(ReduceView, StraysAreNothing) {
-  ViewData view = FlatView(9, 3, 0.f);
-  view.depth(4, 1) = 2.f;
-  EXPECT_FALSE(HasReducedDepth(view, 3));
-  EXPECT_TRUE(HasReducedDepth(view, 1));
-  EXPECT_FALSE(HasReducedDepth(view, 2));
-  EXPECT_FALSE(HasReducedDepth(FlatView(4, 4, 0.f), 1));
-}
-
 TEST(ReduceHypotheses, AreThoseOfTheReducedView) {
-  const auto device = Device::CreateCpu(3);
+  const auto device = CreateTestDevice(3);
   ViewData view = MakeSyntheticViews({}).views[0];
   // Some pixels are of the other type, and some have no depth.
   for (size_t i = 0; i < view.depth.NumPixels(); ++i) {

@@ -6,9 +6,9 @@
 #include "colmap_tsar/view/depth_confidence.h"
 
 #include <memory>
-#include <utility>
 #include <vector>
 
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -65,7 +65,7 @@ class ViewVotesTest : public testing::Test {
     EXPECT_EQ(votes.behind, behind);
   }
 
-  const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
+  const std::unique_ptr<Device> device_ = CreateTestDevice(2);
   std::vector<ViewEvidence> evidence_;
   std::vector<ObservedView> views_;
   std::vector<std::vector<Plane>> planes_;
@@ -85,12 +85,6 @@ TEST_F(ViewVotesTest, WhatASourceMeasuredCountsForItsPlane) {
   evidence_[2].confident_depth = Image<float>(kWidth, kHeight, 0.8f * kWall);
   Expect(VotesOn(kWall), 2, 1, 0);
   Expect(VotesOn(0.8f * kWall), 1, 0, 2);
-}
-
-TEST_F(ViewVotesTest, ASourceWithoutASurfaceSaysNothing) {
-  planes_[0][0] = {};
-  Expect(VotesOn(kWall), 2, 0, 0);
-  Expect(VotesOn(1.1f * kWall), 0, 2, 0);
 }
 
 TEST_F(ViewVotesTest, ASpeckInFrontHidesNothing) {
@@ -155,16 +149,6 @@ TEST_F(ViewVotesTest, ColorsFitWhatIsThinAndNotTheWallBehindIt) {
   EXPECT_EQ(on_wall.second_color, ViewVotes::kNoColor - 1);
   EXPECT_GT(MisfitOf(on_wall, on_post), 0.4f);
   EXPECT_EQ(MisfitOf(on_post, on_wall), -MisfitOf(on_wall, on_post));
-}
-
-TEST_F(ViewVotesTest, OneViewAloneTellsNothingOfColors) {
-  views_.resize(2);
-  planes_.resize(1);
-  evidence_[1].color = Image<Rgb>(kWidth, kHeight, Rgb{0, 0, 0});
-  const ViewVotes votes = VotesOn(kWall);
-  EXPECT_EQ(votes.color, ViewVotes::kNoColor - 1);
-  EXPECT_EQ(votes.second_color, ViewVotes::kNoColor);
-  EXPECT_EQ(MisfitOf(votes, ViewVotes{}), 0.f);
 }
 
 TEST_F(ViewVotesTest, ColorsOfWhatHidesAPointDoNotCount) {

@@ -81,10 +81,6 @@ inline MeasurePlanes Measure(const Observations& observations,
   };
 }
 
-inline std::vector<PlaneMeasurement> MeasureNothing(
-    const std::vector<WorldPlane>&) {
-  return {};
-}
 
 // Turns about the two axes and shift that lead from the adjusted plane to the
 // true one.

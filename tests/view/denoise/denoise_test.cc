@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "tests/support/test_device.h"
 #include "tests/view/denoise/drawn_noise.h"
 #include <gtest/gtest.h>
 
@@ -19,8 +20,9 @@ Image<Rgb> DenoiseOnCpu(const Image<Rgb>& color,
                         const Image<float>& gray,
                         const NoiseCurve& noise,
                         int num_threads) {
-  const auto device = Device::CreateCpu(num_threads);
-  return Denoise(color.View(), gray.View(), noise, *device).ToHost();
+  const auto device = CreateTestDevice(num_threads);
+  DeviceCopies on_device(*device);
+  return Denoise(on_device(color), on_device(gray), noise, *device).ToHost();
 }
 
 // color: gray pixels.

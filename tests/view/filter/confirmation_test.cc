@@ -4,8 +4,8 @@
 #include "colmap_tsar/view/filter/confirmation.h"
 
 #include <memory>
-#include <utility>
 
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -30,9 +30,13 @@ Image<uint8_t> Confirm(const Image<float>& gray,
                        const Image<uint8_t>& agreement,
                        const Image<uint8_t>& is_candidate,
                        const NoiseCurve& noise = kNoise) {
-  const std::unique_ptr<Device> device = Device::CreateCpu(2);
-  return ConfirmDepths(
-             gray.View(), agreement.View(), is_candidate.View(), noise, *device)
+  const std::unique_ptr<Device> device = CreateTestDevice(2);
+  DeviceCopies on_device(*device);
+  return ConfirmDepths(on_device(gray),
+                       on_device(agreement),
+                       on_device(is_candidate),
+                       noise,
+                       *device)
       .ToHost();
 }
 

@@ -105,23 +105,6 @@ TEST_F(FitTogetherTest, TurnsAboutTheAxisAlone) {
               0.2);
 }
 
-TEST_F(FitTogetherTest, OneAloneIsFittedAsByItself) {
-  for (int i = 0; i < kNumPlanes; ++i) {
-    std::vector<JointPlane> joint = {Turned(oblique_turn_)[i]};
-    const WorldPlane before = joint[0].plane;
-    const WorldPlane fit = FitPlane(before, samples_[i], kLossScale);
-    const Eigen::Matrix3d rotation =
-        FitTogether(std::nullopt, kLossScale, &joint);
-    EXPECT_LT(AngleBetween(joint[0].plane, fit), 0.005);
-    EXPECT_NEAR(
-        joint[0].plane.Height(middles_[i]), fit.Height(middles_[i]), 1e-4);
-    // It does not turn about its normal, which nothing determines.
-    EXPECT_NEAR(Eigen::AngleAxisd(rotation).angle() * 180.0 / M_PI,
-                AngleBetween(joint[0].plane, before),
-                0.01);
-  }
-}
-
 TEST_F(FitTogetherTest, PlanesWithoutSamplesTurnWithTheOthers) {
   const FitSamples none;
   std::vector<JointPlane> before = Turned(oblique_turn_);
@@ -134,24 +117,6 @@ TEST_F(FitTogetherTest, PlanesWithoutSamplesTurnWithTheOthers) {
   EXPECT_LT(AngleBetween(joint[1].plane, truth_[1]), 0.15);
   const Eigen::Vector3d foot = -before[1].plane.offset * before[1].plane.normal;
   EXPECT_NEAR(joint[1].plane.Height(foot), 0.0, 1e-3);
-}
-
-TEST_F(FitTogetherTest, NothingTurnsWithoutSamples) {
-  std::vector<JointPlane> none;
-  EXPECT_EQ(FitTogether(std::nullopt, kLossScale, &none),
-            Eigen::Matrix3d::Identity());
-  const FitSamples no_samples;
-  for (const bool with_axis : {false, true}) {
-    std::optional<Eigen::Vector3d> axis;
-    if (with_axis) {
-      axis = Eigen::Vector3d::UnitX();
-    }
-    std::vector<JointPlane> joint = {{truth_[0], &no_samples}};
-    EXPECT_EQ(FitTogether(axis, kLossScale, &joint),
-              Eigen::Matrix3d::Identity());
-    EXPECT_LT((joint[0].plane.normal - truth_[0].normal).norm(), 1e-12);
-    EXPECT_NEAR(joint[0].plane.offset, truth_[0].offset, 1e-12);
-  }
 }
 
 TEST_F(FitTogetherTest, NothingTurnsAboutALine) {
@@ -203,16 +168,6 @@ TEST_F(FitTogetherTest, DoesNotDependOnTheScale) {
       EXPECT_NEAR(
           scaled[i].plane.offset / (scale * joint[i].plane.offset), 1.0, 1e-9);
     }
-  }
-}
-
-TEST_F(FitTogetherTest, GivesTheSameResultEachTime) {
-  std::vector<JointPlane> first = Turned(oblique_turn_);
-  std::vector<JointPlane> second = first;
-  EXPECT_EQ(FitTogether(std::nullopt, kLossScale, &first),
-            FitTogether(std::nullopt, kLossScale, &second));
-  for (int i = 0; i < kNumPlanes; ++i) {
-    ExpectSame(first[i].plane, second[i].plane);
   }
 }
 

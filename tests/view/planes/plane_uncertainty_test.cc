@@ -98,48 +98,6 @@ TEST_F(PlaneUncertaintyTest, GrowsWithTheDistanceFromTheSupport) {
   }
 }
 
-TEST_F(PlaneUncertaintyTest, HalvesWithFourTimesTheObservations) {
-  std::vector<DepthObservation> repeated;
-  std::vector<DepthObservation> weighted = observations_;
-  for (DepthObservation& observation : weighted) {
-    repeated.insert(repeated.end(), 4, observation);
-    observation.weight = 4.0;
-  }
-  const Eigen::Vector3d point = OnPlane(3.0, -1.0);
-  const double sigma = ComputeUncertainty(plane_, observations_).Sigma(point);
-  EXPECT_NEAR(
-      ComputeUncertainty(plane_, repeated).Sigma(point), 0.5 * sigma, 1e-9);
-  EXPECT_NEAR(
-      ComputeUncertainty(plane_, weighted).Sigma(point), 0.5 * sigma, 1e-9);
-}
-
-TEST_F(PlaneUncertaintyTest, ScalesWithTheScene) {
-  std::vector<DepthObservation> scaled = observations_;
-  for (DepthObservation& observation : scaled) {
-    observation.center *= 1000.0;
-    observation.depth *= 1000.0;
-    observation.sigma *= 1000.0;
-  }
-  const Eigen::Vector3d point = OnPlane(3.0, -1.0);
-  const double sigma = ComputeUncertainty(plane_, observations_).Sigma(point);
-  EXPECT_NEAR(
-      ComputeUncertainty({plane_.normal, 1000.0 * plane_.offset}, scaled)
-          .Sigma(1000.0 * point),
-      1000.0 * sigma,
-      1e-6 * sigma);
-}
-
-TEST_F(PlaneUncertaintyTest, CountsOnlyTheErrorAlongTheNormal) {
-  // At 60 degrees to the normal, half the depth's error.
-  DepthObservation slanted;
-  slanted.center = {-2.0 * std::sqrt(3.0), 0.0, 0.0};
-  slanted.ray = {std::sqrt(0.75), 0.0, 0.5};
-  slanted.depth = 4.0;
-  slanted.sigma = 0.2;
-  EXPECT_NEAR(
-      ComputeUncertainty(flat_, {slanted}).Sigma({0.0, 0.0, 2.0}), 0.1, 1e-12);
-}
-
 TEST_F(PlaneUncertaintyTest, IsInfiniteWhereNothingIsDetermined) {
   EXPECT_EQ(ComputeUncertainty(flat_, {}).Sigma({0.0, 0.0, 2.0}), kInfinity);
   const PlaneUncertainty of_one = ComputeUncertainty(flat_, {Above(1, 2, 0.1)});
@@ -150,21 +108,6 @@ TEST_F(PlaneUncertaintyTest, IsInfiniteWhereNothingIsDetermined) {
   EXPECT_NEAR(of_two.Sigma({3.0, 4.0, 2.0}), 0.1, 1e-12);
   EXPECT_NEAR(of_two.Sigma({2.0, 3.0, 2.0}), 0.1 / std::sqrt(2.0), 1e-12);
   EXPECT_EQ(of_two.Sigma({2.0, 3.1, 2.0}), kInfinity);
-}
-
-TEST_F(PlaneUncertaintyTest, IsInfiniteBesideALineSeenWithErrors) {
-  Philox random(6, 0, 0);
-  const Camera camera = CameraLookingAt({0.0, 0.0, 0.0}, {0.0, 0.0, 4.0});
-  std::vector<DepthObservation> line;
-  for (int i = 0; i < 20; ++i) {
-    line.push_back(ObservePlane(plane_, camera, {0.04 * i, 0.1, 1.0}));
-  }
-  const Eigen::Vector3d on_line = line[7].Point();
-  const PlaneUncertainty uncertainty =
-      ComputeUncertainty(plane_, AddNoise(line, &random));
-  EXPECT_LT(uncertainty.Sigma(on_line), line[7].sigma);
-  EXPECT_EQ(uncertainty.Sigma(on_line + plane_.normal.cross(line[7].ray)),
-            kInfinity);
 }
 
 class DepthObservationTest : public testing::Test {
@@ -220,21 +163,6 @@ class WorldPlaneTest : public testing::Test {
   const WorldPlane plane_ = PlaneThrough({0.3, -0.2, -1.0}, {0.0, 0.0, 4.0});
 };
 
-TEST_F(WorldPlaneTest, HeightIsTheDistanceOnTheSideOfTheNormal) {
-  const WorldPlane plane = PlaneThrough({0.0, 0.0, -2.0}, {5.0, 6.0, 4.0});
-  EXPECT_DOUBLE_EQ(plane.Height({-1.0, 9.0, 4.0}), 0.0);
-  EXPECT_DOUBLE_EQ(plane.Height({0.0, 0.0, 1.0}), 3.0);
-  EXPECT_DOUBLE_EQ(plane.Height({7.0, 0.0, 6.0}), -2.0);
-}
-
-TEST_F(WorldPlaneTest, ComesBackFromTheCameraFrame) {
-  const WorldPlane back = ToWorldPlane(ToCameraPlane(plane_, camera_), camera_);
-  EXPECT_LT(AngleBetween(back, plane_), 1e-5);
-  EXPECT_NEAR(back.normal.norm(), 1.0, 1e-12);
-  // It faces the camera, as the drawn one does.
-  EXPECT_NEAR(back.offset, plane_.offset, 1e-6);
-}
-
 TEST_F(WorldPlaneTest, FacesTheCameraWhateverItsDirection) {
   const WorldPlane opposite = {-plane_.normal, -plane_.offset};
   const Plane plane = ToCameraPlane(plane_, camera_);
@@ -257,12 +185,6 @@ TEST_F(WorldPlaneTest, HasTheSameDepthsInBothFrames) {
         depth,
         2e-6 * depth);
   }
-}
-
-TEST_F(WorldPlaneTest, IsInvalidInACameraWithinIt) {
-  EXPECT_FALSE(
-      ToCameraPlane(PlaneThrough({0.0, 1.0, 0.0}, {3.0, 0.0, 1.0}), Camera())
-          .Valid());
 }
 
 TEST_F(WorldPlaneTest, KeepsItsPlaceFarFromTheOrigin) {

@@ -7,10 +7,10 @@
 #include "colmap_tsar/view/regions/assign_region_planes.h"
 
 #include <cmath>
-#include <utility>
 #include <vector>
 
 #include "tests/support/synthetic_scene.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -24,7 +24,7 @@ constexpr int kHeight = 90;
 class RegionPlanesTest : public testing::Test {
  protected:
   RegionPlanesTest()
-      : device_(Device::CreateCpu(2)),
+      : device_(CreateTestDevice(2)),
         camera_(SyntheticCamera(kWidth, kHeight, 100.0)),
         wall_(DrawnPlane({0.4f, -0.3f, -1.f}, 4.f)),
         depth_(DrawDepth(wall_, camera_)) {
@@ -38,7 +38,7 @@ class RegionPlanesTest : public testing::Test {
         depth_(x, y) = 0.f;
       }
     }
-    regions_ = FindRegions(std::as_const(edges).View(), 100, *device_);
+    regions_ = FindRegions(DeviceCopies(*device_)(edges), 100, *device_);
   }
 
   bool InRegion(int x, int y) const {
@@ -139,18 +139,6 @@ TEST_F(RegionPlanesTest, RejectsARimThatIsNoPlane) {
   EXPECT_FALSE(Fit().Valid());
 }
 
-TEST_F(RegionPlanesTest, RejectsARegionWithoutMeasurements) {
-  depth_ = Image<float>(kWidth, kHeight, 0.f);
-  EXPECT_FALSE(Fit().Valid());
-  // Too few to mean anything.
-  const Image<float> wall = DrawDepth(wall_, camera_);
-  for (const auto& [x, y] :
-       {std::pair(28, 30), std::pair(60, 23), std::pair(92, 50)}) {
-    depth_(x, y) = wall(x, y);
-  }
-  EXPECT_FALSE(Fit().Valid());
-}
-
 TEST_F(RegionPlanesTest, DoesNotDependOnTheScenesScale) {
   const Plane plane = Fit();
   for (float& z : depth_) {
@@ -162,15 +150,6 @@ TEST_F(RegionPlanesTest, DoesNotDependOnTheScenesScale) {
   ASSERT_TRUE(scaled.Valid());
   EXPECT_LT(AngleBetween(scaled.normal, plane.normal), 0.05f);
   EXPECT_NEAR(scaled.offset / 1000.f, plane.offset, 1e-3f * plane.offset);
-}
-
-TEST_F(RegionPlanesTest, GivesItsPlaneToTheRegionsPixelsOnly) {
-  const Image<Plane> pixels = Assign();
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      ASSERT_EQ(pixels(x, y).Valid(), InRegion(x, y)) << x << ", " << y;
-    }
-  }
 }
 
 TEST_F(RegionPlanesTest, IsNotBelievedFarFromItsSupport) {
@@ -200,46 +179,6 @@ TEST_F(RegionPlanesTest, ACoreOnTheWallWinsOverFramesAroundIt) {
     EXPECT_LT(AngleBetween(plane.normal, frames.normal), 0.1f) << height;
     EXPECT_NEAR(plane.offset, wall_.offset, 1e-3f * wall_.offset) << height;
   }
-}
-
-TEST_F(RegionPlanesTest, WithoutTheCoreOneFitTakesTheFrames) {
-  const Plane frames = DrawFrames(0.05f);
-  RegionPlaneOptions options;
-  options.use_core = false;
-  options.max_planes = 1;
-  const std::vector<SupportedPlane> planes = FitAll(options);
-  ASSERT_TRUE(planes[0].plane.Valid());
-  EXPECT_LT(AngleBetween(planes[0].plane.normal, frames.normal), 0.1f);
-  EXPECT_NEAR(planes[0].plane.offset, frames.offset, 1e-3f * frames.offset);
-  for (int slot = 1; slot < kMaxPlanesPerRegion; ++slot) {
-    EXPECT_FALSE(planes[slot].plane.Valid()) << slot;
-  }
-}
-
-TEST_F(RegionPlanesTest, WithoutTheCoreItsSamplesStillCount) {
-  const Image<float> wall = DrawDepth(wall_, camera_);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      depth_(x, y) = InRegion(x, y) ? wall(x, y) : 0.f;
-    }
-  }
-  RegionPlaneOptions options;
-  options.use_core = false;
-  ExpectWall(Fit(options));
-}
-
-TEST_F(RegionPlanesTest, FramesOnAWallDoNotDependOnTheScenesScale) {
-  DrawFrames(0.05f);
-  const Plane plane = Fit();
-  for (float& z : depth_) {
-    z *= 1000.f;
-  }
-  scale_.factor *= 1000.f;
-  scale_.error_per_depth /= 1000.f;
-  const Plane scaled = Fit();
-  ASSERT_TRUE(scaled.Valid());
-  EXPECT_LT(AngleBetween(scaled.normal, plane.normal), 0.1f);
-  EXPECT_NEAR(scaled.offset / 1000.f, plane.offset, 1e-3f * plane.offset);
 }
 
 TEST_F(RegionPlanesTest, NoiseInTheCoreAloneIsNoPlane) {
@@ -304,14 +243,6 @@ TEST_F(CreasedRegionTest, PixelsBesideTheCreaseHaveThePlaneOfTheirSide) {
       }
     }
   }
-}
-
-TEST_F(CreasedRegionTest, OnePlaneAtMostWhereAskedFor) {
-  RegionPlaneOptions options;
-  options.max_planes = 1;
-  const std::vector<SupportedPlane> planes = FitAll(options);
-  EXPECT_TRUE(planes[0].plane.Valid());
-  EXPECT_FALSE(planes[1].plane.Valid());
 }
 
 }  // namespace

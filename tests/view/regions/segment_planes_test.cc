@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/view/regions/assign_region_planes.h"
 
-#include <utility>
 #include <vector>
 
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -22,7 +22,7 @@ Plane At(float depth) { return {{0.f, 0.f, -1.f}, depth}; }
 class SegmentPlanesTest : public testing::Test {
  protected:
   SegmentPlanesTest()
-      : device_(Device::CreateCpu(2)),
+      : device_(CreateTestDevice(2)),
         labels_(kWidth, 1, -1),
         samples_(kWidth, 1),
         of_segments_(kWidth, 1),

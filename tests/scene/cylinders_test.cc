@@ -1,12 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/scene_cylinders.h"
+#include "colmap_tsar/scene/cylinders.h"
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "tests/support/drawn_column.h"
@@ -84,17 +82,6 @@ DrawnScene Both(const DrawnColumn& a, const DrawnColumn& b) {
   };
 }
 
-// A column that a floor cuts in two.
-DrawnScene TwoStoreys() {
-  DrawnColumn lower;
-  lower.bottom = -0.8;
-  lower.top = -0.2;
-  DrawnColumn upper;
-  upper.bottom = 0.2;
-  upper.top = 0.6;
-  return Both(lower, upper);
-}
-
 // From the lower to the upper.
 void SortByHeight(std::vector<ModelCylinder>* cylinders) {
   // Heights are along any of the two directions of the axis.
@@ -108,18 +95,18 @@ void SortByHeight(std::vector<ModelCylinder>* cylinders) {
       });
 }
 
-TEST(SceneCylindersTest, FindsABareColumn) {
+TEST(CylindersTest, FindsABareColumn) {
   const DrawnViews drawn(DrawnColumn(), 7);
   ExpectColumn(Find(drawn), kUpright, 0.002);
 }
 
-TEST(SceneCylindersTest, FindsItInNoise) {
+TEST(CylindersTest, FindsItInNoise) {
   const DrawnViews drawn(DrawnColumn(), 7, kUpright, 4.0);
   ExpectColumn(Find(drawn), kUpright, 0.006);
 }
 
 // Any axis of any of the frames, whatever the world's directions are.
-TEST(SceneCylindersTest, FindsItInATurnedWorld) {
+TEST(CylindersTest, FindsItInATurnedWorld) {
   const Eigen::Matrix3d turned =
       Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, -2, 0.5).normalized())
           .toRotationMatrix();
@@ -136,7 +123,7 @@ TEST(SceneCylindersTest, FindsItInATurnedWorld) {
   EXPECT_TRUE(Find(drawn, {}).empty());
 }
 
-TEST(SceneCylindersTest, FindsItInAnyUnit) {
+TEST(CylindersTest, FindsItInAnyUnit) {
   for (const double scale : {1e-6, 1e6}) {
     SCOPED_TRACE(scale);
     const std::vector<ModelCylinder> found =
@@ -150,17 +137,17 @@ TEST(SceneCylindersTest, FindsItInAnyUnit) {
   }
 }
 
-TEST(SceneCylindersTest, NeedsFourViews) {
+TEST(CylindersTest, NeedsFourViews) {
   EXPECT_EQ(Find(DrawnViews(DrawnColumn(), 4)).size(), 1u);
   EXPECT_TRUE(Find(DrawnViews(DrawnColumn(), 3)).empty());
 }
 
-TEST(SceneCylindersTest, TakesNoBoardForAColumn) {
+TEST(CylindersTest, TakesNoBoardForAColumn) {
   EXPECT_TRUE(
       Find(DrawnViews(DrawnWalls{{{-0.2, 3.1}, {0.3, 2.9}}}, 7)).empty());
 }
 
-TEST(SceneCylindersTest, TakesNoSquarePillarForAColumn) {
+TEST(CylindersTest, TakesNoSquarePillarForAColumn) {
   EXPECT_TRUE(Find(DrawnViews(DrawnWalls{{{-0.2, 2.8},
                                           {0.2, 2.8},
                                           {0.2, 3.2},
@@ -170,7 +157,7 @@ TEST(SceneCylindersTest, TakesNoSquarePillarForAColumn) {
                   .empty());
 }
 
-TEST(SceneCylindersTest, FindsTwoSideBySide) {
+TEST(CylindersTest, FindsTwoSideBySide) {
   DrawnColumn left;
   left.center.x() = -0.4;
   DrawnColumn right;
@@ -183,7 +170,7 @@ TEST(SceneCylindersTest, FindsTwoSideBySide) {
   EXPECT_NEAR(std::min(found[0].radius, found[1].radius), 0.15, 0.002);
 }
 
-TEST(SceneCylindersTest, FindsTheBaseOfAColumnAndItsShaft) {
+TEST(CylindersTest, FindsTheBaseOfAColumnAndItsShaft) {
   DrawnColumn base;
   base.radius = 0.35;
   base.top = -0.1;
@@ -199,39 +186,8 @@ TEST(SceneCylindersTest, FindsTheBaseOfAColumnAndItsShaft) {
   EXPECT_NEAR(found[1].max_height - found[1].min_height, 0.9, 0.08);
 }
 
-TEST(SceneCylindersTest, FindsAColumnOnTwoStoreys) {
-  std::vector<ModelCylinder> found = Find(DrawnViews(TwoStoreys(), 7));
-  ASSERT_EQ(found.size(), 2u);
-  SortByHeight(&found);
-  for (const ModelCylinder& cylinder : found) {
-    EXPECT_NEAR(cylinder.radius, 0.25, 0.003);
-  }
-  EXPECT_NEAR(found[0].max_height - found[0].min_height, 0.6, 0.08);
-  EXPECT_NEAR(found[1].max_height - found[1].min_height, 0.4, 0.08);
-}
-
-// Some views look at one storey, some at the other.
-TEST(SceneCylindersTest, FindsStoreysThatDifferentViewsShow) {
-  DrawnViews drawn(TwoStoreys(), 11);
-  for (size_t view = 0; view < drawn.Views().size(); ++view) {
-    Image<Rgb>& color = drawn.Evidence(view).color;
-    const bool shows_upper = view % 3 == 0;
-    for (int y = 0; y < color.Height(); ++y) {
-      for (int x = 0; x < color.Width(); ++x) {
-        if ((y < color.Height() / 2) != shows_upper) {
-          color(x, y) = {90, 90, 90};
-        }
-      }
-    }
-  }
-  std::vector<ModelCylinder> found = Find(drawn);
-  ASSERT_EQ(found.size(), 2u);
-  EXPECT_NEAR(found[0].radius, 0.25, 0.003);
-  EXPECT_NEAR(found[1].radius, 0.25, 0.003);
-}
-
 // Views that saw what is behind it, all over it.
-TEST(SceneCylindersTest, DropsWhatIsSeenThrough) {
+TEST(CylindersTest, DropsWhatIsSeenThrough) {
   DrawnViews drawn(DrawnColumn(), 7);
   const auto set_depths = [&](float depth, int step) {
     for (size_t view = 0; view < 7; ++view) {
@@ -255,13 +211,98 @@ TEST(SceneCylindersTest, DropsWhatIsSeenThrough) {
 
 // Where views measured a plane between the outlines, these belong to something
 // else, such as windows beside a wall.
-TEST(SceneCylindersTest, DropsWhatWasMeasuredOnAPlane) {
+TEST(CylindersTest, DropsWhatWasMeasuredOnAPlane) {
   const DrawnViews drawn(DrawnColumn(), 7);
   ViewLabels labels = {
       {0}, {LabelEvidence::kMeasured}, std::vector<LabelQuality>(1)};
   EXPECT_TRUE(Find(drawn, {kUpright}, labels).empty());
   labels.evidence = {LabelEvidence::kCarried};
   EXPECT_EQ(Find(drawn, {kUpright}, labels).size(), 1u);
+}
+
+// Upright, two units before the camera, of radius one half.
+CameraCylinder UprightCylinder() {
+  CameraCylinder cylinder;
+  cylinder.point = {0.f, 1.f, 2.f};
+  cylinder.axis = {0.f, -1.f, 0.f};
+  cylinder.radius = 0.5f;
+  cylinder.length = 2.f;
+  return cylinder;
+}
+
+TEST(CameraCylinderTest, RaysMeetItsFront) {
+  CameraCylinder cylinder = UprightCylinder();
+  cylinder.axis = Normalized({0.3f, -1.f, -0.4f});
+  int num_hits = 0;
+  for (float x = -0.5f; x < 0.5f; x += 0.01f) {
+    const Vec3f ray = {x, 0.1f, 1.f};
+    CameraCylinder::Intersection at;
+    if (!cylinder.Intersect(ray, &at)) {
+      continue;
+    }
+    ++num_hits;
+    const Vec3f from_begin = ray * at.depth - cylinder.point;
+    const float height = Dot(from_begin, cylinder.axis);
+    EXPECT_GE(height, 0.f);
+    EXPECT_LT(height, cylinder.length);
+    const Vec3f from_axis = from_begin - cylinder.axis * height;
+    EXPECT_NEAR(Norm(at.normal * cylinder.radius - from_axis), 0.f, 1e-4f);
+    EXPECT_LE(Dot(at.normal, ray), 0.f);
+  }
+  EXPECT_GT(num_hits, 20);
+}
+
+TEST(CameraCylinderTest, RaysBesideBeyondWithinAndBehindMissIt) {
+  CameraCylinder::Intersection at;
+  const auto meets = [&](const Vec3f& point, const Vec3f& ray) {
+    CameraCylinder cylinder = UprightCylinder();
+    cylinder.point = point;
+    return cylinder.Intersect(ray, &at);
+  };
+  // The outline of a circle of radius one half at a distance of 2.
+  const float outline = 0.5f / std::sqrt(4.f - 0.25f);
+  EXPECT_TRUE(meets({0.f, 1.f, 2.f}, {0.999f * outline, 0.f, 1.f}));
+  EXPECT_FALSE(meets({0.f, 1.f, 2.f}, {1.001f * outline, 0.f, 1.f}));
+  EXPECT_FALSE(meets({0.f, 1.f, 2.f}, {0.f, 0.7f, 1.f}));
+  EXPECT_FALSE(meets({0.f, 1.f, 2.f}, {0.f, -0.7f, 1.f}));
+  EXPECT_FALSE(meets({0.f, 1.f, 0.3f}, {0.f, 0.f, 1.f}));
+  EXPECT_FALSE(meets({0.f, 1.f, -2.f}, {0.f, 0.f, 1.f}));
+}
+
+// Compared with differences of the depth itself.
+TEST(CameraCylinderTest, KnowsHowItsErrorsMoveDepths) {
+  ModelCylinder model;
+  model.frame = {-Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX()};
+  model.point = {0.1, 0.0, 3.0};
+  model.radius = 0.25;
+  model.min_height = -1.0;
+  model.max_height = 1.0;
+  Eigen::Matrix3d root;
+  root << 1e-3, 0, 0, 4e-4, 8e-4, 0, -3e-4, 2e-4, 5e-4;
+  model.covariance = root * root.transpose();
+  const auto intersect = [](const ModelCylinder& cylinder,
+                            const Vec3f& ray,
+                            CameraCylinder::Intersection* at) {
+    const CameraCylinder in_camera = ToCameraCylinders({cylinder}, Camera())[0];
+    EXPECT_TRUE(in_camera.Intersect(ray, at));
+    return in_camera.DepthVariance(ray, at->normal);
+  };
+  for (const float offset : {-0.05f, 0.f, 0.04f}) {
+    const Vec3f ray = {0.1f / 3.f + offset, 0.01f, 1.f};
+    CameraCylinder::Intersection at;
+    const float found = intersect(model, ray, &at);
+    double variance = 0.0;
+    for (int i = 0; i < 3; ++i) {
+      ModelCylinder moved = model;
+      moved.point += root(0, i) * model.frame.across +
+                     root(1, i) * model.frame.Third();
+      moved.radius += root(2, i);
+      CameraCylinder::Intersection other;
+      intersect(moved, ray, &other);
+      variance += std::pow(other.depth - at.depth, 2);
+    }
+    EXPECT_NEAR(std::sqrt(found), std::sqrt(variance), 0.03 * std::sqrt(variance));
+  }
 }
 
 }  // namespace
