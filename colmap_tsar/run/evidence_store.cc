@@ -31,7 +31,7 @@ bool EvidenceStore::IsCurrent(int image) {
       (expected_ && !expected_->contains(image))) {
     return false;
   }
-  const bool is_current = ReadEvidenceHash(Path(image)) == Fingerprint(image);
+  const bool is_current = ReadEvidenceKey(Path(image)) == Fingerprint(image);
   if (expected_ && !is_current) {
     throw Error::File(
         ErrorCode::kMismatch,
@@ -58,7 +58,9 @@ void EvidenceStore::RemoveUnlikePriors() {
   for (const StereoProblem& problem : workspace_.Problems()) {
     const int image = problem.reference;
     if (workspace_.Priors().HasPrior(image) && IsCurrent(image)) {
-      const PriorAssessment prior = ReadPriorAssessment(Path(image));
+      const PriorAssessment prior =
+          ReadEvidence(Path(image), EvidenceParts::kForNeighbors)
+              .prior.assessment;
       num_used += prior.verdict == PriorVerdict::kUsed ? 1 : 0;
       num_unlike += prior.verdict == PriorVerdict::kUnlike ? 1 : 0;
       if (prior.IsUsed()) {

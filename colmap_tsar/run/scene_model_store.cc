@@ -40,7 +40,7 @@ SceneModelStore::SceneModelStore(const Workspace& workspace,
       options_hash_(std::move(options_hash)) {}
 
 bool SceneModelStore::IsCurrent() const {
-  return ReadSceneModelHash(GetSceneModelPath(workspace_.Root())) ==
+  return ReadSceneModelKey(GetSceneModelPath(workspace_.Root())) ==
          Fingerprint();
 }
 
@@ -69,7 +69,7 @@ std::string SceneModelStore::PlanesFingerprint() const {
 
 void SceneModelStore::DropLabels(const Workspace& workspace) {
   const ContainedPath path = GetSceneModelPath(workspace.Root());
-  const std::string hash = ReadSceneModelHash(path).value_or("");
+  const std::string hash = ReadSceneModelKey(path).value_or("");
   const size_t end = hash.find(' ');
   if (end != std::string::npos) {
     WriteSceneModel(path,

@@ -28,7 +28,6 @@ extern const FuzzTarget kSparseTextTarget;
 extern const FuzzTarget kConfigTarget;
 extern const FuzzTarget kImageListTarget;
 extern const FuzzTarget kProjectIniTarget;
-extern const FuzzTarget kEvidenceTarget;
 extern const FuzzTarget kSceneModelTarget;
 extern const FuzzTarget kRecordTarget;
 extern const FuzzTarget kImportRecordTarget;

@@ -32,7 +32,7 @@ namespace {
 constexpr const FuzzTarget* kTargets[] = {
     &kMapTarget,          &kSigmaMapTarget,    &kSparseBinaryTarget,
     &kSparseTextTarget,   &kConfigTarget,      &kImageListTarget,
-    &kProjectIniTarget,   &kEvidenceTarget,    &kRecordTarget,
+    &kProjectIniTarget,   &kRecordTarget,
     &kImportRecordTarget, &kShardRecordTarget, &kOutputMarkerTarget,
     &kDmbTarget,          &kApdTarget,         &kDmapTarget,
     &kStoredCameraTarget, &kNpyTarget,         &kPfmTarget,

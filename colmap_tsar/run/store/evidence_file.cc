@@ -4,10 +4,8 @@
 #include "colmap_tsar/run/store/evidence_file.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/run/store/evidence_fault.h"
 #include "colmap_tsar/run/store/state_file.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -17,15 +15,10 @@ namespace {
 // If the sizes are the sums of the fields' sizes, there is no padding.
 static_assert(sizeof(Observation) == 16 && sizeof(RayDepth) == 12 &&
               sizeof(SuperpixelBorder) == 28 && sizeof(Plane) == 16 &&
-              sizeof(Vec3f) == 12 && sizeof(Rgb) == 3 &&
-              sizeof(Intrinsics) == 16);
+              sizeof(Vec3f) == 12 && sizeof(Rgb) == 3);
 
-struct Header {
-  StateFileStart start;
-  int32_t width = 0;
-  int32_t height = 0;
-  int32_t flags_width = 0;
-  int32_t flags_height = 0;
+// The numbers of a view's evidence beside its arrays.
+struct Numbers {
   Intrinsics intrinsics;
   float error_per_depth = 0.f;
   float noise = 0.f;
@@ -33,80 +26,66 @@ struct Header {
   float prior_skill = 0.f;
   float normal_sigma = 0.f;
   float normal_outlier_share = 0.f;
-  uint16_t prior_verdict = 0;  // PriorVerdicts.
-  uint16_t normal_verdict = 0;
-  uint32_t prior_type = 0;  // A PriorType.
-  uint64_t num_superpixels = 0;
-  uint64_t num_observations = 0;
-  uint64_t num_errors = 0;
-  uint64_t num_confirmed = 0;
-  uint64_t num_candidates = 0;
-  uint64_t num_borders = 0;
-  uint64_t num_normals = 0;
-  uint64_t neighbor_fingerprint = 0;
-  uint64_t own_fingerprint = 0;
-  uint64_t header_fingerprint = 0;
-
-  bool HasPriorDepth() const {
-    return prior_verdict == static_cast<uint16_t>(PriorVerdict::kUsed);
-  }
-  // The sizes in the order of NeighborArrays() and OwnArrays().
-  std::vector<StateFileArray> Arrays() const {
-    if (width < 1 || height < 1 || flags_width < 1 || flags_height < 1) {
-      return {};
-    }
-    const auto area = [](int32_t columns, int32_t rows) {
-      return static_cast<uint64_t>(columns) * static_cast<uint64_t>(rows);
-    };
-    const uint64_t num_pixels = area(width, height);
-    const uint64_t num_flags = area(flags_width, flags_height);
-    const uint64_t num_prior_pixels = HasPriorDepth() ? num_pixels : 0;
-    return {{num_pixels, sizeof(uint16_t)},
-            {num_pixels, sizeof(float)},
-            {num_pixels, sizeof(Rgb)},
-            {num_superpixels, sizeof(float)},
-            {num_superpixels, sizeof(int)},
-            {1, sizeof(int)},
-            {num_observations, sizeof(Observation)},
-            {num_observations, sizeof(ObservationSource)},
-            {num_errors, sizeof(float)},
-            {num_candidates, sizeof(Plane)},
-            {num_prior_pixels, sizeof(float)},
-            {num_prior_pixels, sizeof(float)},
-            {num_normals, sizeof(Vec3f)},
-            {num_superpixels, sizeof(int)},
-            {1, sizeof(int)},
-            {num_confirmed, sizeof(RayDepth)},
-            {num_superpixels, sizeof(int)},
-            {num_borders, sizeof(SuperpixelBorder)},
-            {num_flags, sizeof(uint8_t)}};
-  }
+  PriorVerdict verdict = PriorVerdict::kNone;
+  PriorVerdict of_normals = PriorVerdict::kNone;
+  PriorType prior_type = PriorType::kAuto;
+  uint8_t unused = 0;
 };
-static_assert(sizeof(Header) == 160);
 
-// The arrays for writing and for reading.
-template <typename Evidence>
-auto NeighborArrays(Evidence& evidence) {
-  return std::vector{BytesOf(evidence.superpixels),
-                     BytesOf(evidence.confident_depth),
-                     BytesOf(evidence.color),
-                     BytesOf(evidence.weights),
-                     BytesOf(evidence.first_observation),
-                     BytesOf(evidence.observations),
-                     BytesOf(evidence.sources),
-                     BytesOf(evidence.errors),
-                     BytesOf(evidence.candidates)};
+static_assert(sizeof(Numbers) == 44);
+
+Numbers NumbersOf(const ViewEvidence& evidence) {
+  const PriorAssessment& assessment = evidence.prior.assessment;
+  return {evidence.intrinsics,
+          evidence.resolution.error_per_depth,
+          evidence.noise,
+          evidence.prior.outlier_share,
+          assessment.skill,
+          assessment.normal_sigma,
+          evidence.prior.normal_outlier_share,
+          assessment.verdict,
+          assessment.of_normals,
+          assessment.type};
 }
+
+void SetNumbers(const Numbers& numbers, ViewEvidence* evidence) {
+  evidence->intrinsics = numbers.intrinsics;
+  evidence->resolution.error_per_depth = numbers.error_per_depth;
+  evidence->noise = numbers.noise;
+  evidence->prior.outlier_share = numbers.prior_outlier_share;
+  evidence->prior.normal_outlier_share = numbers.normal_outlier_share;
+  evidence->prior.assessment = {numbers.verdict,
+                                numbers.prior_type,
+                                numbers.prior_skill,
+                                numbers.of_normals,
+                                numbers.normal_sigma};
+}
+
+// Calls `use` for each array that neighbors need, in the order of the file.
 template <typename Evidence>
-auto OwnArrays(Evidence& evidence) {
-  return std::vector{BytesOf(evidence.prior.depth),
-                     BytesOf(evidence.prior.sigma),
-                     BytesOf(evidence.prior.normals),
-                     BytesOf(evidence.first_confirmed),
-                     BytesOf(evidence.confirmed),
-                     BytesOf(evidence.confirmed_pixels),
-                     BytesOf(evidence.borders),
-                     BytesOf(evidence.flags)};
+void ForNeighborArrays(Evidence& evidence, const auto& use) {
+  use(evidence.superpixels);
+  use(evidence.confident_depth);
+  use(evidence.color);
+  use(evidence.weights);
+  use(evidence.first_observation);
+  use(evidence.observations);
+  use(evidence.sources);
+  use(evidence.errors);
+  use(evidence.candidates);
+}
+
+// The same for the arrays that only the view itself needs.
+template <typename Evidence>
+void ForOwnArrays(Evidence& evidence, const auto& use) {
+  use(evidence.prior.depth);
+  use(evidence.prior.sigma);
+  use(evidence.prior.normals);
+  use(evidence.first_confirmed);
+  use(evidence.confirmed);
+  use(evidence.confirmed_pixels);
+  use(evidence.borders);
+  use(evidence.flags);
 }
 
 Error MissingEvidence(const std::filesystem::path& path) {
@@ -127,23 +106,9 @@ Error CorruptEvidence(const std::filesystem::path& path,
 
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/12,
+    /*version=*/13,
     &MissingEvidence,
     &CorruptEvidence};
-
-PriorAssessment AssessmentOf(const Header& header,
-                             const std::filesystem::path& path) {
-  constexpr auto kLast = static_cast<uint16_t>(PriorVerdict::kOthersUnlike);
-  if (header.prior_verdict > kLast || header.normal_verdict > kLast ||
-      header.prior_type > static_cast<uint32_t>(PriorType::kInverse)) {
-    throw CorruptEvidence(path, "it has an invalid prior");
-  }
-  return {static_cast<PriorVerdict>(header.prior_verdict),
-          static_cast<PriorType>(header.prior_type),
-          header.prior_skill,
-          static_cast<PriorVerdict>(header.normal_verdict),
-          header.normal_sigma};
-}
 
 }  // namespace
 
@@ -158,92 +123,40 @@ ContainedPath GetEvidencePath(const std::filesystem::path& root,
 }
 
 void WriteEvidence(const ContainedPath& path,
-                   const std::string& options_hash,
+                   const std::string& key,
                    const ViewEvidence& evidence) {
-  RequireNoFault(path, FindEvidenceFault(evidence, EvidenceParts::kAll));
-  const ReadableArrays neighbor_arrays = NeighborArrays(evidence);
-  const ReadableArrays own_arrays = OwnArrays(evidence);
-  Header header;
-  header.width = evidence.width;
-  header.height = evidence.height;
-  header.flags_width = evidence.flags.Width();
-  header.flags_height = evidence.flags.Height();
-  header.intrinsics = evidence.intrinsics;
-  header.error_per_depth = evidence.resolution.error_per_depth;
-  header.noise = evidence.noise;
-  const PriorAssessment& assessment = evidence.prior.assessment;
-  header.prior_outlier_share = evidence.prior.outlier_share;
-  header.prior_skill = assessment.skill;
-  header.normal_sigma = assessment.normal_sigma;
-  header.normal_outlier_share = evidence.prior.normal_outlier_share;
-  header.prior_verdict = static_cast<uint16_t>(assessment.verdict);
-  header.normal_verdict = static_cast<uint16_t>(assessment.of_normals);
-  header.prior_type = static_cast<uint32_t>(assessment.type);
-  header.num_superpixels = evidence.weights.size();
-  header.num_errors = evidence.errors.size();
-  header.num_observations = evidence.observations.size();
-  header.num_confirmed = evidence.confirmed.size();
-  header.num_candidates = evidence.candidates.size();
-  header.num_borders = evidence.borders.size();
-  header.num_normals = evidence.prior.normals.size();
-  header.neighbor_fingerprint = FingerprintOfArrays(neighbor_arrays);
-  header.own_fingerprint = FingerprintOfArrays(own_arrays);
-  WriteStateFile(
-      path, kEvidenceFile, header, options_hash, {neighbor_arrays, own_arrays});
+  const std::vector<Numbers> numbers = {NumbersOf(evidence)};
+  StateFileWriter writer;
+  const auto add = [&](const auto& array) { writer.Add(array); };
+  add(numbers);
+  ForNeighborArrays(evidence, add);
+  writer.EndPart();
+  ForOwnArrays(evidence, add);
+  writer.EndPart();
+  writer.Write(path, kEvidenceFile, key);
 }
 
 ViewEvidence ReadEvidence(const std::filesystem::path& path,
                           EvidenceParts parts) {
-  StateFileReader<Header> reader(path, kEvidenceFile);
-  const Header& header = reader.GetHeader();
-  const int width = header.width;
-  const int height = header.height;
+  StateFileReader reader(path, kEvidenceFile);
+  std::vector<Numbers> numbers;
   ViewEvidence evidence;
-  evidence.width = width;
-  evidence.height = height;
-  evidence.intrinsics = header.intrinsics;
-  evidence.resolution.error_per_depth = header.error_per_depth;
-  evidence.noise = header.noise;
-  evidence.superpixels = Image<uint16_t>::Uninitialized(width, height);
-  evidence.confident_depth = Image<float>::Uninitialized(width, height);
-  evidence.color = Image<Rgb>::Uninitialized(width, height);
-  evidence.weights.resize(header.num_superpixels);
-  evidence.first_observation.resize(header.num_superpixels + 1);
-  evidence.observations.resize(header.num_observations);
-  evidence.sources.resize(header.num_observations);
-  evidence.errors.resize(header.num_errors);
-  evidence.candidates.resize(header.num_candidates);
-  reader.Read(NeighborArrays(evidence), header.neighbor_fingerprint);
+  const auto read = [&](auto& array) { reader.Read(&array); };
+  read(numbers);
+  ForNeighborArrays(evidence, read);
+  reader.EndPart();
   if (parts == EvidenceParts::kAll) {
-    evidence.prior.assessment = AssessmentOf(header, path);
-    evidence.prior.normal_outlier_share = header.normal_outlier_share;
-    evidence.prior.normals.resize(header.num_normals);
-    if (header.HasPriorDepth()) {
-      evidence.prior.outlier_share = header.prior_outlier_share;
-      evidence.prior.depth = Image<float>::Uninitialized(width, height);
-      evidence.prior.sigma = Image<float>::Uninitialized(width, height);
-    }
-    evidence.first_confirmed.resize(header.num_superpixels + 1);
-    evidence.confirmed.resize(header.num_confirmed);
-    evidence.confirmed_pixels.resize(header.num_superpixels);
-    evidence.borders.resize(header.num_borders);
-    evidence.flags =
-        Image<uint8_t>::Uninitialized(header.flags_width, header.flags_height);
-    reader.Read(OwnArrays(evidence), header.own_fingerprint);
+    ForOwnArrays(evidence, read);
+    reader.EndPart();
   }
-  if (const auto fault = FindEvidenceFault(evidence, parts)) {
-    throw CorruptEvidence(path, "it has " + *fault);
-  }
+  SetNumbers(numbers.at(0), &evidence);
+  evidence.width = evidence.superpixels.Width();
+  evidence.height = evidence.superpixels.Height();
   return evidence;
 }
 
-PriorAssessment ReadPriorAssessment(const std::filesystem::path& path) {
-  return AssessmentOf(StateFileReader<Header>(path, kEvidenceFile).GetHeader(),
-                      path);
-}
-
-std::optional<std::string> ReadEvidenceHash(const std::filesystem::path& path) {
-  return ReadStateFileHash<Header>(path, kEvidenceFile);
+std::optional<std::string> ReadEvidenceKey(const std::filesystem::path& path) {
+  return ReadStateFileKey(path, kEvidenceFile);
 }
 
 }  // namespace tsar

@@ -13,12 +13,9 @@
 
 namespace tsar {
 
-// The file that keeps the planes of the whole scene, stereo/tsar/planes.bin.
-// Little-endian, without padding: a header of fixed size (magic, format
-// version, all counts, fingerprints), the options hash, the planes, the frames,
-// the cylinders, then the labels: for each view its image and number of
-// superpixels, the planes of all superpixels, their evidence, their qualities.
-// Planes with frames and cylinders, and labels, have a fingerprint each.
+// The file that keeps the planes of the whole scene, stereo/tsar/planes.bin: a
+// state file (state_file.h) of two parts, the planes, frames and cylinders, and
+// the labels of all views.
 
 enum class SceneModelParts {
   kAll,
@@ -29,29 +26,26 @@ enum class SceneModelParts {
 ContainedPath GetSceneModelPath(const std::filesystem::path& root);
 
 // Writes the file atomically; creates the folder. The same model gives the same
-// bytes. options_hash: a hash of all inputs of the model. Error kMismatch for a
-// model that ReadSceneModel() would not accept, kIo.
+// bytes. key: a fingerprint of all inputs of the model. Throws kIo.
 void WriteSceneModel(const ContainedPath& path,
-                     const std::string& options_hash,
+                     const std::string& key,
                      const SceneModel& model,
                      SceneModelParts parts = SceneModelParts::kAll);
 
-// The result satisfies the invariants of SceneModel. Error kNotFound, kIo, or
-// kCorrupt where the file is damaged, not of this format's version, or violates
-// an invariant. The file's length is checked before memory is allocated. A file
-// that was written without labels has no views.
+// Throws kNotFound, kIo, or kCorrupt where the file is damaged in the requested
+// parts or not of this format's version. A file that was written without labels
+// has no views.
 SceneModel ReadSceneModel(const std::filesystem::path& path,
                           SceneModelParts parts = SceneModelParts::kAll);
 
-// The fingerprint of a file's planes, with or without labels; nothing where
-// there is no file or its planes are damaged.
+// The checksum of a file's planes, with or without labels; nothing where there
+// is no file or its planes are damaged.
 std::optional<uint64_t> ReadScenePlanesFingerprint(
     const std::filesystem::path& path);
 
-// The options hash in a file's header, which tells whether the model may be
-// used. Nothing where there is no file, or none with an intact header, of this
-// format's version and of the length that the header gives.
-std::optional<std::string> ReadSceneModelHash(
+// The key of a file, which tells whether the model may be used; see
+// ReadStateFileKey.
+std::optional<std::string> ReadSceneModelKey(
     const std::filesystem::path& path);
 
 }  // namespace tsar

@@ -4,11 +4,9 @@
 #include "colmap_tsar/run/store/state_file.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/content_hash.h"
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
 namespace tsar {
 namespace {
@@ -16,43 +14,68 @@ namespace {
 // All data is copied between memory and file as it is.
 static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(int) == 4 && sizeof(float) == 4 && sizeof(double) == 8);
-static_assert(sizeof(StateFileStart) == 16);
 
-// A fingerprint of the header before its fingerprint, and of the options hash.
-uint64_t FingerprintOfHeader(std::span<const std::byte> header,
-                             const std::string& options_hash) {
+struct Header {
+  std::array<char, 8> magic = {};
+  uint32_t version = 0;
+  uint32_t key_length = 0;
+  uint64_t file_size = 0;
+  uint64_t checksum = 0;  // Of the fields above and the key.
+};
+static_assert(sizeof(Header) == 32 && sizeof(StateFileArray) == 16);
+
+uint64_t ChecksumOf(const Header& header, const std::string& key) {
   ContentHash hash;
-  hash.Update(header.data(), header.size() - sizeof(uint64_t));
-  hash.Update(options_hash.data(), options_hash.size());
+  hash.Update(&header, offsetof(Header, checksum));
+  hash.Update(key.data(), key.size());
   return hash.Value();
 }
 
 }  // namespace
 
-uint64_t FingerprintOfArrays(const ReadableArrays& arrays) {
-  ContentHash hash;
-  for (const std::span<const std::byte> array : arrays) {
-    if (!array.empty()) {
-      hash.Update(array.data(), array.size());
+void StateFileWriter::Write(const ContainedPath& path,
+                            const StateFileKind& kind,
+                            const std::string& key) const {
+  Header header = {kind.magic,
+                   kind.version,
+                   static_cast<uint32_t>(key.size()),
+                   sizeof(Header) + key.size()};
+  for (const Entry& entry : arrays_) {
+    header.file_size += sizeof(StateFileArray) + entry.bytes.size() +
+                        (entry.ends_part ? sizeof(uint64_t) : 0);
+  }
+  header.checksum = ChecksumOf(header, key);
+  CreateFolders(path.Parent());
+  AtomicFile file(path);
+  const auto put = [&file](const void* data, size_t num_bytes) {
+    file.Stream().write(static_cast<const char*>(data),
+                        static_cast<std::streamsize>(num_bytes));
+  };
+  put(&header, sizeof(header));
+  put(key.data(), key.size());
+  std::optional<ContentHash> hash;
+  for (const Entry& entry : arrays_) {
+    if (!hash) {
+      hash.emplace();
+    }
+    hash->Update(&entry.array, sizeof(entry.array));
+    put(&entry.array, sizeof(entry.array));
+    if (!entry.bytes.empty()) {
+      hash->Update(entry.bytes.data(), entry.bytes.size());
+      put(entry.bytes.data(), entry.bytes.size());
+    }
+    if (entry.ends_part) {
+      const uint64_t checksum = hash->Value();
+      put(&checksum, sizeof(checksum));
+      hash.reset();
     }
   }
-  return hash.Value();
+  file.Commit();
 }
 
-void RequireNoFault(const ContainedPath& path,
-                    const std::optional<std::string>& fault) {
-  if (fault) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "what is to be written has " + *fault,
-                      "this is a mistake of the program, please report it");
-  }
-}
-
-StateFileBytesReader::StateFileBytesReader(const std::filesystem::path& path,
-                                           const StateFileKind& kind,
-                                           std::span<std::byte> header)
-    : path_(path), kind_(kind), file_(path), header_size_(header.size()) {
+StateFileReader::StateFileReader(const std::filesystem::path& path,
+                                 const StateFileKind& kind)
+    : path_(path), kind_(kind), file_(path) {
   if (file_.IsMissing()) {
     throw kind_.missing(path_);
   }
@@ -65,115 +88,80 @@ StateFileBytesReader::StateFileBytesReader(const std::filesystem::path& path,
                       "the file cannot be opened (" + file_.Reason() + ")",
                       "check that you may read it");
   }
-  ReadHeader(header);
+  ReadHeader();
+  hash_.emplace();
 }
 
-void StateFileBytesReader::ReadHeader(std::span<std::byte> header) {
-  // The length of the options hash is not needed yet, and the header of another
-  // version may be shorter.
-  constexpr size_t kNumFixed = offsetof(StateFileStart, options_hash_length);
-  if (file_.Size() < kNumFixed) {
-    throw kind_.corrupt(path_, "it is not complete");
-  }
-  ReadBytes(header.first(kNumFixed));
-  StateFileStart start;
-  const auto start_bytes = std::as_writable_bytes(std::span(&start, 1));
-  std::ranges::copy(header.first(kNumFixed), start_bytes.begin());
-  if (start.magic != kind_.magic) {
+void StateFileReader::ReadHeader() {
+  Header header;
+  ReadBytes(std::as_writable_bytes(std::span(&header, 1)));
+  if (header.magic != kind_.magic) {
     throw kind_.corrupt(path_, "it is another kind of file");
   }
-  if (start.version != kind_.version) {
+  if (header.version != kind_.version) {
     throw kind_.corrupt(
         path_,
-        "its format is of version " + std::to_string(start.version) +
+        "its format is of version " + std::to_string(header.version) +
             ", this program reads version " + std::to_string(kind_.version));
   }
-  if (file_.Size() < header.size()) {
+  if (header.file_size != file_.Size() || header.key_length > file_.Size()) {
     throw kind_.corrupt(path_, "it is not complete");
   }
-  ReadBytes(header.subspan(kNumFixed));
-  std::ranges::copy(header.first(sizeof(start)), start_bytes.begin());
-  if (start.options_hash_length > file_.Size() - header.size()) {
-    throw kind_.corrupt(path_, "its header was changed, or it was cut off");
-  }
-  options_hash_.resize(start.options_hash_length);
-  ReadBytes(std::as_writable_bytes(std::span(options_hash_)));
-  uint64_t fingerprint = 0;
-  std::memcpy(&fingerprint,
-              header.last(sizeof(fingerprint)).data(),
-              sizeof(fingerprint));
-  if (FingerprintOfHeader(header, options_hash_) != fingerprint) {
+  key_.resize(header.key_length);
+  ReadBytes(std::as_writable_bytes(std::span(key_)));
+  if (ChecksumOf(header, key_) != header.checksum) {
     throw kind_.corrupt(path_, "its header was changed");
   }
 }
 
-void StateFileBytesReader::RequireLength(
-    const std::vector<StateFileArray>& arrays) const {
-  // Division, since products of hostile numbers overflow.
-  uint64_t rest = file_.Size() - header_size_ - options_hash_.size();
-  const bool fit =
-      !arrays.empty() && std::ranges::all_of(arrays, [&](StateFileArray array) {
-        if (array.num_elements > rest / array.element_size) {
-          return false;
-        }
-        rest -= array.num_elements * array.element_size;
-        return true;
-      });
-  if (!fit || rest != 0) {
-    throw kind_.corrupt(path_,
-                        "its " + std::to_string(file_.Size()) +
-                            " bytes are not what the header says");
-  }
-}
-
-void StateFileBytesReader::Read(const WritableArrays& arrays,
-                                uint64_t fingerprint) {
-  // Pieces are small enough to be hashed in the processor's cache.
-  constexpr size_t kPiece = size_t{1} << 18;
-  ContentHash hash;
-  for (const std::span<std::byte> array : arrays) {
-    for (size_t begin = 0; begin < array.size(); begin += kPiece) {
-      const auto piece =
-          array.subspan(begin, std::min(kPiece, array.size() - begin));
-      ReadBytes(piece);
-      hash.Update(piece.data(), piece.size());
-    }
-  }
-  if (hash.Value() != fingerprint) {
+uint64_t StateFileReader::EndPart() {
+  const uint64_t checksum = hash_->Value();
+  uint64_t expected = 0;
+  ReadBytes(std::as_writable_bytes(std::span(&expected, 1)));
+  if (checksum != expected) {
     throw kind_.corrupt(path_, "its content was changed");
   }
+  hash_.emplace();
+  return checksum;
 }
 
-void StateFileBytesReader::ReadBytes(std::span<std::byte> bytes) {
-  file_.read(reinterpret_cast<char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  if (!file_) {
-    throw kind_.corrupt(path_, "reading it failed");
+StateFileArray StateFileReader::ReadArray(size_t element_size) {
+  StateFileArray array;
+  ReadBytes(std::as_writable_bytes(std::span(&array, 1)));
+  if (array.element_size != element_size || array.width < 0 ||
+      array.num_elements > file_.Size() / element_size ||
+      (array.width > 0 &&
+       (array.num_elements % array.width != 0 ||
+        array.num_elements > static_cast<uint64_t>(INT32_MAX)))) {
+    throw kind_.corrupt(path_, "its content was changed");
   }
+  return array;
 }
 
-void WriteStateFileBytes(const ContainedPath& path,
-                         std::span<std::byte> header,
-                         const std::string& options_hash,
-                         const std::vector<ReadableArrays>& parts) {
-  const uint64_t fingerprint = FingerprintOfHeader(header, options_hash);
-  std::memcpy(header.last(sizeof(fingerprint)).data(),
-              &fingerprint,
-              sizeof(fingerprint));
-  CreateFolders(path.Parent());
-  AtomicFile file(path);
-  const auto put = [&file](std::span<const std::byte> bytes) {
-    file.Stream().write(reinterpret_cast<const char*>(bytes.data()),
-                        static_cast<std::streamsize>(bytes.size()));
-  };
-  put(header);
-  put(std::as_bytes(std::span(options_hash)));
-  for (const ReadableArrays& arrays : parts) {
-    for (const std::span<const std::byte> array : arrays) {
-      put(array);
+void StateFileReader::ReadBytes(std::span<std::byte> bytes) {
+  // Pieces are small enough to be hashed in the processor's cache.
+  constexpr size_t kPiece = size_t{1} << 18;
+  for (size_t begin = 0; begin < bytes.size(); begin += kPiece) {
+    const auto piece =
+        bytes.subspan(begin, std::min(kPiece, bytes.size() - begin));
+    file_.read(reinterpret_cast<char*>(piece.data()),
+               static_cast<std::streamsize>(piece.size()));
+    if (!file_) {
+      throw kind_.corrupt(path_, "it is not complete");
+    }
+    if (hash_) {
+      hash_->Update(piece.data(), piece.size());
     }
   }
-  file.Commit();
+}
+
+std::optional<std::string> ReadStateFileKey(const std::filesystem::path& path,
+                                            const StateFileKind& kind) {
+  try {
+    return StateFileReader(path, kind).Key();
+  } catch (const Error&) {
+    return std::nullopt;
+  }
 }
 
 }  // namespace tsar

@@ -4,7 +4,9 @@
 #pragma once
 
 #include "colmap_tsar/base/contained_path.h"
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/input_file.h"
 
 #include <array>
@@ -19,154 +21,105 @@
 
 namespace tsar {
 
-// Binary files in which one pass of a run stores the input of the next ones.
-// Little-endian, without padding: a header of fixed size, the options hash,
-// arrays. Their headers are structs that begin with a StateFileStart, end with
-// a uint64_t header_fingerprint, hold fingerprints of the arrays, and return by
-//
-//   std::vector<StateFileArray> Arrays() const;
-//
-// the arrays that follow; none at all where the sizes are impossible.
-
-// The fields that are the same in all versions of all formats.
-struct StateFileStart {
-  std::array<char, 8> magic = {};
-  uint32_t version = 0;
-  uint32_t options_hash_length = 0;
-};
-
-struct StateFileArray {
-  uint64_t num_elements = 0;
-  size_t element_size = 0;  // In bytes.
-};
+// Binary files in which one pass of a run stores the input of the next ones:
+// arrays, little-endian and without padding. A header (magic, version, length,
+// checksum) and the key, a fingerprint of all that the content was made of, are
+// followed by parts, each of which ends with its checksum. The checksums tell
+// damage; the content is what the program once wrote.
 
 // A format of state files, with its errors.
 struct StateFileKind {
   std::array<char, 8> magic;
-  // To be incremented with every change of the meaning of the bytes, including
-  // fingerprints.
+  // To be incremented with every change of the meaning of the bytes.
   uint32_t version;
   Error (*missing)(const std::filesystem::path& path);
   // what: the fault, such as "its content was changed".
   Error (*corrupt)(const std::filesystem::path& path, const std::string& what);
 };
 
-// Arrays in the order of the file.
-using ReadableArrays = std::vector<std::span<const std::byte>>;
-using WritableArrays = std::vector<std::span<std::byte>>;
+// What comes before the elements of an array.
+struct StateFileArray {
+  uint64_t num_elements = 0;
+  uint32_t element_size = 0;  // In bytes.
+  int32_t width = 0;          // Of an image; 0: a vector or an empty image.
+};
 
-// The elements of a vector or an image; writable where the container is.
-template <typename Container>
-auto BytesOf(Container& container) {
-  const std::span elements(container);
-  using Element = typename decltype(elements)::element_type;
-  static_assert(std::is_trivially_copyable_v<Element>);
-  if constexpr (std::is_const_v<Element>) {
-    return std::as_bytes(elements);
-  } else {
-    return std::as_writable_bytes(elements);
-  }
-}
-
-uint64_t FingerprintOfArrays(const ReadableArrays& arrays);
-
-// Throws kMismatch with the fault of a file's content, if any, before that is
-// written.
-void RequireNoFault(const ContainedPath& path,
-                    const std::optional<std::string>& fault);
-
-// A reader and a writer for headers of unknown layout; use the templates below.
-class StateFileBytesReader {
+class StateFileWriter {
  public:
-  StateFileBytesReader(const std::filesystem::path& path,
-                       const StateFileKind& kind,
-                       std::span<std::byte> header);
+  // Adds a vector or an image, which must not change until Write().
+  template <typename Container>
+  void Add(const Container& container) {
+    const std::span elements(container);
+    using Element = typename decltype(elements)::value_type;
+    static_assert(std::is_trivially_copyable_v<Element>);
+    StateFileArray array = {elements.size(), sizeof(Element)};
+    if constexpr (requires { container.Width(); }) {
+      array.width = container.Width();
+    }
+    arrays_.push_back({array, std::as_bytes(elements), false});
+  }
+  // Ends a part, which has at least one array.
+  void EndPart() { arrays_.back().ends_part = true; }
 
-  const std::string& OptionsHash() const { return options_hash_; }
-
-  // Throws where the file does not consist of the header, the options hash and
-  // these arrays.
-  void RequireLength(const std::vector<StateFileArray>& arrays) const;
-
-  // Reads the next arrays of the file, which have their sizes already.
-  void Read(const WritableArrays& arrays, uint64_t fingerprint);
+  // Writes the file atomically; creates the folder. The same content gives the
+  // same bytes. Throws kIo.
+  void Write(const ContainedPath& path,
+             const StateFileKind& kind,
+             const std::string& key) const;
 
  private:
-  void ReadHeader(std::span<std::byte> header);
+  struct Entry {
+    StateFileArray array;
+    std::span<const std::byte> bytes;
+    bool ends_part = false;
+  };
+  std::vector<Entry> arrays_;
+};
+
+// An open file with an intact header. The constructor throws the kind's errors,
+// and kIo where the file may not be read; all other functions throw the kind's
+// error for a corrupt file.
+class StateFileReader {
+ public:
+  // kind must outlive the reader.
+  StateFileReader(const std::filesystem::path& path, const StateFileKind& kind);
+
+  const std::string& Key() const { return key_; }
+
+  // Reads the next array. No memory is allocated for more than the file holds.
+  template <typename T>
+  void Read(std::vector<T>* vector) {
+    vector->resize(ReadArray(sizeof(T)).num_elements);
+    ReadBytes(std::as_writable_bytes(std::span(*vector)));
+  }
+  template <typename T>
+  void Read(Image<T>* image) {
+    const StateFileArray array = ReadArray(sizeof(T));
+    *image = array.width == 0
+                 ? Image<T>()
+                 : Image<T>::Uninitialized(
+                       array.width,
+                       static_cast<int>(array.num_elements / array.width));
+    ReadBytes(std::as_writable_bytes(std::span(*image)));
+  }
+  // Returns the checksum of the part, all of whose arrays have been read.
+  uint64_t EndPart();
+
+ private:
+  void ReadHeader();
+  StateFileArray ReadArray(size_t element_size);
   void ReadBytes(std::span<std::byte> bytes);
 
   const std::filesystem::path path_;
   const StateFileKind& kind_;
   InputFile file_;
-  const size_t header_size_;
-  std::string options_hash_;
+  std::string key_;
+  std::optional<ContentHash> hash_;  // Of the part so far.
 };
 
-void WriteStateFileBytes(const ContainedPath& path,
-                         std::span<std::byte> header,
-                         const std::string& options_hash,
-                         const std::vector<ReadableArrays>& parts);
-
-template <typename Header>
-constexpr void CheckStateFileHeader() {
-  static_assert(std::is_trivially_copyable_v<Header>);
-  static_assert(offsetof(Header, start) == 0);
-  static_assert(offsetof(Header, header_fingerprint) ==
-                sizeof(Header) - sizeof(uint64_t));
-}
-
-// An open file whose header is intact and agrees with the file's length, so
-// that memory may be allocated for its arrays. The constructor throws the
-// kind's errors, and kIo where the file may not be read; Read() throws the
-// error for a corrupt file.
-template <typename Header>
-class StateFileReader {
- public:
-  // kind must outlive the reader.
-  StateFileReader(const std::filesystem::path& path, const StateFileKind& kind)
-      : bytes_(path, kind, std::as_writable_bytes(std::span(&header_, 1))) {
-    CheckStateFileHeader<Header>();
-    bytes_.RequireLength(header_.Arrays());
-  }
-
-  const Header& GetHeader() const { return header_; }
-  const std::string& OptionsHash() const { return bytes_.OptionsHash(); }
-
-  // Reads the next arrays of the file, which have their sizes already.
-  void Read(const WritableArrays& arrays, uint64_t fingerprint) {
-    bytes_.Read(arrays, fingerprint);
-  }
-
- private:
-  Header header_;
-  StateFileBytesReader bytes_;
-};
-
-// Writes the file atomically; creates the folder. All fields of the header but
-// its start and its own fingerprint are set already.
-template <typename Header>
-void WriteStateFile(const ContainedPath& path,
-                    const StateFileKind& kind,
-                    Header header,
-                    const std::string& options_hash,
-                    const std::vector<ReadableArrays>& parts) {
-  CheckStateFileHeader<Header>();
-  header.start = {
-      kind.magic, kind.version, static_cast<uint32_t>(options_hash.size())};
-  WriteStateFileBytes(
-      path, std::as_writable_bytes(std::span(&header, 1)), options_hash, parts);
-}
-
-// The options hash in a file's header. Nothing where there is no file, or none
-// that a reader would open.
-template <typename Header>
-std::optional<std::string> ReadStateFileHash(const std::filesystem::path& path,
-                                             const StateFileKind& kind) {
-  try {
-    return StateFileReader<Header>(path, kind).OptionsHash();
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
+// The key of a file. Nothing where there is no file, or none with an intact
+// header, of this kind and version and of the length that the header gives.
+std::optional<std::string> ReadStateFileKey(const std::filesystem::path& path,
+                                            const StateFileKind& kind);
 
 }  // namespace tsar
