@@ -349,15 +349,4 @@ std::vector<FusedPoint> FuseView(const FusionInput& view,
   return compact.ToHost();
 }
 
-int64_t FuseViewWorkingBytes(int width,
-                             int height,
-                             const FusionOptions& options) {
-  const int64_t num_squares =
-      int64_t{NumSquares(width, options.point_spacing)} *
-      NumSquares(height, options.point_spacing);
-  // The points twice, and their flags and sums with the memory of the scan.
-  return num_squares * static_cast<int64_t>(2 * sizeof(FusedPoint) + 16) +
-         static_cast<int64_t>(kMaxFusionSources * sizeof(Source)) + (1 << 20);
-}
-
 }  // namespace tsar

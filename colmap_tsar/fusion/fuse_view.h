@@ -69,9 +69,4 @@ std::vector<FusedPoint> FuseView(const FusionInput& view,
                                  const FusionOptions& options,
                                  Device& device);
 
-// The device memory that this takes beside the images, in bytes.
-int64_t FuseViewWorkingBytes(int width,
-                             int height,
-                             const FusionOptions& options);
-
 }  // namespace tsar

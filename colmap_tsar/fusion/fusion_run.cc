@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/main_memory_division.h"
+#include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/store/image_maps.h"
 
 #include <algorithm>
@@ -37,8 +37,7 @@ FusionRun::FusionRun(const Workspace& workspace,
       fusion_(fusion),
       device_options_(devices),
       max_cache_bytes_(
-          MemoryBudget(devices.cache_size, MainMemoryBytes()).NumBytes()),
-      cache_(max_cache_bytes_) {
+          MainMemoryBudget(devices.cache_size, MainMemoryBytes())) {
   MeasureImages();
   OpenDevices();
 }
@@ -103,22 +102,28 @@ void FusionRun::MeasureImages() {
 }
 
 void FusionRun::OpenDevices() {
-  MemoryPlan memory;
-  memory.uploaded_view = kPixelBytes * max_width_ * max_height_;
-  memory.work = FuseViewWorkingBytes(max_width_, max_height_, fusion_) +
-                memory.uploaded_view;
+  const int64_t view_bytes = kPixelBytes * max_width_ * max_height_;
+  cache_ = std::make_unique<SharedCache<FusionView>>(
+      static_cast<size_t>(max_cache_bytes_ / view_bytes));
+  size_t num_views = 0;  // Of an image with its sources.
   for (const int image : plan_.order) {
-    memory.num_sources =
-        std::max(memory.num_sources, static_cast<int>(SourcesOf(image).size()));
+    num_views = std::max(num_views, ImagesOf(image).size());
   }
+  // The points twice, and their flags and sums with the memory of the scan.
+  const int64_t work =
+      (int64_t{max_width_} * max_height_ * (2 * sizeof(FusedPoint) + 16)) /
+          (fusion_.point_spacing * fusion_.point_spacing) +
+      (1 << 22);
   gpus_ = OpenGpus(device_options_,
-                   memory,
+                   work + static_cast<int64_t>(num_views) * view_bytes,
                    static_cast<int>(plan_.order.size()),
                    GpuSystem::Cuda());
   for (const GpuWorkers& gpu : gpus_) {
     description_ += (description_.empty() ? "" : ", ") + gpu.name;
     for (const std::unique_ptr<Device>& device : gpu.devices) {
-      devices_.emplace_back(*device, gpu.bytes_per_device - memory.work);
+      devices_.emplace_back(
+          *device,
+          static_cast<size_t>((gpu.bytes_per_device - work) / view_bytes));
     }
   }
   if (devices_.empty()) {
@@ -169,19 +174,29 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
 
 void FusionRun::Load(const Group& group,
                      const std::function<bool()>& should_stop) {
-  const std::vector<int> missing = cache_.Use(group.needed, num_pixels_);
-  std::vector<FusionView> loaded(missing.size());
-  ForEachImage(workspace_, missing, device_options_.num_threads, [&](size_t i) {
-    StopIfAsked(should_stop);
-    loaded[i] = LoadFusionView(workspace_, missing[i], SourcesOf(missing[i]));
-  });
-  for (size_t i = 0; i < missing.size(); ++i) {
-    cache_.Add(missing[i], std::move(loaded[i]));
+  views_.clear();
+  std::vector<SharedCache<FusionView>::Pointer> loaded(group.needed.size());
+  for (size_t i = 0; i < loaded.size(); ++i) {
+    loaded[i] = cache_->Find(group.needed[i]);
+  }
+  ForEachImage(
+      workspace_, group.needed, device_options_.num_threads, [&](size_t i) {
+        StopIfAsked(should_stop);
+        const int image = group.needed[i];
+        if (!loaded[i]) {
+          loaded[i] = cache_->Get(image, [&](SharedCache<FusionView>::Pointer) {
+            return std::make_shared<const FusionView>(LoadFusionView(
+                workspace_, image, SourcesOf(image)));
+          });
+        }
+      });
+  for (size_t i = 0; i < loaded.size(); ++i) {
+    views_[group.needed[i]] = std::move(loaded[i]);
   }
 }
 
 FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
-  const std::vector<FusionInput> inputs = device->Use(ImagesOf(image), cache_);
+  const std::vector<FusionInput> inputs = device->Use(ImagesOf(image), views_);
   std::vector<FusionSourceInput> sources;
   for (size_t i = 1; i < inputs.size(); ++i) {
     const int source = SourcesOf(image)[i - 1];
@@ -194,7 +209,7 @@ FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
          place});
   }
   return {image,
-          &cache_.Get(image),
+          views_.at(image).get(),
           FuseView(inputs[0],
                    plan_.places[image],
                    sources,

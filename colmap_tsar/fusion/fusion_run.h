@@ -10,9 +10,11 @@
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/run/shared_cache.h"
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -95,12 +97,13 @@ class FusionRun {
   int max_width_ = 0;
   int max_height_ = 0;
   const int64_t max_cache_bytes_;
-  FusionViewCache cache_;
+  std::unique_ptr<SharedCache<FusionView>> cache_;
+  FusionViews views_;  // Of the group at work.
   std::string description_;
   std::vector<GpuWorkers> gpus_;
   std::unique_ptr<Device> cpu_;
   // Declared after the devices, whose memory they hold.
-  std::vector<FusionDevice> devices_;
+  std::deque<FusionDevice> devices_;
 };
 
 }  // namespace tsar

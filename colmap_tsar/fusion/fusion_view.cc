@@ -9,39 +9,13 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <optional>
-#include <utility>
+#include <memory>
 
 namespace tsar {
 namespace {
 
 // The standard deviation of a matched depth, in pixels of disparity.
 constexpr float kPixelsOfDisparity = 0.25f;
-
-int64_t BytesOf(const DeviceImage<FusionPixel>& copy) {
-  return int64_t{copy.Width()} * copy.Height() *
-         static_cast<int64_t>(sizeof(FusionPixel));
-}
-
-int64_t BytesOf(const FusionView& view) {
-  return int64_t{view.pixels.Width()} * view.pixels.Height() *
-         static_cast<int64_t>(sizeof(FusionPixel));
-}
-
-// Drops the least recently used values until the new bytes fit, or only the
-// num_used latest are left, which are in use.
-template <typename Value>
-void MakeRoom(int64_t num_new_bytes,
-              int64_t max_bytes,
-              size_t num_used,
-              LruMap<int, Value>* values,
-              int64_t* num_bytes) {
-  while (values->Size() > num_used && *num_bytes + num_new_bytes > max_bytes) {
-    const std::optional<Value> oldest =
-        values->TakeOldest([](const Value&) { return true; });
-    *num_bytes -= BytesOf(*oldest);
-  }
-}
 
 }  // namespace
 
@@ -83,53 +57,26 @@ FusionView LoadFusionView(const Workspace& workspace,
   return view;
 }
 
-std::vector<int> FusionViewCache::Use(const std::vector<int>& images,
-                                      const std::vector<int64_t>& num_pixels) {
-  std::vector<int> missing;
-  int64_t num_new_bytes = 0;
-  for (const int image : images) {
-    if (views_.Use(image) == nullptr) {
-      missing.push_back(image);
-      num_new_bytes +=
-          num_pixels[image] * static_cast<int64_t>(sizeof(FusionPixel));
-    }
-  }
-  // The images in use are the most recent ones.
-  const size_t num_used = images.size() - missing.size();
-  MakeRoom(num_new_bytes, max_bytes_, num_used, &views_, &num_bytes_);
-  return missing;
-}
-
-void FusionViewCache::Add(int image, FusionView view) {
-  num_bytes_ += BytesOf(view);
-  views_.Add(image, std::move(view));
-}
-
 std::vector<FusionInput> FusionDevice::Use(const std::vector<int>& images,
-                                           FusionViewCache& cache) {
+                                           const FusionViews& views) {
   std::vector<FusionInput> inputs;
   if (!device_.IsCuda()) {
     for (const int image : images) {
-      const FusionView& view = cache.Get(image);
+      const FusionView& view = *views.at(image);
       inputs.push_back({view.camera, view.pixels.View()});
     }
     return inputs;
   }
-  size_t num_used = 0;
-  for (const int image : images) {
-    num_used += copies_.Use(image) != nullptr ? 1 : 0;
-  }
-  for (const int image : images) {
-    const FusionView& view = cache.Get(image);
-    if (copies_.Find(image) == nullptr) {
-      const int64_t num_bytes = BytesOf(view);
-      MakeRoom(num_bytes, max_bytes_, num_used, &copies_, &num_bytes_);
-      copies_.Add(image, DeviceImage<FusionPixel>(device_, view.pixels));
-      num_bytes_ += num_bytes;
-      ++num_used;
-    }
-    const DeviceImage<FusionPixel>& copy = *copies_.Find(image);
-    inputs.push_back({view.camera, copy.View()});
+  in_use_.clear();
+  in_use_ = copies_.GetAll(
+      images,
+      [&](int image) {
+        return std::make_shared<const DeviceImage<FusionPixel>>(
+            device_, views.at(image)->pixels);
+      },
+      [] { return false; });
+  for (size_t i = 0; i < images.size(); ++i) {
+    inputs.push_back({views.at(images[i])->camera, in_use_[i]->View()});
   }
   return inputs;
 }

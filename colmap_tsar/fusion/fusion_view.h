@@ -9,10 +9,11 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/fusion/fuse_view.h"
 #include "colmap_tsar/fusion/fusion_pixel.h"
-#include "colmap_tsar/run/lru_map.h"
+#include "colmap_tsar/run/shared_cache.h"
 #include "colmap_tsar/run/store/workspace.h"
 
-#include <cstdint>
+#include <cstddef>
+#include <map>
 #include <vector>
 
 namespace tsar {
@@ -31,47 +32,28 @@ FusionView LoadFusionView(const Workspace& workspace,
                           int image,
                           const std::vector<int>& sources);
 
-// Views in main memory, by their images' indices in the sparse model.
-class FusionViewCache {
- public:
-  explicit FusionViewCache(int64_t max_bytes) : max_bytes_(max_bytes) {}
+// Views by their images' indices in the sparse model.
+using FusionViews = std::map<int, SharedCache<FusionView>::Pointer>;
 
-  // Begins to use these images, which must be unique, instead of those of the
-  // last call: returns the ones whose views are missing and to be added. Makes
-  // room for them: drops the views of other images, the least recently used
-  // first, as far as max_bytes requires. num_pixels: by image.
-  std::vector<int> Use(const std::vector<int>& images,
-                       const std::vector<int64_t>& num_pixels);
-
-  void Add(int image, FusionView view);
-
-  // An image in use whose view was added.
-  const FusionView& Get(int image) { return *views_.Find(image); }
-
- private:
-  const int64_t max_bytes_;
-  int64_t num_bytes_ = 0;
-  LruMap<int, FusionView> views_;
-};
-
-// A device's access to the images of a cache: a GPU gets copies, which stay
-// there while max_bytes allow; the CPU reads those of the cache.
+// A device's access to views: a GPU gets copies, max_num_views of which stay
+// there; the CPU reads those in main memory.
 class FusionDevice {
  public:
-  FusionDevice(Device& device, int64_t max_bytes)
-      : device_(device), max_bytes_(max_bytes) {}
+  FusionDevice(Device& device, size_t max_num_views)
+      : device_(device), copies_(max_num_views) {}
 
   Device& GetDevice() { return device_; }
 
-  // The images, which the cache holds, in order; valid until the next call.
+  // The images in order; valid until the next call, and as long as the views.
   std::vector<FusionInput> Use(const std::vector<int>& images,
-                               FusionViewCache& cache);
+                               const FusionViews& views);
 
  private:
+  using Copies = SharedCache<DeviceImage<FusionPixel>>;
+
   Device& device_;
-  const int64_t max_bytes_;
-  int64_t num_bytes_ = 0;
-  LruMap<int, DeviceImage<FusionPixel>> copies_;
+  Copies copies_;
+  std::vector<Copies::Pointer> in_use_;
 };
 
 }  // namespace tsar

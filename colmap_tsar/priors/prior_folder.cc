@@ -188,9 +188,6 @@ class PriorReader {
     return prior;
   }
 
-  // The memory of the larger of the files that were read, in bytes.
-  int64_t NumBytes() const { return num_bytes_; }
-
  private:
   FloatMap ReadDepth(const fs::path& path) {
     FloatMap map =
@@ -210,8 +207,6 @@ class PriorReader {
 
   template <typename Parse>
   FloatMap ReadMap(const fs::path& path, const Parse& parse) {
-    // A value as OpenCV decodes it, and as it is returned.
-    constexpr size_t kBytesPerValue = sizeof(double) + sizeof(float);
     const std::vector<uint8_t> bytes = ReadFileBytes(path);
     if (bytes.empty()) {
       throw Error::File(ErrorCode::kCorrupt,
@@ -221,15 +216,10 @@ class PriorReader {
     }
     FloatMap map = parse(bytes, path);
     RequireFit(path, map, photo_);
-    num_bytes_ =
-        std::max(num_bytes_,
-                 static_cast<int64_t>(bytes.size() +
-                                      map.values.size() * kBytesPerValue));
     return map;
   }
 
   const RasterSize photo_;
-  int64_t num_bytes_ = 0;
 };
 
 }  // namespace
@@ -314,12 +304,6 @@ DepthPrior ReadPrior(const PriorFiles& files,
   DepthPrior prior = PriorReader(photo).Read(files);
   prior.type = type;
   return prior;
-}
-
-PriorMemory CheckPrior(const PriorFiles& files, const RasterSize& photo) {
-  PriorReader reader(photo);
-  const DepthPrior prior = reader.Read(files);
-  return {static_cast<int64_t>(prior.NumBytes()), reader.NumBytes()};
 }
 
 }  // namespace tsar

@@ -40,15 +40,6 @@ DepthPrior ReadPrior(const PriorFiles& files,
                      PriorType type,
                      const RasterSize& photo);
 
-// The main memory of a prior, in bytes.
-struct PriorMemory {
-  int64_t prior = 0;
-  int64_t to_read = 0;  // Beside the prior, while it is read.
-};
-
-// The memory of the files, which it reads. Throws what ReadPrior throws.
-PriorMemory CheckPrior(const PriorFiles& files, const RasterSize& photo);
-
 // Throws Error kBadOption, naming the options prior_type and prior_path, for a
 // type without a folder.
 void RequirePathOfPriorType(const std::filesystem::path& folder,

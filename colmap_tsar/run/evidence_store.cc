@@ -12,6 +12,12 @@
 #include <vector>
 
 namespace tsar {
+namespace {
+
+// What the key of a file without evidence has in addition.
+constexpr const char* kNothing = " nothing";
+
+}  // namespace
 
 bool NeedsEvidence(const RefineOptions& options) {
   return options.scene_planes && options.refine;
@@ -24,31 +30,40 @@ EvidenceStore::EvidenceStore(const Workspace& workspace,
     : workspace_(workspace),
       inputs_(inputs),
       options_hash_(std::move(options_hash)),
-      max_num_views_(max_num_views) {}
+      views_(max_num_views) {}
 
-bool EvidenceStore::IsCurrent(int image) {
-  if (inputs_.Problem(image) == nullptr ||
-      (expected_ && !expected_->contains(image))) {
+bool EvidenceStore::IsObserved(int image) {
+  if (inputs_.Problem(image) == nullptr) {
     return false;
   }
-  const bool is_current = ReadEvidenceKey(Path(image)) == Fingerprint(image);
-  if (expected_ && !is_current) {
-    throw Error::File(
-        ErrorCode::kMismatch,
-        Path(image).string(),
-        "the evidence, or what it was made of, has changed or "
-        "gone since it was observed",
-        "run " + OptionName("pass") + " observe of all shards again");
-  }
-  return is_current;
+  const std::optional<std::string> key = ReadEvidenceKey(Path(image));
+  const std::string current = Fingerprint(image);
+  return key == current || key == current + kNothing;
 }
 
-void EvidenceStore::Expect(std::set<int> images) {
-  expected_ = std::move(images);
+void EvidenceStore::RequireObserved(int image) {
+  if (inputs_.Problem(image) != nullptr && !IsObserved(image)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      Path(image).string(),
+                      workspace_.Name(image) +
+                          " was not observed with these options, or something "
+                          "that it was made of has changed since",
+                      "run " + OptionName("pass") +
+                          " observe of all shards again");
+  }
+}
+
+bool EvidenceStore::IsCurrent(int image) {
+  return inputs_.Problem(image) != nullptr &&
+         ReadEvidenceKey(Path(image)) == Fingerprint(image);
 }
 
 void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
   WriteEvidence(Path(image), Fingerprint(image), evidence);
+}
+
+void EvidenceStore::WriteNothing(int image) {
+  WriteEvidence(Path(image), Fingerprint(image) + kNothing, {});
 }
 
 void EvidenceStore::RemoveUnlikePriors() {
@@ -83,26 +98,17 @@ ViewEvidence EvidenceStore::ReadAll(int image) const {
 }
 
 EvidenceStore::Evidence EvidenceStore::Get(int image) {
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (const Evidence* evidence = views_.Use(image)) {
-      return *evidence;
-    }
+  if (Evidence evidence = views_.Find(image)) {
+    return evidence;
   }
+  RequireObserved(image);
   if (!IsCurrent(image)) {
     return nullptr;
   }
-  // Two threads may read the same file, rather than all wait for one file.
-  auto evidence = std::make_shared<const ViewEvidence>(
-      ReadEvidence(Path(image), EvidenceParts::kForNeighbors));
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (views_.Find(image) == nullptr) {
-    views_.Add(image, evidence);
-    if (views_.Size() > max_num_views_) {
-      views_.TakeOldest([](const Evidence&) { return true; });
-    }
-  }
-  return evidence;
+  return views_.Get(image, [&](Evidence) {
+    return std::make_shared<const ViewEvidence>(
+        ReadEvidence(Path(image), EvidenceParts::kForNeighbors));
+  });
 }
 
 void EvidenceStore::Clear(const Workspace& workspace) {

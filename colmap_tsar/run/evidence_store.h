@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/run/input_fingerprints.h"
-#include "colmap_tsar/run/lru_map.h"
+#include "colmap_tsar/run/shared_cache.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/view/refine_options.h"
@@ -12,9 +12,6 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
-#include <mutex>
-#include <optional>
-#include <set>
 #include <string>
 
 namespace tsar {
@@ -38,19 +35,20 @@ class EvidenceStore {
                 std::string options_hash,
                 size_t max_num_views);
 
-  // Whether there is evidence of the image that was made with these options
-  // from these sources, cameras, photos and original maps. Always false for an
-  // image that is no reference: nobody would renew its evidence. Throws what
+  // Whether the image was observed with these options, from these sources,
+  // cameras, photos and original maps. Always false for an image that is no
+  // reference: nobody would renew its evidence. Throws what
   // InputFingerprints::OfView throws for the image and its sources.
+  bool IsObserved(int image);
+  // Throws kNotFound, naming the file, for a reference that was not.
+  void RequireObserved(int image);
+  // Whether the image was observed, and there was something to observe.
   bool IsCurrent(int image);
-
-  // Declares that there is evidence of exactly these images. From then on
-  // IsCurrent() and Get() throw kMismatch where it was made of something else
-  // or is gone.
-  void Expect(std::set<int> images);
 
   // image must be a reference.
   void Write(int image, const ViewEvidence& evidence);
+  // Notes that there is nothing to observe in the image.
+  void WriteNothing(int image);
 
   // Removes the priors from all evidence if more of them were dropped for
   // explaining too little than are in use: then they are those of another
@@ -60,7 +58,9 @@ class EvidenceStore {
 
   // The complete evidence, for the view itself.
   ViewEvidence ReadAll(int image) const;
-  // The part of the evidence that neighbors need; null where none is current.
+  // The part of the evidence that neighbors need; null where there is nothing to
+  // observe, and for an image that is no reference. Throws what
+  // RequireObserved() throws.
   Evidence Get(int image);
 
   // Removes the evidence of all images, whatever its options and inputs.
@@ -75,10 +75,7 @@ class EvidenceStore {
   const Workspace& workspace_;
   InputFingerprints& inputs_;
   const std::string options_hash_;
-  const size_t max_num_views_;
-  std::optional<std::set<int>> expected_;
-  std::mutex mutex_;
-  LruMap<int, Evidence> views_;  // By image.
+  SharedCache<ViewEvidence> views_;
 };
 
 }  // namespace tsar

@@ -20,12 +20,6 @@ namespace {
 // they are first used.
 constexpr int64_t kDriverBytes = int64_t{64} << 20;
 
-struct Gpu {
-  GpuWorkers workers;
-  int64_t free_bytes = 0;
-  int max_num_workers = 0;  // The largest number that its memory allows.
-};
-
 std::string Gigabytes(int64_t num_bytes) {
   char text[64];
   std::snprintf(
@@ -56,24 +50,13 @@ std::vector<int> WantedGpus(const std::vector<int>& named, int num_gpus) {
   return indices;
 }
 
-// Calls a function and returns its Error, or nothing.
-template <typename Function>
-std::optional<Error> Attempt(Function function) {
-  try {
-    function();
-  } catch (const Error& error) {
-    return error;
-  }
-  return std::nullopt;
-}
-
 // The number of workers of a GPU: kMaxGpuWorkers, or as many as fit. Throws
 // kDevice where not even one fits.
-int NumGpuWorkers(const MemoryPlan& plan,
+int NumGpuWorkers(int64_t image_bytes,
                   int64_t free_bytes,
                   const std::string& gpu) {
   const auto needed = [&](int num_workers) {
-    return DeviceBytes(plan, num_workers) + num_workers * kDriverBytes;
+    return num_workers * (image_bytes + kDriverBytes);
   };
   if (needed(1) > free_bytes) {
     throw Error(
@@ -94,104 +77,68 @@ int NumGpuWorkers(const MemoryPlan& plan,
   return num_workers;
 }
 
-// Opens GPUs, each with one device, until there is one for each image.
-class GpuOpener {
- public:
-  GpuOpener(const MemoryPlan& plan, const GpuSystem& gpus, bool are_named)
-      : plan_(plan), gpus_(gpus), are_named_(are_named) {}
-
-  void Open(int index) {
-    Gpu gpu;
-    gpu.workers.index = index;
-    std::vector<std::unique_ptr<Device>>& devices = gpu.workers.devices;
-    const auto open = [&] {
-      devices.push_back(gpus_.create(index));
-      gpu.workers.name =
-          "GPU " + std::to_string(index) + " (" + devices[0]->Name() + ")";
-    };
-    const auto plan = [&] {
-      gpu.free_bytes = static_cast<int64_t>(
-          std::min(devices[0]->FreeMemory(), static_cast<size_t>(INT64_MAX)));
-      gpu.max_num_workers =
-          NumGpuWorkers(plan_, gpu.free_bytes, gpu.workers.name);
-    };
-    if (Keep(Attempt(open), &not_opened_) && Keep(Attempt(plan), &too_small_)) {
-      opened_.push_back(std::move(gpu));
-    }
-  }
-
-  size_t NumOpened() const { return opened_.size(); }
-
-  // Returns no GPU where the CPU is to be used instead. Throws where a GPU is
-  // needed. GPUs with too little memory are an error also with device "auto":
-  // the CPU would take a hundred times as long.
-  std::vector<Gpu> Take(bool is_auto) {
-    if (opened_.empty() && too_small_) {
-      throw Error(*too_small_);
-    }
-    if (opened_.empty() && not_opened_ && !is_auto) {
-      throw Error(*not_opened_);
-    }
-    for (const std::string& warning : warnings_) {
-      Warn(warning);
-    }
-    return std::move(opened_);
-  }
-
- private:
-  // Returns whether there was no failure, and remembers the first of its kind.
-  // Throws the failure of a GPU that the user named.
-  bool Keep(const std::optional<Error>& failure, std::optional<Error>* first) {
-    if (!failure) {
-      return true;
-    }
-    if (are_named_) {
-      throw Error(*failure);
-    }
-    if (!*first) {
-      first->emplace(*failure);
-    }
-    warnings_.push_back(failure->what());
-    return false;
-  }
-
-  const MemoryPlan& plan_;
-  const GpuSystem& gpus_;
-  const bool are_named_;
-  std::vector<Gpu> opened_;
-  std::optional<Error> not_opened_;
-  std::optional<Error> too_small_;
-  std::vector<std::string> warnings_;
+// A GPU with one device, and the largest number that its memory allows.
+struct Gpu {
+  GpuWorkers workers;
+  int64_t free_bytes = 0;
+  int max_num_workers = 0;
 };
 
-// The GPUs to use, each with one device; none where the CPU is to be used.
-std::vector<Gpu> OpenWithOneDevice(const std::vector<int>& named,
+Gpu OpenGpu(int index, std::unique_ptr<Device> device, int64_t image_bytes) {
+  Gpu gpu;
+  gpu.workers.index = index;
+  gpu.workers.name =
+      "GPU " + std::to_string(index) + " (" + device->Name() + ")";
+  gpu.free_bytes = static_cast<int64_t>(
+      std::min(device->FreeMemory(), static_cast<size_t>(INT64_MAX)));
+  gpu.max_num_workers =
+      NumGpuWorkers(image_bytes, gpu.free_bytes, gpu.workers.name);
+  gpu.workers.devices.push_back(std::move(device));
+  return gpu;
+}
+
+// Opens GPUs until there is one for each image; none where the CPU is to be
+// used instead. The failure of a GPU that the user named is an error. GPUs with
+// too little memory are one also with device "auto": the CPU would take a
+// hundred times as long.
+std::vector<Gpu> OpenWithOneDevice(const std::vector<int>& wanted,
+                                   bool are_named,
                                    bool is_auto,
-                                   const MemoryPlan& plan,
+                                   int64_t image_bytes,
                                    int num_images,
                                    const GpuSystem& gpus) {
-  const int num_gpus = gpus.count();
-  if (num_gpus == 0 && !is_auto) {
-    // Throws the reason.
-    gpus.create(named.empty() ? 0 : named[0]);
-  }
   std::vector<Gpu> opened;
-  if (num_gpus > 0) {
-    GpuOpener opener(plan, gpus, !named.empty());
-    const std::vector<int> wanted = WantedGpus(named, num_gpus);
-    if (static_cast<int>(wanted.size()) <= num_images) {
-      gpus.prepare(wanted);
+  std::optional<Error> not_opened;
+  std::optional<Error> too_small;
+  std::vector<std::string> warnings;
+  for (const int index : wanted) {
+    if (static_cast<int>(opened.size()) == num_images) {
+      break;
     }
-    for (const int index : wanted) {
-      if (static_cast<int>(opener.NumOpened()) < num_images) {
-        opener.Open(index);
+    bool exists = false;
+    try {
+      std::unique_ptr<Device> device = gpus.create(index);
+      exists = true;
+      opened.push_back(OpenGpu(index, std::move(device), image_bytes));
+    } catch (const Error& error) {
+      if (are_named) {
+        throw;
       }
+      std::optional<Error>& first = exists ? too_small : not_opened;
+      if (!first) {
+        first = error;
+      }
+      warnings.push_back(error.what());
     }
-    opened = opener.Take(is_auto);
   }
-  if (opened.empty()) {
-    Warn((named.empty() ? "" : OptionName("gpu_index") + ": ") +
-         "there is no GPU that can be used; going on with the CPU");
+  if (opened.empty() && too_small) {
+    throw Error(*too_small);
+  }
+  if (opened.empty() && not_opened && !is_auto) {
+    throw Error(*not_opened);
+  }
+  for (const std::string& warning : warnings) {
+    Warn(warning);
   }
   return opened;
 }
@@ -207,14 +154,13 @@ void AddDevices(int num_images,
         continue;
       }
       GpuWorkers& workers = gpu.workers;
-      const auto failure = Attempt(
-          [&] { workers.devices.push_back(gpus.create(workers.index)); });
-      if (failure) {
-        Warn(failure->what() + ("; " + workers.name) + " works on " +
+      try {
+        workers.devices.push_back(gpus.create(workers.index));
+        --num_left;
+      } catch (const Error& error) {
+        Warn(error.what() + ("; " + workers.name) + " works on " +
              std::to_string(workers.devices.size()) + " image at a time");
         gpu.max_num_workers = round;
-      } else {
-        --num_left;
       }
     }
   }
@@ -229,18 +175,32 @@ GpuSystem GpuSystem::Cuda() {
 }
 
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
-                                 const MemoryPlan& plan,
+                                 int64_t image_bytes,
                                  int num_images,
                                  const GpuSystem& gpus) {
   if (options.choice == DeviceChoice::kCpu) {
     return {};
   }
-  std::vector<Gpu> opened =
-      OpenWithOneDevice(options.gpu_indices,
-                        options.choice == DeviceChoice::kAuto,
-                        plan,
-                        num_images,
-                        gpus);
+  const bool is_auto = options.choice == DeviceChoice::kAuto;
+  const std::vector<int>& named = options.gpu_indices;
+  const int num_gpus = gpus.count();
+  if (num_gpus == 0 && !is_auto) {
+    // Throws the reason.
+    gpus.create(named.empty() ? 0 : named[0]);
+  }
+  std::vector<Gpu> opened;
+  if (num_gpus > 0) {
+    const std::vector<int> wanted = WantedGpus(named, num_gpus);
+    if (static_cast<int>(wanted.size()) <= num_images) {
+      gpus.prepare(wanted);
+    }
+    opened = OpenWithOneDevice(
+        wanted, !named.empty(), is_auto, image_bytes, num_images, gpus);
+  }
+  if (opened.empty()) {
+    Warn((named.empty() ? "" : OptionName("gpu_index") + ": ") +
+         "there is no GPU that can be used; going on with the CPU");
+  }
   AddDevices(num_images, gpus, &opened);
   std::vector<GpuWorkers> workers;
   for (Gpu& gpu : opened) {

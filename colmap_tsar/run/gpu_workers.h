@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/run/device_options.h"
-#include "colmap_tsar/run/memory_plan.h"
 
 #include <cstdint>
 #include <functional>
@@ -42,10 +41,11 @@ struct GpuWorkers {
 };
 
 // The GPUs to work with, each of which gets at least one image; none where the
-// CPU is to be used. CreateRefineDevices describes which GPUs are left out, the
-// warnings and the errors.
+// CPU is to be used. image_bytes: the GPU memory that an image at work takes.
+// CreateRefineDevices describes which GPUs are left out, the warnings and the
+// errors.
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
-                                 const MemoryPlan& plan,
+                                 int64_t image_bytes,
                                  int num_images,
                                  const GpuSystem& gpus);
 

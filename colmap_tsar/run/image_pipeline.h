@@ -6,21 +6,41 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/base/stopwatch.h"
-#include "colmap_tsar/run/bounded_queue.h"
+#include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/run_summary.h"
-#include "colmap_tsar/run/view_cache.h"
+#include "colmap_tsar/run/shared_cache.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <atomic>
+#include <condition_variable>
 #include <cstddef>
+#include <deque>
 #include <exception>
 #include <functional>
-#include <optional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <numeric>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
 namespace tsar {
+
+// The views of an image at work, in main memory.
+class LoadedViews {
+ public:
+  void Add(int image, std::shared_ptr<const ViewData> view) {
+    views_[image] = std::move(view);
+  }
+  // An image that was added and has not been released.
+  const ViewData& Get(int image) const { return *views_.at(image); }
+  void Release(int image) { views_.erase(image); }
+
+ private:
+  std::map<int, std::shared_ptr<const ViewData>> views_;
+};
 
 // The work of one pass on each image of a run, as called by an ImagePipeline.
 // Images have indices from 0 on. Calls for one image are sequential, those for
@@ -34,15 +54,16 @@ class ImageTasks {
   // Does the work that needs no maps. The outcome is kNotDone where the image
   // is still to be computed.
   virtual ImageReport Begin(size_t index) = 0;
-  // The views that Compute() needs.
+  // The views that Compute() needs, as images of the sparse model.
   virtual std::vector<int> Views(size_t index) const = 0;
+  virtual std::shared_ptr<const ViewData> Load(int image) const = 0;
   // Work on the CPU that needs the views but no worker.
-  virtual void Prepare(size_t /*index*/, const ViewCache::Lease& /*views*/) {}
-  // Computes with one of the workers, each of which is used by one thread.
-  // Releases views as early as possible.
+  virtual void Prepare(size_t /*index*/, const LoadedViews& /*views*/) {}
+  // Computes with one of the workers, each of which is used by one thread at a
+  // time. Releases views as early as possible.
   virtual Result Compute(size_t index,
                          size_t worker,
-                         ViewCache::Lease* views,
+                         LoadedViews* views,
                          ImageReport* report) = 0;
   // Whether images that a worker holds or has computed when the user asks to
   // stop are still written, since computing them took long.
@@ -51,111 +72,104 @@ class ImageTasks {
   virtual void Write(size_t index, Result result, ImageReport* report) = 0;
 };
 
-// The numbers of reading and writing threads, and of images that may wait.
-struct PipelineSizes {
-  int num_loaders = 1;
-  int num_writers = 1;
-  size_t max_ready = 1;     // Read, waiting for a worker.
-  size_t max_finished = 1;  // Computed, waiting for a writer.
-};
-
-// Reads, computes and writes images, concurrently for different images. Images
-// are begun in their order.
+// Reads, computes and writes images, concurrently for different images: each
+// thread takes an image through all of it, and waits for one of the workers to
+// compute. Images are begun in their order.
 template <typename Result>
 class ImagePipeline {
  public:
   // All references must outlive this object. images: the tasks' indices of the
   // images; the outcome is in their order. pass_name: for the user; empty where
-  // there is one pass only. should_stop: whether the user wants to end; called
-  // from all threads.
+  // there is one pass only. max_num_views: how many views are kept in memory.
+  // should_stop: whether the user wants to end; called from all threads.
   ImagePipeline(ImageTasks<Result>& tasks,
                 std::vector<size_t> images,
                 std::string pass_name,
-                ViewCache& cache,
-                const PipelineSizes& sizes,
+                const ImagesAtWork& at_work,
+                size_t max_num_views,
                 Progress& progress,
                 const std::function<bool()>& should_stop)
       : tasks_(tasks),
         images_(std::move(images)),
         pass_name_(std::move(pass_name)),
-        cache_(cache),
-        sizes_(sizes),
+        num_threads_(at_work.num_threads),
         progress_(progress),
         should_stop_(should_stop),
-        ready_(sizes.max_ready),
-        finished_(sizes.max_finished),
-        outcome_(images_.size()) {}
+        cache_(max_num_views),
+        free_workers_(static_cast<size_t>(at_work.num_workers)),
+        outcome_(images_.size()) {
+    std::iota(free_workers_.begin(), free_workers_.end(), size_t{0});
+  }
 
   // Returns when all images are done. After a failure no further image is
   // begun, but those already begun are completed. After should_stop, images
   // that are not being written are left as they were; or, if WritesAfterStop(),
   // only those that have not reached a worker.
-  PipelineOutcome Run(size_t num_workers);
+  PipelineOutcome Run();
 
  private:
-  // place: the index in images_.
-  struct ReadyImage {
-    size_t place = 0;
-    ImageReport report;
-    ViewCache::Lease views;
-  };
-  struct FinishedImage {
-    size_t place = 0;
-    ImageReport report;
-    Result result;
+  // Exclusive use of the worker that was idle longest, which the constructor
+  // waits for.
+  class Loan {
+   public:
+    explicit Loan(ImagePipeline& pipeline) : pipeline_(pipeline) {
+      std::unique_lock<std::mutex> lock(pipeline_.mutex_);
+      pipeline_.is_free_.wait(lock,
+                              [&] { return !pipeline_.free_workers_.empty(); });
+      worker_ = pipeline_.free_workers_.front();
+      pipeline_.free_workers_.pop_front();
+    }
+    ~Loan() {
+      const std::lock_guard<std::mutex> lock(pipeline_.mutex_);
+      pipeline_.free_workers_.push_back(worker_);
+      pipeline_.is_free_.notify_one();
+    }
+    Loan(const Loan&) = delete;
+    Loan& operator=(const Loan&) = delete;
+
+    size_t Worker() const { return worker_; }
+
+   private:
+    ImagePipeline& pipeline_;
+    size_t worker_ = 0;
   };
 
-  void LoadImages();
-  void ComputeImages(size_t worker);
-  void WriteImages();
-  void LoadOne(size_t place);
-  // Notes an exception of the function as the image's failure.
-  template <typename Function>
-  void Try(size_t place, Function function);
-  void Report(size_t place, ImageReport report);
+  void WorkOnImages();
+  // Where the outcome is still kNotDone, the user wants to end.
+  void WorkOn(size_t index, ImageReport* report);
+  // Returns false where the user wants to end.
+  bool Load(size_t index, LoadedViews* views);
 
   ImageTasks<Result>& tasks_;
   const std::vector<size_t> images_;
   const std::string pass_name_;
-  ViewCache& cache_;
-  const PipelineSizes sizes_;
+  const int num_threads_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
-  BoundedQueue<ReadyImage> ready_;
-  BoundedQueue<FinishedImage> finished_;
+  SharedCache<ViewData> cache_;
+  std::mutex mutex_;
+  std::condition_variable is_free_;
+  std::deque<size_t> free_workers_;
   std::atomic<size_t> next_ = 0;
   std::atomic<bool> has_failed_ = false;
-  std::atomic<int> num_loading_ = 0;
-  std::atomic<size_t> num_computing_ = 0;
-  // The entries of an image are written by the thread that holds it, the first
-  // failure by the thread that sets has_failed_.
+  // The entries of an image are written by the thread that works on it, the
+  // first failure by the thread that sets has_failed_.
   PipelineOutcome outcome_;
 };
 
 template <typename Result>
-PipelineOutcome ImagePipeline<Result>::Run(size_t num_workers) {
+PipelineOutcome ImagePipeline<Result>::Run() {
   progress_.Start(static_cast<int>(images_.size()), pass_name_);
-  num_loading_ = sizes_.num_loaders;
-  num_computing_ = num_workers;
   {
     std::vector<std::jthread> threads;
-    threads.reserve(static_cast<size_t>(sizes_.num_writers) + num_workers +
-                    static_cast<size_t>(sizes_.num_loaders));
+    threads.reserve(static_cast<size_t>(num_threads_));
     try {
-      for (int i = 0; i < sizes_.num_writers; ++i) {
-        threads.push_back(StartThread([this] { WriteImages(); }));
-      }
-      for (size_t i = 0; i < num_workers; ++i) {
-        threads.push_back(StartThread([this, i] { ComputeImages(i); }));
-      }
-      for (int i = 0; i < sizes_.num_loaders; ++i) {
-        threads.push_back(StartThread([this] { LoadImages(); }));
+      for (int i = 0; i < num_threads_; ++i) {
+        threads.push_back(StartThread([this] { WorkOnImages(); }));
       }
     } catch (...) {
       // The system provides no more threads: the running ones are to end.
       has_failed_ = true;
-      ready_.Close();
-      finished_.Close();
       throw;
     }
   }
@@ -164,91 +178,68 @@ PipelineOutcome ImagePipeline<Result>::Run(size_t num_workers) {
 }
 
 template <typename Result>
-void ImagePipeline<Result>::LoadImages() {
+void ImagePipeline<Result>::WorkOnImages() {
   while (!has_failed_ && !should_stop_()) {
     const size_t place = next_++;
     if (place >= images_.size()) {
-      break;
+      return;
     }
-    Try(place, [&] { LoadOne(place); });
-  }
-  if (--num_loading_ == 0) {
-    ready_.Close();
+    try {
+      ImageReport report;
+      WorkOn(images_[place], &report);
+      if (report.outcome != ImageReport::Outcome::kNotDone) {
+        const bool was_work = report.outcome == ImageReport::Outcome::kDone;
+        outcome_.reports[place] = std::move(report);
+        progress_.Advance(was_work);
+      }
+    } catch (...) {
+      outcome_.failures[place] = std::current_exception();
+      if (!has_failed_.exchange(true)) {
+        outcome_.first_failure = outcome_.failures[place];
+      }
+    }
   }
 }
 
 template <typename Result>
-void ImagePipeline<Result>::LoadOne(size_t place) {
-  ReadyImage image;
-  image.place = place;
-  image.report = tasks_.Begin(images_[place]);
-  if (image.report.outcome != ImageReport::Outcome::kNotDone) {
-    Report(place, std::move(image.report));
+void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
+  *report = tasks_.Begin(index);
+  if (report->outcome != ImageReport::Outcome::kNotDone) {
     return;
   }
-  image.views = cache_.Reserve(tasks_.Views(images_[place]));
+  LoadedViews views;
   const Stopwatch reading;
-  if (!image.views.Load(should_stop_)) {
+  if (!Load(index, &views)) {
     return;
   }
-  image.report.seconds["read"] += reading.Seconds();
-  tasks_.Prepare(images_[place], image.views);
-  ready_.Push(std::move(image));
-}
-
-template <typename Result>
-void ImagePipeline<Result>::ComputeImages(size_t worker) {
-  while (std::optional<ReadyImage> image = ready_.Pop()) {
+  report->seconds["read"] += reading.Seconds();
+  tasks_.Prepare(index, views);
+  Result result;
+  {
+    const Loan loan(*this);
     if (should_stop_()) {
-      continue;
+      return;
     }
-    Try(image->place, [&] {
-      FinishedImage finished;
-      finished.place = image->place;
-      finished.report = std::move(image->report);
-      finished.result = tasks_.Compute(
-          images_[image->place], worker, &image->views, &finished.report);
-      image->views = {};
-      finished_.Push(std::move(finished));
-    });
+    result = tasks_.Compute(index, loan.Worker(), &views, report);
   }
-  if (--num_computing_ == 0) {
-    finished_.Close();
+  views = {};
+  if (!should_stop_() || tasks_.WritesAfterStop()) {
+    tasks_.Write(index, std::move(result), report);
   }
 }
 
 template <typename Result>
-void ImagePipeline<Result>::WriteImages() {
-  while (std::optional<FinishedImage> image = finished_.Pop()) {
-    if (should_stop_() && !tasks_.WritesAfterStop()) {
-      continue;
+bool ImagePipeline<Result>::Load(size_t index, LoadedViews* views) {
+  const std::vector<int> images = tasks_.Views(index);
+  auto loaded = cache_.GetAll(
+      images, [&](int image) { return tasks_.Load(image); }, should_stop_);
+  for (size_t i = 0; i < images.size(); ++i) {
+    if (!loaded[i]) {
+      return false;
     }
-    Try(image->place, [&] {
-      tasks_.Write(
-          images_[image->place], std::move(image->result), &image->report);
-      Report(image->place, std::move(image->report));
-    });
+    views->Add(images[i], std::move(loaded[i]));
   }
-}
-
-template <typename Result>
-template <typename Function>
-void ImagePipeline<Result>::Try(size_t place, Function function) {
-  try {
-    function();
-  } catch (...) {
-    outcome_.failures[place] = std::current_exception();
-    if (!has_failed_.exchange(true)) {
-      outcome_.first_failure = outcome_.failures[place];
-    }
-  }
-}
-
-template <typename Result>
-void ImagePipeline<Result>::Report(size_t place, ImageReport report) {
-  const bool was_work = report.outcome == ImageReport::Outcome::kDone;
-  outcome_.reports[place] = std::move(report);
-  progress_.Advance(was_work);
+  return true;
 }
 
 }  // namespace tsar

@@ -24,8 +24,19 @@
 namespace tsar {
 namespace {
 
-// Output buffers for the hypotheses of consecutive pixels, as in ViewData.
+// Buffers for the hypotheses of consecutive pixels, as in ViewData: those of
+// `count` pixels of the view from `first` on.
 struct HypothesisPiece {
+  HypothesisPiece(ViewData* view, size_t first, size_t count)
+      : depth(view->depth.Data() + first, count),
+        normal(view->normal.Data() + first, count),
+        is_to_refine(view->is_to_refine.Data() + first, count) {
+    if (!view->min_cost.Empty()) {
+      min_cost = {view->min_cost.Data() + first, count};
+      second_cost = {view->second_cost.Data() + first, count};
+    }
+  }
+
   std::span<float> depth;
   std::span<Vec3f> normal;
   std::span<uint8_t> is_to_refine;
@@ -273,19 +284,6 @@ ViewData MakeMaps(int width, int height, bool has_costs) {
   return view;
 }
 
-HypothesisPiece PieceOf(ViewData* view, size_t first, size_t count) {
-  HypothesisPiece piece = {{view->depth.Data() + first, count},
-                           {view->normal.Data() + first, count},
-                           {view->is_to_refine.Data() + first, count},
-                           {},
-                           {}};
-  if (!view->min_cost.Empty()) {
-    piece.min_cost = {view->min_cost.Data() + first, count};
-    piece.second_cost = {view->second_cost.Data() + first, count};
-  }
-  return piece;
-}
-
 // The depth map to refine.
 Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
   DepthMapReader reader =
@@ -324,7 +322,7 @@ ViewData LoadView(const Workspace& workspace, int image) {
   const int height = reader.Height();
   ViewData view = MakeMaps(width, height, reader.HasCosts());
   ForEachPiece(reader.NumPixels(), [&](size_t first, size_t count) {
-    reader.Read(first, PieceOf(&view, first, count));
+    reader.Read(first, HypothesisPiece(&view, first, count));
   });
   view.num_depths_to_refine = reader.NumDepthsToRefine();
   view.num_not_finite = reader.NumNotFinite();
@@ -355,7 +353,7 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
       rows = MakeMaps(width, num_rows, reader.HasCosts());
     }
     reader.Read(static_cast<size_t>(row) * static_cast<size_t>(width),
-                PieceOf(&rows, 0, rows.depth.NumPixels()));
+                HypothesisPiece(&rows, 0, rows.depth.NumPixels()));
     reducer.Add(rows);
   }
   ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));

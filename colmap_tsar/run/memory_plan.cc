@@ -3,16 +3,16 @@
 
 #include "colmap_tsar/run/memory_plan.h"
 
-#include "colmap_tsar/base/image.h"
-#include "colmap_tsar/compose/stage_memory.h"
-#include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/io/masks_and_labels.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/run/evidence_store.h"
+#include "colmap_tsar/scene/discovery/discover_planes.h"
+#include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/model_scene.h"
+#include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/reduce_view.h"
-#include "colmap_tsar/view/refined_maps.h"
-#include "colmap_tsar/view/unmatched_depths.h"
-#include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,164 +20,130 @@
 namespace tsar {
 namespace {
 
-// Confidence in 8 bits, and an encoded image in a growing buffer.
-constexpr int64_t kEncodingBytesPerPixel = 3;
-// The number of sources of an image that it does not share with another image
-// at work.
-constexpr int kViewsPerWorker = 1;
+constexpr double kBytesPerGigabyte = 1e9;
+constexpr double kUsableShare = 0.8;
+// Of an uploaded view: gray values and depth.
+constexpr int64_t kUploadedBytesPerPixel = 8;
 
-size_t NumEvidenceViews(int num_sources, size_t num_images) {
-  return (num_images + 1) * static_cast<size_t>(num_sources + 1);
+// Rounds up to a tenth of a gigabyte.
+std::string Gigabytes(int64_t num_bytes) {
+  TextStream text;
+  text << std::ceil(static_cast<double>(num_bytes) / kBytesPerGigabyte * 10) /
+              10
+       << " GB";
+  return text.str();
 }
 
-int LongestSide(const WorkspaceOverview& overview) {
-  // Of all maps with these pixels, a square one has the shortest sides.
-  const auto min_side = static_cast<int>(
-      std::ceil(std::sqrt(static_cast<double>(overview.max_num_pixels))));
-  return std::max(overview.max_side, min_side);
+// A table of scores, which is never larger than max_scores.
+int64_t ScoresBytes(int64_t num_scores, size_t max_scores) {
+  return static_cast<int64_t>(sizeof(float)) *
+         std::min(num_scores, static_cast<int64_t>(max_scores));
 }
 
-// The size of the maps of one row of squares (see ReduceView).
-int64_t RowsOfSquaresBytes(const WorkspaceOverview& overview) {
-  const int side = LongestSide(overview);
-  return ViewDataBytes(int64_t{side} * ReductionFactor(side, side),
-                       overview.has_costs);
-}
-
-// The number of pixels of the largest map at the size at which it is judged.
-int64_t NumJudgedPixels(const WorkspaceOverview& overview) {
-  return HasReducedViews(overview)
-             ? std::min(overview.max_num_pixels,
-                        int64_t{kMaxJudgingSide} * kMaxJudgingSide)
-             : overview.max_num_pixels;
-}
-
-// The size of the part of a label image that is kept.
-int64_t SegmentsBytes(const WorkspaceOverview& overview) {
-  return BytesOf<uint16_t>(
-      std::min(overview.max_num_label_pixels,
-               int64_t{kMaxLabelImageSide} * kMaxLabelImageSide));
+int64_t NumThatFit(int64_t num_bytes, int64_t bytes_each, int max) {
+  return std::clamp<int64_t>(
+      num_bytes / std::max<int64_t>(bytes_each, 1), 1, std::max(max, 1));
 }
 
 }  // namespace
 
 MemoryPlan PlanRefinement(const RefineOptions& options,
                           const WorkspaceOverview& overview) {
-  const int64_t num_pixels = overview.max_num_pixels;
-  const int num_sources = overview.max_num_sources;
+  const bool is_joint = NeedsEvidence(options);
+  const int64_t pixels = overview.max_num_pixels;
+  const int64_t judged = is_joint ? NumJudgedPixels(overview) : pixels;
+  const int64_t raster = MaxRasterPixels(judged);
+  // Typical: those at the borders of objects are smaller, and those below a
+  // quarter of superpixel_size were merged.
+  const int64_t superpixels = raster * 3 / 2 / options.superpixel_size + 1;
+  const int64_t views = overview.max_num_sources + 1;
   MemoryPlan plan;
-  plan.num_sources = num_sources;
-  plan.uploaded_view = UploadedViewBytes(num_pixels);
-  plan.view = ViewBytes(overview);
-  plan.load = LoadBytes(overview);
-  if (options.distrust_unmatched) {
-    plan.load = std::max(
-        plan.load,
-        UnmatchedDepthsWorkingBytes(num_pixels, overview.max_num_image_pixels));
-  }
-  plan.result =
-      RefinedMapsBytes(num_pixels) +
-      std::max(kEncodingBytesPerPixel * num_pixels, ReadMaskBytes(overview));
-  const int64_t segments_work =
-      overview.max_num_label_pixels > 0 ? SegmentsWorkingBytes(num_pixels) : 0;
-  if (!NeedsEvidence(options)) {
-    plan.work = RefineImageWorkingBytes(options, num_pixels) + segments_work;
+  plan.num_sources = overview.max_num_sources;
+  plan.device = (1 << 20) + (is_joint ? 45 : 75) * pixels + 60 * raster +
+                230 * superpixels + views * kUploadedBytesPerPixel * judged;
+  plan.views = kViewBytesPerPixel * std::max(views * judged, pixels);
+  plan.main = plan.views + ReadAndWriteBytes(overview);
+  if (!is_joint) {
     return plan;
   }
-  const int64_t num_judged_pixels = NumJudgedPixels(overview);
-  plan.uploaded_view = UploadedViewBytes(num_judged_pixels);
-  plan.label_work = LabelViewWorkingBytes(options, num_pixels, num_sources + 1);
-  plan.work = std::max(
-      {MeasureImageWorkingBytes(options, num_judged_pixels) + segments_work,
-       plan.label_work,
-       ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels)});
-  plan.result =
-      std::max(plan.result, MeasuredImageBytes(options, num_judged_pixels));
-  plan.make_evidence = MakeEvidenceMainBytes(options, num_pixels);
-  plan.own_evidence = ViewEvidenceBytes(options, num_judged_pixels);
-  plan.neighbor_evidence = NeighborEvidenceBytes(options, num_pixels);
-  const int num_block_views =
-      static_cast<int>(ModelSceneOptions().max_block_views);
-  plan.model_block = num_block_views * plan.neighbor_evidence +
-                     ModelBlockMainBytes(options, num_pixels, num_block_views);
-  // A second copy of the view's own evidence, without the part beyond creases.
-  const int64_t bounded_evidence =
-      options.bounding_creases ? plan.own_evidence : 0;
-  plan.label_view = EvidenceBytes(plan, 1) + bounded_evidence +
-                    LabelViewMainBytes(options, num_pixels, num_sources + 1);
-  if (HasReducedViews(overview)) {
-    plan.whole_view = plan.view;
-    plan.view = ReducedViewBytes(overview);
-    // Rows of both types of maps, or the full view until it has been reduced.
-    plan.load += options.distrust_unmatched ? plan.whole_view
-                                            : 2 * RowsOfSquaresBytes(overview);
+  const int64_t neighbor = 6 * raster + 530 * superpixels;
+  const int64_t own = judged + 9 * raster + 800 * superpixels;
+  const int64_t labeling = 30 * raster + 3600 * superpixels +
+                           views * (13 * raster + 512 * superpixels);
+  plan.label_view = 2 * own + (views + 1) * neighbor + labeling;
+  const int64_t make_evidence =
+      45 * raster + 2000 * superpixels +
+      ScoresBytes(superpixels * (superpixels + 60),
+                  DiscoverPlanesOptions().max_scores);
+  plan.main += std::max(make_evidence, plan.label_view);
+  const auto block = static_cast<int64_t>(ModelSceneOptions().max_block_views);
+  plan.model_block =
+      block * (neighbor + superpixels * (2200 + 160 * block)) +
+      ScoresBytes(block * superpixels * block * 100, kMaxBlockScores);
+  return plan;
+}
+
+int64_t ReadAndWriteBytes(const WorkspaceOverview& overview) {
+  // The photo and the mask as decoded and as scaled, a depth prior as decoded,
+  // and the refined maps with an encoded one.
+  return (overview.has_priors ? 24 : 8) * overview.max_num_image_pixels +
+         34 * overview.max_num_pixels;
+}
+
+int64_t NumJudgedPixels(const WorkspaceOverview& overview) {
+  return std::min(overview.max_num_pixels,
+                  int64_t{kMaxJudgingSide} * kMaxJudgingSide);
+}
+
+size_t NumEvidenceViews(const WorkspaceOverview& overview, int num_images) {
+  return static_cast<size_t>(num_images + 1) *
+         static_cast<size_t>(overview.max_num_sources + 1);
+}
+
+int64_t MainMemoryBudget(double cache_size, int64_t machine_bytes) {
+  return static_cast<int64_t>(
+      std::min(cache_size * kBytesPerGigabyte,
+               kUsableShare * static_cast<double>(machine_bytes)));
+}
+
+ImagesAtWork FitIntoMainMemory(const MemoryPlan& plan,
+                               const ImagesAtWork& wanted,
+                               bool on_cpu,
+                               double cache_size,
+                               int64_t machine_bytes) {
+  const int64_t budget = MainMemoryBudget(cache_size, machine_bytes);
+  const int64_t computing = on_cpu ? plan.device : 0;
+  const int64_t needed = plan.main + computing;
+  const std::string what_needs = "an image of this workspace with its " +
+                                 std::to_string(plan.num_sources) +
+                                 " source images needs " + Gigabytes(needed) +
+                                 " of main memory at a time";
+  const std::string advice =
+      "run patch_match_stereo with fewer source images or a smaller "
+      "--PatchMatchStereo.max_image_size";
+  if (needed > machine_bytes) {
+    throw Error(ErrorCode::kOutOfMemory,
+                what_needs + ", and this machine gives " +
+                    Gigabytes(machine_bytes) + "; " + advice);
   }
-  return plan;
-}
-
-int64_t ViewBytes(const WorkspaceOverview& overview) {
-  return ViewDataBytes(overview.max_num_pixels, overview.has_costs) +
-         overview.prior_memory.prior + SegmentsBytes(overview);
-}
-
-int64_t LoadBytes(const WorkspaceOverview& overview) {
-  // The photo as decoded and as scaled; maps are read in small pieces. The mask
-  // has been read before, and only its pixels of the map are left. The depth
-  // prior and the label image are read after the photo.
-  return std::max({BytesOf<Rgb>(overview.max_num_image_pixels) +
-                       BytesOf<Rgb>(overview.max_num_pixels),
-                   overview.prior_memory.to_read,
-                   BytesOf<uint16_t>(overview.max_num_label_pixels)}) +
-         (overview.has_masks ? BytesOf<uint8_t>(overview.max_num_pixels) : 0);
-}
-
-int64_t ReadMaskBytes(const WorkspaceOverview& overview) {
-  // The mask as OpenCV decodes it, at full size, and scaled.
-  return overview.has_masks
-             ? BytesOf<uint8_t>(2 * overview.max_num_image_pixels +
-                                overview.max_num_pixels)
-             : 0;
-}
-
-bool HasReducedViews(const WorkspaceOverview& overview) {
-  return LongestSide(overview) > kMaxJudgingSide;
-}
-
-int64_t ReducedViewBytes(const WorkspaceOverview& overview) {
-  return ViewDataBytes(NumJudgedPixels(overview), overview.has_costs) +
-         overview.prior_memory.prior + SegmentsBytes(overview);
-}
-
-int64_t BytesForViews(const MemoryPlan& plan) {
-  return std::max((plan.num_sources + 1) * plan.view, plan.whole_view);
-}
-
-int64_t SharedViewBytes(const MemoryPlan& plan, int num_workers) {
-  return plan.uploaded_view *
-         (plan.num_sources + num_workers * kViewsPerWorker);
-}
-
-MemoryPlan ForLabelsAlone(MemoryPlan plan) {
-  plan.work = plan.label_work;
-  plan.uploaded_view = 0;
-  return plan;
-}
-
-int64_t DeviceBytes(const MemoryPlan& plan, int num_workers) {
-  const int64_t in_use = num_workers * plan.num_sources * plan.uploaded_view;
-  return num_workers * plan.work +
-         std::max(in_use, SharedViewBytes(plan, num_workers));
-}
-
-size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_images) {
-  return NumEvidenceViews(overview.max_num_sources, num_images);
-}
-
-int64_t EvidenceBytes(const MemoryPlan& plan, size_t num_images) {
-  const auto num_views =
-      static_cast<int64_t>(NumEvidenceViews(plan.num_sources, num_images));
-  return num_views * plan.neighbor_evidence +
-         static_cast<int64_t>(num_images) * plan.own_evidence;
+  if (needed > budget) {
+    Warn(what_needs + ", more than the " + Gigabytes(budget) +
+         " that the run may take (" + OptionName("cache_size") +
+         ", and four fifths of the machine's memory); the run takes that "
+         "much. If it is not there, " +
+         advice);
+  }
+  ImagesAtWork fit = wanted;
+  if (on_cpu) {
+    fit.num_workers =
+        static_cast<int>(NumThatFit(budget, needed, wanted.num_workers));
+  }
+  fit.num_bytes = std::max<int64_t>(budget - fit.num_workers * computing, 0);
+  fit.num_threads = static_cast<int>(
+      NumThatFit(fit.num_bytes, plan.main, wanted.num_threads));
+  fit.view_bytes = std::max<int64_t>(
+      fit.num_bytes - fit.num_threads * (plan.main - plan.views), 0);
+  return fit;
 }
 
 }  // namespace tsar

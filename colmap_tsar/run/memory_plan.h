@@ -3,87 +3,82 @@
 
 #pragma once
 
+#include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/workspace_check.h"
 #include "colmap_tsar/view/refine_options.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 
 namespace tsar {
 
-// The memory that images at work take, in bytes. Every value holds for the
-// largest map of the workspace and the image with most sources.
+// Bytes of main memory of each pixel of a view: color, depth, normal, flag and
+// two costs.
+inline constexpr int64_t kViewBytesPerPixel = 28;
+
+// The memory that an image at work takes, in bytes, for the largest map of the
+// workspace and the image with most sources.
 struct MemoryPlan {
   int num_sources = 0;  // The largest number.
-
-  // Device memory, which is main memory where the device is the CPU: the memory
-  // of one image at work without its uploaded sources, and one uploaded source.
-  int64_t work = 0;
-  int64_t uploaded_view = 0;
-  // Device memory for labeling a view, a part of work; 0 unless images are
-  // refined together with their neighbors.
-  int64_t label_work = 0;
-
-  // Main memory of a view as it is used together with its sources. whole_view:
-  // 0 unless that view is a reduced one; the full view of an image that is
-  // composed, which needs no others.
-  int64_t view = 0;
-  int64_t whole_view = 0;
-  // The most that reading a view takes beside the view itself.
-  int64_t load = 0;
-  // The result of an image on its way from a worker to the disk: its maps with
-  // their encoded files, or its measurements.
-  int64_t result = 0;
-
-  // Main memory for images that are refined together with their neighbors;
-  // otherwise 0. Making the evidence of an image from its measurements:
-  int64_t make_evidence = 0;
-  // Finding the planes of a block of views, with their evidence, and labeling a
-  // view with planes, with the evidence of it and its sources; each in a pass
-  // in which nothing else is done.
+  // Memory of the device that computes, with the uploaded sources; main memory
+  // where that is the CPU.
+  int64_t device = 0;
+  // Main memory beside: its views, a photo that is read, the evidence of its
+  // neighborhood, the result.
+  int64_t main = 0;
+  int64_t views = 0;  // The part of `main` that is for views.
+  // Main memory of a block of views in which planes are found, and of a view
+  // that is labeled with planes, in a pass in which nothing else is done; 0
+  // unless images are refined together with their neighbors.
   int64_t model_block = 0;
   int64_t label_view = 0;
-  // An image's own evidence, with the reduced hypotheses that it scores, and
-  // the evidence of one neighbor.
-  int64_t own_evidence = 0;
-  int64_t neighbor_evidence = 0;
 };
 
-// The plan for another workspace with the same options.
-using MemoryPlanner = std::function<MemoryPlan(const WorkspaceOverview&)>;
-
+// The factors were measured and are upper bounds; memory_plan_test.cc runs the
+// stages on a device that counts.
 MemoryPlan PlanRefinement(const RefineOptions& options,
                           const WorkspaceOverview& overview);
 
-// The values of MemoryPlan that do not depend on the options.
-int64_t ViewBytes(const WorkspaceOverview& overview);
-// The memory of reading a view, beside the view itself.
-int64_t LoadBytes(const WorkspaceOverview& overview);
-// The memory of reading a mask for maps that are about to be written.
-int64_t ReadMaskBytes(const WorkspaceOverview& overview);
+// Main memory of reading a view and of writing a result, beside the view.
+int64_t ReadAndWriteBytes(const WorkspaceOverview& overview);
 
-// Whether some map is reduced where images are refined together with their
-// neighbors (ReduceView), and the size of the largest view then.
-bool HasReducedViews(const WorkspaceOverview& overview);
-int64_t ReducedViewBytes(const WorkspaceOverview& overview);
+// The number of pixels of the largest view that is used together with its
+// sources: reduced (ReduceView) where images are refined together with them.
+int64_t NumJudgedPixels(const WorkspaceOverview& overview);
 
-// The main memory of all the views of one image.
-int64_t BytesForViews(const MemoryPlan& plan);
+// The number of views whose evidence is kept in main memory: a neighborhood for
+// each of so many images at work, and one for those to come.
+size_t NumEvidenceViews(const WorkspaceOverview& overview, int num_images);
 
-// The size of a DeviceViewCache for this many workers: the sources of an image,
-// most of which the following images share.
-int64_t SharedViewBytes(const MemoryPlan& plan, int num_workers);
+// The main memory that a run may take: cache_size (DeviceOptions), but at most
+// four fifths of machine_bytes; the rest is for the system and its file cache.
+int64_t MainMemoryBudget(double cache_size, int64_t machine_bytes);
 
-// The plan where devices only label views, which needs no uploaded ones.
-MemoryPlan ForLabelsAlone(MemoryPlan plan);
+// The numbers of images at a time.
+struct ImagesAtWork {
+  int num_threads = 1;  // Each of which reads, computes and writes one image.
+  int num_workers = 1;  // Those that compute.
+  // Main memory for all but what workers on the CPU take, and the part of it
+  // for views.
+  int64_t num_bytes = 0;
+  int64_t view_bytes = 0;
 
-// The memory of this many workers that share a device.
-int64_t DeviceBytes(const MemoryPlan& plan, int num_workers);
+  // The number of views of this size that are kept.
+  size_t MaxNumViews(int64_t num_pixels) const {
+    return static_cast<size_t>(
+        view_bytes / std::max<int64_t>(kViewBytesPerPixel * num_pixels, 1));
+  }
+};
 
-// The number of views whose evidence is kept in main memory, a neighborhood for
-// each image at work and one for those to come, and its size.
-size_t NumEvidenceViews(const WorkspaceOverview& overview, size_t num_images);
-int64_t EvidenceBytes(const MemoryPlan& plan, size_t num_images);
+// As many as fit into the budget, at most those of `wanted`. A warning tells
+// where one image alone needs more than the budget. Throws kOutOfMemory where
+// it needs more than machine_bytes. on_cpu: whether the CPU computes; else the
+// number of workers stays.
+ImagesAtWork FitIntoMainMemory(const MemoryPlan& plan,
+                               const ImagesAtWork& wanted,
+                               bool on_cpu,
+                               double cache_size,
+                               int64_t machine_bytes);
 
 }  // namespace tsar

@@ -6,13 +6,12 @@
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/run/device_options.h"
-#include "colmap_tsar/run/device_view_cache.h"
 #include "colmap_tsar/run/gpu_workers.h"
-#include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/run_summary.h"
-#include "colmap_tsar/run/workspace_check.h"
+#include "colmap_tsar/run/shared_cache.h"
 #include "colmap_tsar/scene/model_scene.h"
+#include "colmap_tsar/view/view_data.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -22,12 +21,25 @@
 
 namespace tsar {
 
+// The source views in the memory of one GPU, or of the CPU, shared by all
+// devices that use this memory: an image is uploaded once for the many images
+// it is a source of.
+//
+// A caller must have waited for its device (Device::Synchronize) before it
+// releases a view: the memory is freed stream-ordered on the device that
+// uploaded it, which knows nothing of the others' work. That device must
+// outlive the cache and all views.
+using UploadedViews = SharedCache<UploadedView>;
+
 // A device of a run, which works on one image at a time.
 struct RefineWorker {
   std::string name;  // "GPU 1 (NVIDIA H200)", or "the CPU".
   std::unique_ptr<Device> device;
   // Shared by the workers of one memory.
-  DeviceViewCache* views = nullptr;
+  UploadedViews* views = nullptr;
+
+  // The view of the image in the device's memory, completely uploaded.
+  UploadedViews::Pointer Upload(int image, const ViewData& view) const;
 };
 
 // The devices of a run and the division of its memory.
@@ -36,21 +48,16 @@ struct RefineDevices {
   std::vector<RefineWorker> workers;
   // Declared after the workers, so that the views are freed before the devices
   // that own their memory.
-  std::vector<std::unique_ptr<DeviceViewCache>> view_caches;
-  PipelineSizes sizes;
+  std::vector<std::unique_ptr<UploadedViews>> view_caches;
+  ImagesAtWork at_work;
   // Whether the workers are GPUs, see ComposePass.
   bool finds_scenes_ahead = false;
   // The resources of the pass that finds the planes of the scene.
   ModelResources model;
-  // Main memory for views, and for all rasters.
-  size_t cache_num_bytes = 0;
-  size_t raster_num_bytes = 0;
 
-  // The number of images with workers, and of those whose scenes are found
-  // ahead.
-  size_t NumScenes() const {
-    return workers.size() +
-           (finds_scenes_ahead ? static_cast<size_t>(sizes.num_loaders) : 0);
+  // The number of images whose scenes are in memory at a time.
+  int NumScenes() const {
+    return finds_scenes_ahead ? at_work.num_threads : at_work.num_workers;
   }
 };
 
@@ -62,30 +69,23 @@ struct RefineDevices {
 // With device "auto", an unnamed GPU that cannot be used is left out with a
 // warning, and the CPU takes the place of the last one; with "cuda", one must
 // be left. A warning tells where a GPU's second worker cannot be made, and
-// where one image alone needs more than the smaller of cache_size and four
-// fifths of machine_bytes. Throws kDevice (a named GPU does not exist or cannot
-// be used; none is left; its memory is too small for the images), kOutOfMemory
-// (one image alone needs more than machine_bytes; no memory is left on a named
-// GPU or on the last one, or main memory for its copies) and kBadOption
-// (gpu_index).
+// where one image alone needs more main memory than the budget. Throws kDevice
+// (a named GPU does not exist or cannot be used; none is left; its memory is
+// too small for the images), kOutOfMemory (one image alone needs more than
+// machine_bytes; no memory is left on a named GPU or on the last one, or main
+// memory for its copies) and kBadOption (gpu_index).
 RefineDevices CreateRefineDevices(const DeviceOptions& options,
-                                  const WorkspaceOverview& overview,
-                                  const MemoryPlanner& planner,
+                                  const MemoryPlan& plan,
                                   int num_images,
                                   const GpuSystem& gpus = GpuSystem::Cuda(),
                                   int64_t machine_bytes = MainMemoryBytes());
 
 // The threads of the pass that finds the planes of the scene, as many as memory
-// allows, and the evidence that they may keep; no GPUs.
+// allows, the evidence that they may keep, and the GPUs, which must outlive it.
 ModelResources PlanModelPass(const DeviceOptions& options,
                              const MemoryPlan& plan,
+                             const std::vector<GpuWorkers>& gpus,
                              int64_t machine_bytes = MainMemoryBytes());
-
-// Lets that pass use these GPUs, which must outlive it, and as much of their
-// memory as the plan allows and they have.
-void AddGpus(const std::vector<GpuWorkers>& gpus,
-             const MemoryPlan& plan,
-             ModelResources* resources);
 
 // The peak memory of each GPU; nothing for the CPU.
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);

@@ -91,7 +91,7 @@ auto NamePlaceOfErrors(const RefineRun& run,
 // RefineImage, or MeasureImage.
 using SingleViewStages =
     RefineResult (*)(const ViewData& reference,
-                     std::vector<DeviceViewCache::View> sources,
+                     std::vector<UploadedViews::Pointer> sources,
                      uint32_t image_id,
                      const RefineOptions& options,
                      Device& device);
@@ -100,7 +100,7 @@ using SingleViewStages =
 RefineResult RunSingleView(const RefineRun& run,
                            size_t index,
                            const RefineWorker& worker,
-                           ViewCache::Lease* views,
+                           LoadedViews* views,
                            SingleViewStages stages) {
   const int image = run.plan.Reference(index);
   const ViewData& reference = views->Get(image);
@@ -108,10 +108,9 @@ RefineResult RunSingleView(const RefineRun& run,
     const Stopwatch uploading;
     // Nothing reads the sources before DeviceViews owns them, which waits for
     // the device before it releases them, also where a stage fails.
-    std::vector<DeviceViewCache::View> sources;
+    std::vector<UploadedViews::Pointer> sources;
     for (const int source : run.plan.Sources(index)) {
-      sources.push_back(
-          worker.views->Get(source, views->Get(source), *worker.device));
+      sources.push_back(worker.Upload(source, views->Get(source)));
       if (source != image) {
         views->Release(source);
       }
@@ -163,9 +162,12 @@ ImageReport ObservePass::Begin(size_t index) {
     run_.plan.WarnOfChanges(index);
   }
   // The last pass finds out and reports why an image cannot be refined.
+  const int image = run_.plan.Reference(index);
   if (!(has_model_ ? run_.plan.IsNeeded(index) : run_.plan.IsAnyNeeded()) ||
-      run_.evidence.IsCurrent(run_.plan.Reference(index)) ||
-      !run_.plan.CanRefine(index)) {
+      run_.evidence.IsObserved(image)) {
+    report.outcome = ImageReport::Outcome::kSkipped;
+  } else if (!run_.plan.CanRefine(index)) {
+    run_.evidence.WriteNothing(image);
     report.outcome = ImageReport::Outcome::kSkipped;
   }
   return report;
@@ -173,7 +175,7 @@ ImageReport ObservePass::Begin(size_t index) {
 
 RefineResult ObservePass::Compute(size_t index,
                                   size_t worker,
-                                  ViewCache::Lease* views,
+                                  LoadedViews* views,
                                   ImageReport* /*report*/) {
   if (!HasDepth(views->Get(run_.plan.Reference(index)).depth)) {
     return {};
@@ -190,6 +192,8 @@ void ObservePass::Write(size_t index,
       MakeEvidence(run_.refine_options, *Device::CreateCpu(1), &result);
     });
     run_.evidence.Write(run_.plan.Reference(index), *result.evidence);
+  } else {
+    run_.evidence.WriteNothing(run_.plan.Reference(index));
   }
   AddSeconds(report->seconds, &seconds_[index]);
   AddSeconds(result.seconds, &seconds_[index]);
@@ -227,7 +231,7 @@ std::vector<int> ComposePass::Views(size_t index) const {
   return views;
 }
 
-void ComposePass::Prepare(size_t index, const ViewCache::Lease& views) {
+void ComposePass::Prepare(size_t index, const LoadedViews& views) {
   if (run_.HasScenePlanes() && run_.devices.finds_scenes_ahead &&
       WasObserved(views.Get(run_.plan.Reference(index)))) {
     scenes_[index] = NamePlaceOfErrors(run_, index, "the CPU", [&] {
@@ -238,7 +242,7 @@ void ComposePass::Prepare(size_t index, const ViewCache::Lease& views) {
 
 RefineResult ComposePass::Compute(size_t index,
                                   size_t worker,
-                                  ViewCache::Lease* views,
+                                  LoadedViews* views,
                                   ImageReport* report) {
   const int image = run_.plan.Reference(index);
   const ViewData& reference = views->Get(image);
@@ -284,7 +288,7 @@ void ComposePass::Write(size_t index,
 
 RefineResult ComposePass::Compose(size_t index,
                                   size_t worker_index,
-                                  ViewCache::Lease* views) {
+                                  LoadedViews* views) {
   const ViewData& reference = views->Get(run_.plan.Reference(index));
   if (!WasObserved(reference)) {
     RefineResult result;
@@ -297,10 +301,9 @@ RefineResult ComposePass::Compose(size_t index,
     if (!scene) {
       scene = FindImageScene(run_, model_, index, *worker.device);
     }
-    std::vector<DeviceViewCache::View> sources;
+    std::vector<UploadedViews::Pointer> sources;
     for (const int source : ComparedSources(index)) {
-      sources.push_back(
-          worker.views->Get(source, views->Get(source), *worker.device));
+      sources.push_back(worker.Upload(source, views->Get(source)));
       views->Release(source);
     }
     // The views belong to other devices, too, which may free them.

@@ -44,9 +44,12 @@ class ObservePass : public ImageTasks<RefineResult> {
   std::vector<int> Views(size_t index) const override {
     return run_.plan.SourcesAndReference(index);
   }
+  std::shared_ptr<const ViewData> Load(int image) const override {
+    return run_.loader.LoadReduced(image);
+  }
   RefineResult Compute(size_t index,
                        size_t worker,
-                       ViewCache::Lease* views,
+                       LoadedViews* views,
                        ImageReport* report) override;
   void Write(size_t index, RefineResult result, ImageReport* report) override;
 
@@ -68,12 +71,15 @@ class ComposePass : public ImageTasks<RefineResult> {
 
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override;
+  std::shared_ptr<const ViewData> Load(int image) const override {
+    return run_.loader.Load(image);
+  }
   // Finds the scene of the image where the workers are GPUs, which would
   // otherwise wait for the CPU meanwhile.
-  void Prepare(size_t index, const ViewCache::Lease& views) override;
+  void Prepare(size_t index, const LoadedViews& views) override;
   RefineResult Compute(size_t index,
                        size_t worker,
-                       ViewCache::Lease* views,
+                       LoadedViews* views,
                        ImageReport* report) override;
   void Write(size_t index, RefineResult result, ImageReport* report) override;
 
@@ -81,7 +87,7 @@ class ComposePass : public ImageTasks<RefineResult> {
   // The sources that the composed map is compared with: those whose maps are
   // judged at full size; none where the reference's is not.
   std::vector<int> ComparedSources(size_t index) const;
-  RefineResult Compose(size_t index, size_t worker, ViewCache::Lease* views);
+  RefineResult Compose(size_t index, size_t worker, LoadedViews* views);
 
   const RefineRun& run_;
   const std::vector<StageSeconds> seconds_;

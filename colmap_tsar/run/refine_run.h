@@ -53,6 +53,7 @@ struct RefineRun {
   std::optional<int64_t> NumPriors() const {
     return workspace.Priors().Count(workspace.ReferencesOf(Images()));
   }
+  bool IsShard() const { return options.pass != RefinePass::kAll; }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
 };
 

@@ -16,11 +16,11 @@
 #include "colmap_tsar/run/shard_passes.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/run/store/write_back.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <cstddef>
 #include <exception>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -59,18 +59,19 @@ class RefineController {
   // Makes the workspace at output_path and continues with it.
   void OpenOutput();
   // Returns the outcome of the last pass of this run.
-  PipelineOutcome RunPasses(const RefineRun& run, RunAccount& account);
+  PipelineOutcome RunPasses(const RefineRun& run);
+  // For a shard: makes sure that images can be read while others refine them,
+  // and that all that this one needs was observed.
+  void PrepareShard(const RefineRun& run);
   PipelineOutcome Observe(const RefineRun& run,
                           std::vector<StageSeconds>& seconds);
   // Finds the planes of the scene, if they are needed and not known. Returns
   // false where that was stopped or failed; then the outcome has the failure.
   bool FindPlanes(const RefineRun& run, PipelineOutcome* outcome);
-  // name: for the user. has_reduced_views: whether the pass works on views of
-  // the size at which images are judged, rather than that of their maps.
-  PipelineOutcome RunPass(const RefineRun& run,
-                          ImageTasks<RefineResult>& pass,
+  // name: for the user. num_pixels: of the largest view.
+  PipelineOutcome RunPass(ImageTasks<RefineResult>& pass,
                           const std::string& name,
-                          bool has_reduced_views);
+                          int64_t num_pixels);
   RunSummary Summarize(const RefineRun& run,
                        const PipelineOutcome& outcome) const;
 
@@ -130,13 +131,9 @@ void RefineController::Check() {
 RunSummary RefineController::Run() {
   Check();
   if (!Images().empty()) {
-    devices_ = CreateRefineDevices(
-        options_.devices,
-        overview_,
-        [&](const WorkspaceOverview& maps) {
-          return PlanRefinement(refine_options_, maps);
-        },
-        static_cast<int>(Images().size()));
+    devices_ = CreateRefineDevices(options_.devices,
+                                   PlanRefinement(refine_options_, overview_),
+                                   static_cast<int>(Images().size()));
   }
   if (!options_.output_path.empty()) {
     OpenOutput();
@@ -170,11 +167,11 @@ RunSummary RefineController::Run() {
                          model,
                          plan,
                          loader};
-  const std::unique_ptr<RunAccount> account = MakeRunAccount(run);
-  account->Begin();
-  const PipelineOutcome outcome = RunPasses(run, *account);
+  RunAccount account(run);
+  account.Begin();
+  const PipelineOutcome outcome = RunPasses(run);
   RunSummary summary = Summarize(run, outcome);
-  account->End(outcome);
+  account.End(outcome);
   return summary;
 }
 
@@ -199,9 +196,33 @@ void RefineController::OpenOutput() {
   shards_ = SplitImages(workspace_, options_.shard.count);
 }
 
-PipelineOutcome RefineController::RunPasses(const RefineRun& run,
-                                            RunAccount& account) {
-  if (run.HasScenePlanes() && !IsShard()) {
+void RefineController::PrepareShard(const RefineRun& run) {
+  if (!run.HasScenePlanes()) {
+    if (!workspace_.IsOutput() && options_.pass == RefinePass::kCompose) {
+      workspace_.TrustStoredOriginals();
+    }
+    for (const size_t index : Images()) {
+      const int reference = run.plan.Reference(index);
+      if (!workspace_.IsOutput() && options_.pass == RefinePass::kObserve &&
+          run.plan.HasMaps(reference)) {
+        StoreOriginals(workspace_, reference);
+      }
+    }
+  } else if (options_.pass == RefinePass::kCompose) {
+    for (const size_t index : Images()) {
+      if (run.plan.IsToBeRefined(index)) {
+        for (const int view : run.plan.SourcesAndReference(index)) {
+          run.evidence.RequireObserved(view);
+        }
+      }
+    }
+  }
+}
+
+PipelineOutcome RefineController::RunPasses(const RefineRun& run) {
+  if (IsShard()) {
+    PrepareShard(run);
+  } else if (run.HasScenePlanes()) {
     // Images that are not listed are only observed.
     const double share = static_cast<double>(run.plan.NumListed()) /
                          static_cast<double>(run.plan.NumImages());
@@ -211,7 +232,6 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   }
   std::vector<StageSeconds> seconds(run.plan.NumImages());
   if (options_.pass != RefinePass::kCompose) {
-    account.BeforeObserving();
     PipelineOutcome outcome = Observe(run, seconds);
     if (options_.pass == RefinePass::kObserve) {
       return outcome;
@@ -225,19 +245,17 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
       return outcome;
     }
   }
-  account.BeforeComposing();
   ComposePass compose(run, std::move(seconds));
-  return RunPass(run,
-                 compose,
+  return RunPass(compose,
                  run.HasScenePlanes() ? "Pass 3 of 3:" : "",
-                 /*has_reduced_views=*/false);
+                 overview_.max_num_pixels);
 }
 
 PipelineOutcome RefineController::Observe(const RefineRun& run,
                                           std::vector<StageSeconds>& seconds) {
   if (run.HasScenePlanes()) {
     ObservePass observe(run, seconds);
-    return RunPass(run, observe, "Pass 1 of 3:", HasReducedViews(overview_));
+    return RunPass(observe, "Pass 1 of 3:", NumJudgedPixels(overview_));
   }
   // Images that are refined by themselves have nothing to observe.
   PipelineOutcome outcome(Images().size());
@@ -269,34 +287,26 @@ bool RefineController::FindPlanes(const RefineRun& run,
   }
 }
 
-PipelineOutcome RefineController::RunPass(const RefineRun& run,
-                                          ImageTasks<RefineResult>& pass,
+PipelineOutcome RefineController::RunPass(ImageTasks<RefineResult>& pass,
                                           const std::string& name,
-                                          bool has_reduced_views) {
+                                          int64_t num_pixels) {
   if (Images().empty()) {
     return PipelineOutcome();
   }
   progress_.BeginPass();
-  ViewCache cache(
-      devices_.cache_num_bytes,
-      static_cast<size_t>(has_reduced_views ? ReducedViewBytes(overview_)
-                                            : ViewBytes(overview_)),
-      [&](int image) {
-        return has_reduced_views ? run.loader.LoadReduced(image)
-                                 : run.loader.Load(image);
-      });
-  const RasterMemoryReuse reuse(devices_.raster_num_bytes);
+  const RasterMemoryReuse reuse(
+      static_cast<size_t>(devices_.at_work.num_bytes));
   return ImagePipeline<RefineResult>(
              pass,
              Images(),
              IsShard() ? "Shard " + ToString(options_.shard) + ", " +
                              ToString(options_.pass) + ":"
                        : name,
-             cache,
-             devices_.sizes,
+             devices_.at_work,
+             devices_.at_work.MaxNumViews(num_pixels),
              progress_,
              should_stop_)
-      .Run(devices_.workers.size());
+      .Run();
 }
 
 RunSummary RefineController::Summarize(const RefineRun& run,

@@ -62,10 +62,10 @@ struct WorkspaceRefineOptions {
 // what reading and writing an image throw. After any error, images that were
 // done stay done, and the same call resumes from there.
 //
-// kObserve and kCompose leave a record of the shard (see ShardAccount) instead
-// of the manifest. Before kCompose, all shards must have been observed with
-// these options, and the planes of the scene must have been found, else
-// kNotFound; kModel: see ModelShards, kMerge: see MergeShards.
+// kObserve and kCompose write no account. Before kCompose, the images of the
+// shard and their sources must have been observed with these options, and the
+// planes of the scene must have been found, else kNotFound; kModel: see
+// ModelShards, kMerge: see MergeShards.
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,

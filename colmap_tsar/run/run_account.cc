@@ -5,19 +5,13 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/text_stream.h"
-#include "colmap_tsar/run/shard_entries.h"
-#include "colmap_tsar/run/store/manifest.h"
 #include "colmap_tsar/run/store/output_workspace.h"
-#include "colmap_tsar/run/store/shard_record.h"
-#include "colmap_tsar/run/store/write_back.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <cstddef>
 #include <map>
 #include <string>
 #include <vector>
-
-#include <unistd.h>
 
 namespace tsar {
 namespace {
@@ -67,26 +61,19 @@ void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted) {
   }
 }
 
-// The account of a run over all images: stereo/tsar/manifest.json. When all
-// images are done, the files that only an unfinished run needs are removed, and
-// the links of output workspaces made from this one are renewed.
-class ManifestAccount : public RunAccount {
- public:
-  explicit ManifestAccount(const RefineRun& run) : run_(run) {}
+}  // namespace
 
-  void Begin() override;
-  void End(const PipelineOutcome& outcome) override;
+void RunAccount::Begin() {
+  if (!run_.IsShard()) {
+    WriteManifest(run_.workspace, Build());
+  }
+}
 
- private:
-  Manifest Build() const;
-  void MarkFailures(const PipelineOutcome& outcome, Manifest* manifest) const;
-
-  const RefineRun& run_;
-};
-
-void ManifestAccount::Begin() { WriteManifest(run_.workspace, Build()); }
-
-void ManifestAccount::End(const PipelineOutcome& outcome) {
+void RunAccount::End(const PipelineOutcome& outcome) {
+  if (run_.IsShard()) {
+    RequireComplete(outcome, run_.Images().size());
+    return;
+  }
   Manifest manifest = Build();
   MarkFailures(outcome, &manifest);
   try {
@@ -104,7 +91,6 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
   } else {
     SceneModelStore::Remove(run_.workspace);
   }
-  RemoveShardRecords(run_.workspace.Root());
   if (run_.options.output_path.empty() && !run_.workspace.IsOutput()) {
     // Kept images got their maps back from the folder that links lead to.
     bool are_all_linked = true;
@@ -112,7 +98,7 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
   }
 }
 
-Manifest ManifestAccount::Build() const {
+Manifest RunAccount::Build() const {
   Manifest manifest = BuildManifest(run_.workspace,
                                     RefineOptionsText(run_.refine_options),
                                     HashRefineOptions(run_.refine_options));
@@ -124,8 +110,8 @@ Manifest ManifestAccount::Build() const {
   return manifest;
 }
 
-void ManifestAccount::MarkFailures(const PipelineOutcome& outcome,
-                                   Manifest* manifest) const {
+void RunAccount::MarkFailures(const PipelineOutcome& outcome,
+                              Manifest* manifest) const {
   for (size_t i = 0; i < manifest->images.size(); ++i) {
     if (!outcome.failures[i]) {
       continue;
@@ -139,150 +125,6 @@ void ManifestAccount::MarkFailures(const PipelineOutcome& outcome,
       entry.status = ImageStatus::kFailed;
     }
   }
-}
-
-using State = ShardRecord::State;
-
-std::string HostName() {
-  char name[256] = "";
-  gethostname(name, sizeof(name) - 1);
-  return name;
-}
-
-// The runtime settings of a shard, and its machine.
-std::map<std::string, std::string> ShardRuntime(const DeviceOptions& options,
-                                                const RefineDevices& devices) {
-  std::map<std::string, std::string> runtime = RuntimeText(options, devices);
-  runtime["host"] = HostName();
-  runtime["process"] = std::to_string(getpid());
-  return runtime;
-}
-
-// Writes the failures of images, in the record's order, into the record.
-// Returns whether there are any.
-bool NoteFailures(const std::vector<std::exception_ptr>& failures,
-                  ShardRecord* record) {
-  bool has_failure = false;
-  for (size_t i = 0; i < failures.size(); ++i) {
-    if (failures[i]) {
-      has_failure = true;
-      record->images[i].note = FailureText(failures[i]);
-    }
-  }
-  return has_failure;
-}
-
-// The account of a shard in one pass: its ShardRecord. A pass begins only if
-// the records of other shards belong to the same work and, for composing, if
-// all shards have been observed.
-class ShardAccount : public RunAccount {
- public:
-  explicit ShardAccount(const RefineRun& run) : run_(run) {}
-
-  void Begin() override;
-  void BeforeObserving() override;
-  void BeforeComposing() override;
-  void End(const PipelineOutcome& outcome) override;
-
- private:
-  bool IsObserving() const { return run_.options.pass == RefinePass::kObserve; }
-  State ObservedState(size_t index) const;
-
-  const RefineRun& run_;
-  ShardRecord record_;
-  ObservedShards observed_;  // Only where this pass composes.
-};
-
-void ShardAccount::Begin() {
-  record_ = DescribeShard(run_.workspace,
-                          run_.refine_options,
-                          run_.options.pass,
-                          run_.options.shard);
-  record_.runtime = ShardRuntime(run_.options.devices, run_.devices);
-  record_.num_masks = run_.NumMasks();
-  record_.num_priors = run_.NumPriors();
-  for (const size_t index : run_.Images()) {
-    record_.images.push_back({run_.plan.Name(index), State::kNeeded, {}, ""});
-  }
-  if (!IsObserving()) {
-    observed_ = ReadObservedShards(run_.workspace, record_, run_.shards);
-  }
-  BeginShard(run_.workspace.Root(), record_);
-}
-
-void ShardAccount::BeforeObserving() {
-  for (size_t i = 0; i < run_.Images().size(); ++i) {
-    const int reference = run_.plan.Reference(run_.Images()[i]);
-    if (!run_.HasScenePlanes() && !run_.workspace.IsOutput() &&
-        run_.plan.HasMaps(reference)) {
-      // The other shards read the original, whatever becomes of the maps.
-      StoreOriginals(run_.workspace, reference);
-    }
-    record_.images[i].inputs = run_.inputs.OfView(reference);
-  }
-}
-
-void ShardAccount::BeforeComposing() {
-  std::vector<int> own;
-  for (const size_t index : run_.Images()) {
-    own.push_back(run_.plan.Reference(index));
-  }
-  run_.inputs.Expect(observed_.inputs, own);
-  for (const int image : own) {
-    run_.inputs.OfView(image);
-  }
-  if (!run_.HasScenePlanes()) {
-    if (!run_.workspace.IsOutput()) {
-      run_.workspace.TrustStoredOriginals();
-    }
-    return;
-  }
-  run_.evidence.Expect(observed_.with_evidence);
-  for (const size_t index : run_.Images()) {
-    if (run_.plan.CanRefine(index) && !run_.plan.HasBeenRefined(index)) {
-      for (const int view : run_.plan.SourcesAndReference(index)) {
-        RequireObserved(run_.workspace, view, observed_);
-        run_.evidence.IsCurrent(view);
-      }
-    }
-  }
-}
-
-void ShardAccount::End(const PipelineOutcome& outcome) {
-  if (NoteFailures(outcome.failures, &record_)) {
-    try {
-      WriteShardRecord(run_.workspace.Root(), record_);
-    } catch (const Error&) {
-      // On a full disk the failure of the image is the more helpful message.
-    }
-  }
-  RequireComplete(outcome, run_.Images().size());
-  for (size_t i = 0; i < run_.Images().size(); ++i) {
-    record_.images[i].state =
-        IsObserving() ? ObservedState(run_.Images()[i]) : State::kComposed;
-  }
-  record_.is_complete = true;
-  WriteShardRecord(run_.workspace.Root(), record_);
-}
-
-State ShardAccount::ObservedState(size_t index) const {
-  if (!run_.HasScenePlanes() || !run_.plan.CanRefine(index)) {
-    return State::kNothing;
-  }
-  if (!run_.plan.IsNeeded(index)) {
-    return State::kNotNeeded;
-  }
-  return run_.evidence.IsCurrent(run_.plan.Reference(index)) ? State::kObserved
-                                                             : State::kNothing;
-}
-
-}  // namespace
-
-std::unique_ptr<RunAccount> MakeRunAccount(const RefineRun& run) {
-  if (run.options.pass == RefinePass::kAll) {
-    return std::make_unique<ManifestAccount>(run);
-  }
-  return std::make_unique<ShardAccount>(run);
 }
 
 }  // namespace tsar

@@ -5,29 +5,30 @@
 
 #include "colmap_tsar/run/refine_run.h"
 #include "colmap_tsar/run/run_summary.h"
-
-#include <memory>
+#include "colmap_tsar/run/store/manifest.h"
 
 namespace tsar {
 
-// The files that a run writes beside the results of its images, so that the
-// user, later runs and other shards know its state.
+// The account of a run over all images, stereo/tsar/manifest.json, so that the
+// user and later runs know its state. Shards leave none before they are merged.
 class RunAccount {
  public:
-  virtual ~RunAccount() = default;
+  // run must outlive this object.
+  explicit RunAccount(const RefineRun& run) : run_(run) {}
 
-  // Called before any image is changed. Throws where the run is not allowed.
-  virtual void Begin() = 0;
-  // Called before the passes.
-  virtual void BeforeObserving() {}
-  virtual void BeforeComposing() {}
+  // Called before any image is changed.
+  void Begin();
   // Called when the last pass has ended or had to stop: then throws the failure
-  // of an image, or kInterrupted.
-  virtual void End(const PipelineOutcome& outcome) = 0;
-};
+  // of an image, or kInterrupted. When all images are done, the files that only
+  // an unfinished run needs are removed, and the links of output workspaces
+  // made from this one are renewed.
+  void End(const PipelineOutcome& outcome);
 
-// The account of a shard in one pass, its ShardRecord, or of a run over all
-// images: stereo/tsar/manifest.json. run must outlive it.
-std::unique_ptr<RunAccount> MakeRunAccount(const RefineRun& run);
+ private:
+  Manifest Build() const;
+  void MarkFailures(const PipelineOutcome& outcome, Manifest* manifest) const;
+
+  const RefineRun& run_;
+};
 
 }  // namespace tsar

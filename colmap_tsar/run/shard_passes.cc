@@ -15,18 +15,14 @@
 #include "colmap_tsar/run/refine_devices.h"
 #include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/scene_model_store.h"
-#include "colmap_tsar/run/shard.h"
-#include "colmap_tsar/run/shard_entries.h"
 #include "colmap_tsar/run/store/manifest.h"
-#include "colmap_tsar/run/store/shard_record.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/run/store/write_back.h"
 #include "colmap_tsar/run/workspace_check.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -39,23 +35,13 @@ void Model(const WorkspaceRefineOptions& options,
            const Workspace& workspace,
            Progress& progress,
            const std::function<bool()>& should_stop) {
-  // Without any record, the error message names the first shard.
-  const Shard shards = {
-      0,
-      std::max(1, CountShards(workspace, refine_options, RefinePass::kModel))};
-  const ObservedShards observed = ReadObservedShards(
-      workspace,
-      DescribeShard(workspace, refine_options, RefinePass::kModel, shards),
-      SplitImages(workspace, shards.count));
   if (!NeedsEvidence(refine_options)) {
     return;
   }
   const WorkspaceOverview overview = CheckWorkspace(workspace);
   const MemoryPlan memory = PlanRefinement(refine_options, overview);
-  ModelResources resources = PlanModelPass(options.devices, memory);
   const std::string options_hash = HashRefineOptions(refine_options);
   InputFingerprints inputs(workspace);
-  inputs.Expect(observed.inputs, {});
   const SceneModelStore store(workspace, inputs, options_hash);
   RefinePlan plan(workspace,
                   inputs,
@@ -66,22 +52,21 @@ void Model(const WorkspaceRefineOptions& options,
   if (store.IsCurrent() || !plan.IsAnyNeeded()) {
     return;
   }
-  EvidenceStore evidence(
-      workspace,
-      inputs,
-      options_hash,
-      NumEvidenceViews(overview, static_cast<size_t>(resources.num_views)));
-  evidence.Expect(observed.with_evidence);
-  for (size_t index = 0; index < plan.NumImages(); ++index) {
-    RequireObserved(workspace, plan.Reference(index), observed);
-  }
   // A GPU too small for observing or composing may suffice here.
   const std::vector<GpuWorkers> gpus =
       OpenGpus(options.devices,
-               ForLabelsAlone(memory),
+               /*image_bytes=*/0,
                static_cast<int>(plan.NumImages()),
                GpuSystem::Cuda());
-  AddGpus(gpus, memory, &resources);
+  const ModelResources resources =
+      PlanModelPass(options.devices, memory, gpus);
+  EvidenceStore evidence(workspace,
+                         inputs,
+                         options_hash,
+                         NumEvidenceViews(overview, resources.num_views));
+  for (size_t index = 0; index < plan.NumImages(); ++index) {
+    evidence.RequireObserved(plan.Reference(index));
+  }
   if (!ModelWorkspace({workspace, plan, evidence, store, refine_options},
                       resources,
                       "Scene model,",
@@ -93,45 +78,38 @@ void Model(const WorkspaceRefineOptions& options,
   }
 }
 
-std::map<std::string, std::string> RuntimeOfShards(
-    const std::vector<ShardRecord>& shards) {
-  std::map<std::string, std::string> runtime = {
-      {"shards", std::to_string(shards.size())}};
-  for (const ShardRecord& shard : shards) {
-    const std::string name =
-        "shard " + ToString(Shard{shard.index, shard.count});
-    for (const auto& [key, value] : shard.runtime) {
-      runtime[name + ", " + key] = value;
+// Throws where an image that can be refined has not been, as it is now.
+void RequireAllDone(const Workspace& workspace,
+                    const RefineOptions& options,
+                    const Manifest& manifest) {
+  InputFingerprints inputs(workspace);
+  const std::string options_hash = HashRefineOptions(options);
+  const std::string planes =
+      NeedsEvidence(options)
+          ? SceneModelStore(workspace, inputs, options_hash).PlanesFingerprint()
+          : "";
+  std::string first;
+  size_t num_missing = 0;
+  for (size_t i = 0; i < manifest.images.size(); ++i) {
+    const int image = workspace.Problems()[i].reference;
+    if (manifest.images[i].status != ImageStatus::kKept &&
+        !IsDone(
+            workspace, image, options_hash, inputs.OfResult(image, planes))) {
+      first = num_missing++ == 0 ? manifest.images[i].image : first;
     }
   }
-  return runtime;
-}
-
-// The sum of num_masks or num_priors over the records of the shards, whatever
-// the options of the merge.
-std::optional<int64_t> SumOfShards(const std::vector<ShardRecord>& shards,
-                                   std::optional<int64_t> ShardRecord::*count) {
-  std::optional<int64_t> sum;
-  for (const ShardRecord& shard : shards) {
-    if (shard.*count) {
-      sum = sum.value_or(0) + *(shard.*count);
-    }
-  }
-  return sum;
-}
-
-void RequireAllDone(const Workspace& workspace, const Manifest& manifest) {
-  const int num_done = manifest.NumImages(ImageStatus::kDone) +
-                       manifest.NumImages(ImageStatus::kKept);
-  if (num_done < static_cast<int>(manifest.images.size())) {
+  if (num_missing > 0) {
     throw Error::File(
         ErrorCode::kNotFound,
         workspace.Root().string(),
-        std::to_string(manifest.images.size() - static_cast<size_t>(num_done)) +
-            " of " + std::to_string(manifest.images.size()) +
-            " images have not been refined with these options",
+        std::to_string(num_missing) + " of " +
+            std::to_string(manifest.images.size()) +
+            " images have not been refined with these options from what is "
+            "there now, the first of them " +
+            first,
         "run " + OptionName("pass") +
-            " observe of all shards, model, and compose of all shards first");
+            " observe of all shards, model, and compose of all shards; what "
+            "is done is skipped");
   }
 }
 
@@ -165,33 +143,21 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
   const Stopwatch stopwatch;
   const Workspace workspace = OpenWorkspace(workspace_options);
   const WorkspaceLock lock(workspace.Root());
-  std::vector<ShardRecord> shards;
-  if (const int count =
-          CountShards(workspace, refine_options, RefinePass::kMerge);
-      count > 0) {
-    shards = ReadCompleteShards(
-        workspace.Root(),
-        DescribeShard(
-            workspace, refine_options, RefinePass::kMerge, {0, count}),
-        RefinePass::kCompose);
-  }
   Manifest manifest = BuildManifest(workspace,
                                     RefineOptionsText(refine_options),
                                     HashRefineOptions(refine_options));
-  RequireAllDone(workspace, manifest);
-  const std::optional<int64_t> num_masks =
-      SumOfShards(shards, &ShardRecord::num_masks);
-  const std::optional<int64_t> num_priors =
-      SumOfShards(shards, &ShardRecord::num_priors);
-  if (!shards.empty()) {
-    manifest.runtime = RuntimeOfShards(shards);
-    NoteMasksAndPriors(num_masks, num_priors, &manifest);
-    WriteManifest(workspace, manifest);
+  RequireAllDone(workspace, refine_options, manifest);
+  std::vector<int> references;
+  for (const StereoProblem& problem : workspace.Problems()) {
+    references.push_back(problem.reference);
   }
+  const std::optional<int64_t> num_masks = workspace.CountMasks(references);
+  const std::optional<int64_t> num_priors =
+      workspace.Priors().Count(references);
+  NoteMasksAndPriors(num_masks, num_priors, &manifest);
+  WriteManifest(workspace, manifest);
   EvidenceStore::Clear(workspace);
   SceneModelStore::DropLabels(workspace);
-  // The records go last: until then, the same call does all of it again.
-  RemoveShardRecords(workspace.Root());
 
   RunSummary summary;
   summary.workspace_path = workspace.Root();

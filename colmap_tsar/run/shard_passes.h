@@ -14,22 +14,20 @@ namespace tsar {
 
 // Finds the planes of the scene for all shards, once these are observed. Does
 // nothing where it was done before, where images are refined each on its own,
-// and where no image is left to be refined. Throws Error: kNotFound where some
-// shard, or some image that is needed now, has not been observed; kMismatch
-// where shards were observed with other options, or an input has changed since;
-// kInterrupted; what reading the files throws.
+// and where no image is left to be refined. Throws Error: kNotFound, naming it,
+// where an image has not been observed with these options, or an input has
+// changed since; kInterrupted; what reading the files throws.
 RunSummary ModelShards(const WorkspaceRefineOptions& workspace_options,
                        const RefineOptions& refine_options,
                        Progress& progress,
                        const std::function<bool()>& should_stop);
 
-// Ends the work of shards: writes the account of all images (manifest.json),
-// and removes the evidence and the shards' records. Opens no map. Where the
-// shards were merged before, it only makes sure that nothing is left of them.
+// Ends the work of shards: writes the account of all images (manifest.json) and
+// removes the evidence. Opens no map. Once more, it changes nothing.
 //
-// Throws Error, and changes nothing: kNotFound, naming them, where shards or
-// images have not been composed; kMismatch where the shards were run with other
-// options; what WorkspaceLock throws, for example while a shard is at work.
+// Throws Error, and changes nothing: kNotFound, naming one, where images have
+// not been composed with these options from what is there now; what
+// WorkspaceLock throws, for example while a shard is at work.
 RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
                        const RefineOptions& refine_options);
 

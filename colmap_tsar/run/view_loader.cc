@@ -21,7 +21,7 @@ ViewLoader::ViewLoader(const Workspace& workspace,
       distrust_unmatched_(distrust_unmatched),
       mutexes_(workspace.Model().images.size()) {}
 
-ViewCache::View ViewLoader::Load(int image) {
+std::shared_ptr<const ViewData> ViewLoader::Load(int image) {
   const auto view = std::make_shared<ViewData>();
   {
     const std::unique_lock<std::mutex> lock = Lock(image);
@@ -33,10 +33,10 @@ ViewCache::View ViewLoader::Load(int image) {
   return view;
 }
 
-ViewCache::View ViewLoader::LoadReduced(int image) {
+std::shared_ptr<const ViewData> ViewLoader::LoadReduced(int image) {
   if (distrust_unmatched_) {
     // Depths are compared with the images at the size of the maps.
-    const ViewCache::View view = Load(image);
+    const std::shared_ptr<const ViewData> view = Load(image);
     const int factor =
         ReductionFactor(view->depth.Width(), view->depth.Height());
     return factor == 1

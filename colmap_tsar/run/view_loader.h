@@ -5,8 +5,9 @@
 
 #include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/store/workspace.h"
-#include "colmap_tsar/run/view_cache.h"
+#include "colmap_tsar/view/view_data.h"
 
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -22,9 +23,9 @@ class ViewLoader {
              const RefinePlan& plan,
              bool distrust_unmatched);
 
-  ViewCache::View Load(int image);
+  std::shared_ptr<const ViewData> Load(int image);
   // The view reduced to the size at which depths are judged, see reduce_view.h.
-  ViewCache::View LoadReduced(int image);
+  std::shared_ptr<const ViewData> LoadReduced(int image);
 
   // While the lock is held, nobody reads the files of the image. A thread that
   // reads its originals while another renames its refined maps could take these

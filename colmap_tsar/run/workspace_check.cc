@@ -135,13 +135,11 @@ std::optional<MapSize> CheckMaps(const Workspace& workspace,
 void CheckCosts(const Workspace& workspace,
                 int image,
                 MapType type,
-                const MapSize& depth_size,
-                WorkspaceOverview* overview) {
+                const MapSize& depth_size) {
   const std::filesystem::path path = workspace.CostPath(image, type);
   const std::optional<MapSize> size = CheckMap(workspace, image, path, {}, 2);
   if (size) {
     RequireSameSize(path, *size, depth_size);
-    overview->has_costs = true;
   }
 }
 
@@ -167,11 +165,11 @@ bool CheckImage(const Workspace& workspace,
   CheckPhotoFile(workspace.ImagePath(image));
   overview->num_with_alpha += HasAlpha(workspace.ImagePath(image)) ? 1 : 0;
   workspace.CheckMask(image, {size->width, size->height});
-  overview->has_masks = overview->has_masks || workspace.HasMask(image);
-  overview->AddPrior(workspace.CheckPrior(image));
-  overview->max_num_label_pixels =
-      std::max(overview->max_num_label_pixels, workspace.CheckLabels(image));
-  CheckCosts(workspace, image, type, *size, overview);
+  workspace.CheckPrior(image);
+  overview->has_priors =
+      overview->has_priors || workspace.Priors().HasPrior(image);
+  workspace.CheckLabels(image);
+  CheckCosts(workspace, image, type, *size);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
   if (workspace.HasMaps(image, other)) {
@@ -179,12 +177,11 @@ bool CheckImage(const Workspace& workspace,
         CheckMaps(workspace, image, other);
     RequireSameSize(
         workspace.SourcePaths(image, other).depth, *other_size, *size);
-    CheckCosts(workspace, image, other, *size, overview);
+    CheckCosts(workspace, image, other, *size);
   }
   const Camera& camera = workspace.CameraOf(image);
   const int side = std::max(size->width, size->height);
   overview->map_sides[image] = side;
-  overview->max_side = std::max(overview->max_side, side);
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
                RequirePossibleSize(workspace.DepthPath(image, type),

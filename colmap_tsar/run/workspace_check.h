@@ -19,20 +19,10 @@ struct WorkspaceOverview {
   // For each image, the longer side of its map; 0 without one.
   std::vector<int> map_sides;
   int64_t max_num_pixels = 0;        // Of the largest map.
-  int max_side = 0;                  // The longest side of any map.
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
   int max_num_sources = 0;   // Of the image that uses most views with maps.
-  bool has_costs = false;    // Whether some image has exported costs.
   int num_with_alpha = 0;    // Images with an alpha channel.
-  bool has_masks = false;    // Whether some image has a mask.
-  PriorMemory prior_memory;  // The maximum over the images' depth priors.
-  int64_t max_num_label_pixels = 0;  // Of the largest label image; 0: none.
-
-  // Includes an image's depth prior in the maximum.
-  void AddPrior(const PriorMemory& memory) {
-    prior_memory.prior = std::max(prior_memory.prior, memory.prior);
-    prior_memory.to_read = std::max(prior_memory.to_read, memory.to_read);
-  }
+  bool has_priors = false;   // Whether some image has a depth prior.
 };
 
 // Checks the files of all images that refinement will read, without reading

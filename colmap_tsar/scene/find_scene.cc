@@ -152,7 +152,7 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
         rasters.confident_depth
             ? FindSupport(views, planes, indices, new_indices, scene.support)
             : PlaneSupport();
-    const auto compute = [&](Device& device) {
+    lend_device([&](Device& device) {
       const LabelInputs inputs(observed, rasters, device);
       if (rasters.confident_depth) {
         *costs = ComputePlaneCosts(
@@ -161,12 +161,7 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
       if (rasters.superpixels) {
         votes = ComputeLabelVotes(inputs, camera_planes, source_labels, device);
       }
-    };
-    lend_device(
-        LabelInModelWorkingBytes(
-            MeasureLabelingSize(observed, static_cast<int>(indices.size())),
-            rasters),
-        compute);
+    });
   }
   if (!bounding.empty() && !costs->Empty()) {
     AddCreaseVotes(
@@ -178,29 +173,6 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
            std::move(labeled.evidence),
            std::move(labeled.qualities)},
           std::move(labeled.strengths)};
-}
-
-int64_t LabelInModelWorkingBytes(const LabelingSize& size,
-                                 const LabelInputs::Rasters& rasters) {
-  // The pixels of each superpixel and of each region of one color, their rays
-  // and colors, and the buffers for sorting them or drawing a source.
-  const int64_t pixels = 27 * size.num_pixels + (1 << 16);
-  const int64_t num_costs = size.num_superpixels * size.num_planes;
-  const int64_t of_source =
-      256 + (rasters.confident_depth ? 7 * size.num_pixels : 0) +
-      (rasters.superpixels ? 6 * size.num_pixels + 8 * size.num_superpixels +
-                                 16 * size.num_planes
-                           : 0);
-  // The cells of planes, each of which has an observation.
-  const PlaneSupportOptions support;
-  const int64_t num_cells = std::min(
-      size.num_views * size.num_observations,
-      int64_t{support.num_cells} * support.num_cells * size.num_planes);
-  return pixels + (size.num_views - 1) * of_source +
-         64 * (size.num_superpixels + size.num_planes) +
-         24 * size.num_observations + 16 * num_cells +
-         num_costs *
-             static_cast<int64_t>(sizeof(PlaneCost) + 9 * sizeof(float) / 4);
 }
 
 FoundScene FindScene(const std::vector<ObservedView>& views,

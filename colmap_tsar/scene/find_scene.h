@@ -64,9 +64,9 @@ struct ModeledView {
   const LabelsInModel* labels = nullptr;
 };
 
-// Runs the work on a device that has num_bytes of free memory.
-using DeviceLender = std::function<void(
-    int64_t num_bytes, const std::function<void(Device&)>& work)>;
+// Runs the work on a device; more than once where its memory runs out.
+using DeviceLender =
+    std::function<void(const std::function<void(Device&)>& work)>;
 
 // Labels the first view with planes of the model: those that the views
 // measured, and those that begin where one of these ends. The evidence of the
@@ -80,12 +80,6 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
                            const RefineOptions& options,
                            const DeviceLender& lend_device,
                            Image<PlaneCost>* costs);
-
-// Memory of the lent device that LabelInModel needs. rasters: confident depths
-// where there are no costs, superpixels where the other views have been
-// labeled.
-int64_t LabelInModelWorkingBytes(const LabelingSize& size,
-                                 const LabelInputs::Rasters& rasters);
 
 // The planes, columns and pipes of the scene that an image shows, and where.
 struct FoundScene {

@@ -67,13 +67,12 @@ LabelsInModel LabelSweeps::Label(size_t view,
       views.push_back(modeled(source, *others.back()));
     }
   }
-  const auto lend_device = [&](int64_t num_bytes,
-                               const std::function<void(Device&)>& work) {
-    if (gpus_.Size() > 0 && num_bytes <= inputs_.resources.max_gpu_bytes) {
+  const auto lend_device = [&](const std::function<void(Device&)>& work) {
+    if (gpus_.Size() > 0) {
       try {
         return gpus_.Run(work);
       } catch (const Error& error) {
-        // Other programs may use the GPU's memory. The CPU gives the same bits.
+        // The view is too large. The CPU gives the same bits.
         if (error.Code() != ErrorCode::kOutOfMemory) {
           throw;
         }

@@ -45,11 +45,10 @@ struct ModelResources {
   int num_views = 1;    // views to be labeled, in parallel.
   // Main memory for costs that are kept from one sweep to the next.
   int64_t max_kept_bytes = 0;
-  // GPUs that compute the costs of labels, each for one view at a time, and the
-  // memory of a GPU that a view may use. The CPU computes the costs of larger
-  // views, and of all views where there are no GPUs.
+  // GPUs that compute the costs of labels, each for one view at a time. The CPU
+  // computes those of views that a GPU has too little memory for, and of all
+  // views where there are no GPUs.
   std::vector<NamedDevice> gpus;
-  int64_t max_gpu_bytes = 0;
 };
 
 // The inputs of ModelScene, which must outlive the call.

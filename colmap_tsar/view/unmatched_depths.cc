@@ -72,15 +72,4 @@ void UnmatchedDepths::Drop(ViewData* view) const {
   }
 }
 
-int64_t UnmatchedDepthsWorkingBytes(int64_t num_pixels,
-                                    int64_t num_image_pixels) {
-  const int64_t gray = BytesOf<float>(num_pixels);
-  const int64_t color = BytesOf<Rgb>(num_pixels);
-  const int64_t source = BytesOf<float>(num_pixels) +
-                         std::max({BytesOf<Vec3f>(num_pixels),
-                                   BytesOf<Rgb>(num_image_pixels) + color,
-                                   UploadedViewBytes(num_pixels) + 2 * color});
-  return gray + BytesOf<uint8_t>(num_pixels) + std::max(gray, source);
-}
-
 }  // namespace tsar

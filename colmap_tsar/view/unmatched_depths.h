@@ -40,9 +40,4 @@ class UnmatchedDepths {
   Image<uint8_t> num_matches_;
 };
 
-// Bytes of working memory, including the reading of one source with a photo of
-// num_image_pixels.
-int64_t UnmatchedDepthsWorkingBytes(int64_t num_pixels,
-                                    int64_t num_image_pixels);
-
 }  // namespace tsar

@@ -123,12 +123,6 @@ def account(workspace):
     return manifest
 
 
-def record(workspace, pass_name, index):
-    """What a shard tells of itself, or None before it has."""
-    path = workspace / "stereo/tsar/shards" / f"{pass_name}-{index}-of-{NUM_SHARDS}.json"
-    return json.loads(path.read_text()) if path.exists() else None
-
-
 def is_done(workspace, pass_name, image):
     folder = workspace / "stereo/tsar"
     if pass_name == "observe":
@@ -137,28 +131,36 @@ def is_done(workspace, pass_name, image):
     return path.exists() and json.loads(path.read_text())["status"] == "done"
 
 
-def is_half_done(workspace, pass_name, index):
-    """Whether the shard has done some of its images and not all."""
-    shard = record(workspace, pass_name, index)
-    if not shard or shard["is_complete"]:
-        return False
-    done = [is_done(workspace, pass_name, image["image"]) for image in shard["images"]]
-    return any(done) and not all(done)
+def num_done(workspace, pass_name):
+    return sum(is_done(workspace, pass_name, f"v{i:03d}.jpg") for i in range(NUM_IMAGES))
+
+
+def find_process(workspace, pass_name, index):
+    """The number of the process that works on a shard, or None."""
+    wanted = {str(workspace), pass_name, f"{index}/{NUM_SHARDS}", "tsar_refine"}
+    for folder in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            words = (folder / "cmdline").read_bytes().decode(errors="replace").split("\0")
+        except OSError:
+            continue
+        if wanted <= set(words) and words[1] == "tsar_refine":
+            return int(folder.name)
+    return None
 
 
 def stop_half_way(workspace, pass_name, index, is_over):
-    """Waits until a shard is half done, and has its process stand still then.
-    Returns its number, or None where the shard got to its end before that."""
+    """Waits until a shard is at work and an image has been done, and has the
+    shard's process stand still then. Returns its number, or None where the shard
+    got to its end before that."""
+    before = num_done(workspace, pass_name)
     while not is_over():
-        if is_half_done(workspace, pass_name, index):
-            process = int(record(workspace, pass_name, index)["runtime"]["process"])
+        process = find_process(workspace, pass_name, index)
+        if process is not None and num_done(workspace, pass_name) > before:
             try:
                 os.kill(process, signal.SIGSTOP)
             except ProcessLookupError:
                 return None
-            if is_half_done(workspace, pass_name, index):
-                return process
-            os.kill(process, signal.SIGCONT)
+            return process
         time.sleep(0.002)
     return None
 

@@ -9,7 +9,6 @@
 #include "colmap_tsar/device/cuda_device.h"
 #include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/matching/gray_pair.h"
-#include "colmap_tsar/run/device_view_cache.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/refine_devices.h"
 #include "colmap_tsar/run/refine_workspace.h"
@@ -114,39 +113,41 @@ bool HaveSameBytes(const RefinedMaps& a, const RefinedMaps& b) {
 TEST(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
   const SyntheticViews drawn = MakeSyntheticViews({});
   const int num_views = static_cast<int>(drawn.views.size());
-  const auto refine = [&](int reference, DeviceViewCache& cache, Device& gpu) {
-    std::vector<DeviceViewCache::View> sources;
+  const auto refine = [&](int reference, const RefineWorker& worker) {
+    std::vector<UploadedViews::Pointer> sources;
     for (int i = 0; i < num_views; ++i) {
       if (i != reference) {
-        sources.push_back(cache.Get(i, drawn.views[i], gpu));
+        sources.push_back(worker.Upload(i, drawn.views[i]));
       }
     }
     return RefineImage(drawn.views[reference],
                        sources,
                        static_cast<uint32_t>(reference),
                        {},
-                       gpu)
+                       *worker.device)
         .maps;
   };
   std::vector<RefinedMaps> expected;
   {
-    const auto gpu = Device::CreateCuda(0);
-    DeviceViewCache cache(1 << 30);
+    RefineWorker gpu = {"", Device::CreateCuda(0)};
+    UploadedViews cache(100);
+    gpu.views = &cache;
     for (int i = 0; i < num_views; ++i) {
-      expected.push_back(refine(i, cache, *gpu));
+      expected.push_back(refine(i, gpu));
     }
   }
   // With room for all views, and with room for none that is not in use.
-  for (const size_t num_bytes : {size_t{1} << 30, size_t{0}}) {
-    const std::unique_ptr<Device> gpus[] = {Device::CreateCuda(0),
-                                            Device::CreateCuda(0)};
-    DeviceViewCache cache(num_bytes);
+  for (const size_t max_num_views : {100, 0}) {
+    RefineWorker gpus[] = {{"", Device::CreateCuda(0)},
+                           {"", Device::CreateCuda(0)}};
+    UploadedViews cache(max_num_views);
+    gpus[0].views = gpus[1].views = &cache;
     std::vector<std::jthread> threads;
     for (int worker = 0; worker < 2; ++worker) {
       threads.emplace_back([&, worker] {
         for (int i = 0; i < 4 * num_views; ++i) {
           const int reference = (i + 2 * worker) % num_views;
-          EXPECT_TRUE(HaveSameBytes(refine(reference, cache, *gpus[worker]),
+          EXPECT_TRUE(HaveSameBytes(refine(reference, gpus[worker]),
                                     expected[reference]));
         }
       });
@@ -362,13 +363,7 @@ TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {
   ExpectError(ErrorCode::kDevice,
               {"GPU 0 (", "GB of GPU memory", "are free", "max_image_size"},
               [&] {
-                CreateRefineDevices(
-                    options,
-                    overview,
-                    [](const WorkspaceOverview& maps) {
-                      return PlanRefinement({}, maps);
-                    },
-                    10);
+                CreateRefineDevices(options, PlanRefinement({}, overview), 10);
               });
 }
 

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/record.h"
-#include "colmap_tsar/run/store/shard_record.h"
 #include "colmap_tsar/tools/import/import_store.h"
 
 #include <sstream>
@@ -32,33 +31,6 @@ std::vector<std::string> MakeRecordSeeds() {
   record.seconds["read"] = 0.5;
   WriteRecord(UserPath(FuzzFolder() / "record.json"), record);
   return {TakeFile("record.json")};
-}
-
-constexpr const char* kShardFile = "observe-1-of-3.json";
-
-void ReadShardFile(std::span<const uint8_t> input) {
-  const std::filesystem::path path = PutFile(kShardFile, input);
-  Accepts([&] { ReadShardRecord(path); });
-}
-
-std::vector<std::string> MakeShardSeeds() {
-  ShardRecord record;
-  record.version = "0.1.0";
-  record.type = "geometric";
-  record.options.emplace("filter", "1");
-  record.options_hash = "0123456789abcdef";
-  record.images_hash = "fedcba9876543210";
-  record.pass = "observe";
-  record.index = 1;
-  record.count = 3;
-  record.is_complete = true;
-  record.images.push_back(
-      {"left/b.png", {}, {{"photo", "0123456789abcdef"}}, ""});
-  const std::filesystem::path root = FuzzFolder() / "shards";
-  std::filesystem::create_directories(root / "stereo");
-  WriteShardRecord(root, record);
-  const std::filesystem::path path = GetShardPath(root, "observe", 1, 3);
-  return {TakeFile(path.lexically_relative(FuzzFolder()).string())};
 }
 
 // A workspace into which was imported, with a record that may be anything.
@@ -98,8 +70,6 @@ std::vector<std::string> MakeMarkerSeeds() {
 const FuzzTarget kRecordTarget = {"record", &ReadRecordFile, &MakeRecordSeeds};
 const FuzzTarget kImportRecordTarget = {
     "import_record", &ReadImportRecordFile, &MakeImportRecordSeeds};
-const FuzzTarget kShardRecordTarget = {
-    "shard_record", &ReadShardFile, &MakeShardSeeds};
 const FuzzTarget kOutputMarkerTarget = {
     "output_marker", &ReadMarker, &MakeMarkerSeeds};
 

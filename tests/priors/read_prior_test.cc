@@ -193,14 +193,6 @@ TEST_F(ReadPriorTest, ReadsBothWithSizesOfTheirOwn) {
   EXPECT_EQ(prior.type, PriorType::kInverse);
   EXPECT_EQ(prior.values.Width(), 3);
   EXPECT_EQ(prior.normals.Width(), 6);
-  EXPECT_EQ(prior.NumBytes(), 6 * sizeof(float) + 24 * sizeof(Vec3f));
-  const PriorMemory memory = CheckPrior({depth, normals}, kPhoto);
-  EXPECT_EQ(memory.prior, static_cast<int64_t>(prior.NumBytes()));
-  // The larger file with its values, of which OpenCV would have a copy.
-  EXPECT_EQ(memory.to_read,
-            static_cast<int64_t>(fs::file_size(normals)) + 72 * (4 + 8));
-  EXPECT_EQ(CheckPrior({}, kPhoto).prior, 0);
-  EXPECT_EQ(CheckPrior({}, kPhoto).to_read, 0);
 }
 
 TEST_F(ReadPriorTest, TakesTheNearestPixelsOfLargeRasters) {

@@ -209,7 +209,7 @@ fresh(start.mapped)
 check(printed("an output", [*REFINE, "--output_path", place])[0] == 0, "an output")
 shutil.rmtree(place)
 
-# What other runs left: markers, records, notes, shards.
+# What other runs left: markers, records, notes.
 fresh(start.mapped)
 write(os.path.join(work, "stereo/tsar/output_of.json"),
       json.dumps({"input": os.fsdecode(EVERYTHING.replace(RAW_CSI, b""))}).encode())
@@ -230,28 +230,6 @@ for field in ("note", "image", "version", "type", "status", "options_hash"):
     write(record, json.dumps(changed, ensure_ascii=field == "note").encode())
     printed(f"a record's {field}", [*REFINE, "--TsarRefine.pass", "merge"])
     printed(f"a record's {field}", REPORT)
-SHARD = ["--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
-for field in ("version", "type", "runtime", "options", "images", "pass", "images_hash"):
-    fresh(start.mapped)
-    check(printed("a shard", [*REFINE, *SHARD, "observe"])[0] == 0, "a shard")
-    shard = os.path.join(work, "stereo/tsar/shards/observe-0-of-1.json")
-    with open(shard, encoding="utf-8") as file:
-        content = json.load(file)
-    hostile = EVERYTHING.decode(errors="replace")
-    if field == "runtime":
-        content["runtime"]["host"] = hostile
-    elif field == "options":
-        content["options"] = {name: hostile for name in content["options"]}
-        content["options_hash"] = hostile
-    elif field == "images":
-        for image in content["images"]:
-            image["note"] = image["image"] = hostile
-    else:
-        content[field] = hostile
-    content["is_complete"] = False
-    write(shard, json.dumps(content, ensure_ascii=False).encode())
-    for name in ("observe", "compose"):
-        printed(f"a shard's {field}", [*REFINE, *SHARD, name])
 
 # Files to import.
 for name in (EVERYTHING.replace(b"/", b""), CSI):

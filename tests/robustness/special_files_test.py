@@ -54,8 +54,6 @@ FILES = [
     ("stereo/tsar/lock", start.refined, [REFINE, RESTORE, IMPORT, TO_STEREO]),
     ("stereo/tsar/output_of.json", output, [REFINE, RESTORE, IMPORT, TO_STEREO, REPORT]),
     (f"stereo/provenance_maps/{KEY}.png", start.refined, [REPORT]),
-    ("stereo/tsar/shards/observe-0-of-1.json", observed,
-     [[*SHARD, "compose"], [*SHARD, "observe"]]),
     (f"stereo/tsar/evidence/{KEY}.bin", observed, [[*SHARD, "compose"]]),
     (f"stereo/tsar_import/records/{KEY}.json", start.imported, [IMPORT, UNDO]),
     ("project.ini", with_ini, [[*REFINE, "--project_path", ini]]),
@@ -91,8 +89,7 @@ def describe(root):
                     found[os.path.relpath(path, root)] = file.read()
     # A run tells there what failed, and begins with it.
     return {path: content for path, content in found.items()
-            if path not in ("stereo/tsar", "stereo/tsar/manifest.json",
-                            "stereo/tsar/shards/compose-0-of-1.json")}
+            if path not in ("stereo/tsar", "stereo/tsar/manifest.json")}
 
 
 def replace(path, kind):

@@ -4,7 +4,6 @@
 #include "colmap_tsar/run/evidence_store.h"
 
 #include <chrono>
-#include <thread>
 
 #include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"
@@ -49,7 +48,14 @@ class EvidenceStoreTest : public testing::Test {
     InputFingerprints inputs(workspace);
     EvidenceStore store(workspace, inputs, options, 4);
     const bool is_current = store.IsCurrent(image);
-    EXPECT_EQ(store.Get(image) != nullptr, is_current);
+    EXPECT_EQ(store.IsObserved(image), is_current);
+    if (is_current || inputs.Problem(image) == nullptr) {
+      EXPECT_EQ(store.Get(image) != nullptr, is_current);
+    } else {
+      ExpectError(ErrorCode::kNotFound,
+                  {workspace.Name(image) + ".", "observe of all shards again"},
+                  [&] { store.Get(image); });
+    }
     return is_current;
   }
   void Write(int image) const {
@@ -80,7 +86,6 @@ TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
   InputFingerprints inputs(workspace);
   EvidenceStore store(workspace, inputs, kOptions, 4);
   EXPECT_FALSE(store.IsCurrent(1));
-  EXPECT_EQ(store.Get(1), nullptr);
   store.Write(1, EvidenceOf(1));
   EXPECT_TRUE(store.IsCurrent(1));
   EXPECT_FALSE(store.IsCurrent(0));
@@ -205,29 +210,15 @@ TEST_F(EvidenceStoreTest, DamagedFilesAreNotCurrent) {
   EXPECT_FALSE(IsCurrent(1));
 }
 
-TEST_F(EvidenceStoreTest, KeepsThoseUsedLast) {
+TEST_F(EvidenceStoreTest, KeepsThatThereIsNothingToObserve) {
   const Workspace workspace = Open();
   InputFingerprints inputs(workspace);
-  EvidenceStore store(workspace, inputs, kOptions, 2);
-  std::vector<EvidenceStore::Evidence> first;
-  for (const int image : {0, 1, 2}) {
-    store.Write(image, EvidenceOf(image));
-  }
-  for (const int image : {0, 1}) {
-    first.push_back(store.Get(image));
-    EXPECT_EQ(first.back()->noise, static_cast<float>(image));
-  }
-  EXPECT_EQ(store.Get(0), first[0]);
-  EXPECT_EQ(store.Get(2)->noise, 2.f);  // In the place of 1.
-  EXPECT_EQ(store.Get(0), first[0]);
-  EXPECT_NE(store.Get(1), first[1]);
-  // What others hold stays whole.
-  EXPECT_EQ(first[1]->noise, 1.f);
-
-  EvidenceStore without_memory(workspace, inputs, kOptions, 0);
-  const EvidenceStore::Evidence evidence = without_memory.Get(2);
-  EXPECT_EQ(evidence->noise, 2.f);
-  EXPECT_NE(without_memory.Get(2), evidence);
+  EvidenceStore store(workspace, inputs, kOptions, 4);
+  store.WriteNothing(1);
+  EXPECT_TRUE(store.IsObserved(1));
+  EXPECT_FALSE(store.IsCurrent(1));
+  EXPECT_EQ(store.Get(1), nullptr);
+  EXPECT_FALSE(EvidenceStore(workspace, inputs, "others", 4).IsObserved(1));
 }
 
 TEST_F(EvidenceStoreTest, ClearRemovesTheFolderAndNothingElse) {
@@ -244,80 +235,6 @@ TEST_F(EvidenceStoreTest, ClearRemovesTheFolderAndNothingElse) {
   EXPECT_FALSE(IsCurrent(1));
 }
 
-TEST_F(EvidenceStoreTest, ManyThreadsGetWhatTheyAskFor) {
-  const Workspace workspace = Open();
-  InputFingerprints inputs(workspace);
-  EvidenceStore store(workspace, inputs, kOptions, 2);
-  for (const int image : {0, 2}) {
-    store.Write(image, EvidenceOf(image));
-  }
-  std::vector<std::jthread> threads;
-  for (int thread = 0; thread < 4; ++thread) {
-    threads.emplace_back([&, thread] {
-      if (thread == 0) {
-        store.Write(1, EvidenceOf(1));
-      }
-      for (int i = 0; i < 60; ++i) {
-        const int image = (i + thread) % 3;
-        const EvidenceStore::Evidence evidence = store.Get(image);
-        // The second is being written.
-        if (evidence || image != 1) {
-          ASSERT_NE(evidence, nullptr);
-          ASSERT_EQ(evidence->noise, static_cast<float>(image));
-          ASSERT_TRUE(store.IsCurrent(image));
-          ASSERT_EQ(store.ReadAll(image).noise, static_cast<float>(image));
-        }
-      }
-    });
-  }
-  threads.clear();
-  EXPECT_NE(store.Get(1), nullptr);
-}
-
-TEST_F(EvidenceStoreTest, ExpectedEvidenceMustBeThereAndCurrent) {
-  const Workspace workspace = Open();
-  Write(1);
-  InputFingerprints inputs(workspace);
-  EvidenceStore store(workspace, inputs, kOptions, 4);
-  store.Expect({1});
-  EXPECT_TRUE(store.IsCurrent(1));
-  EXPECT_NE(store.Get(1), nullptr);
-  EXPECT_FALSE(store.IsCurrent(0));
-  EXPECT_EQ(store.Get(0), nullptr);
-
-  const auto expect_refusal = [&](int image) {
-    InputFingerprints of_files(workspace);
-    EvidenceStore expecting(workspace, of_files, kOptions, 4);
-    expecting.Expect({1, 2});
-    ExpectError(ErrorCode::kMismatch, {".geometric.bin", "observe"}, [&] {
-      expecting.IsCurrent(image);
-    });
-  };
-  expect_refusal(2);
-  // A file of a source of "left/b.png", which was observed in its former state.
-  Touch(workspace.DepthPath(0, MapType::kPhotometric));
-  expect_refusal(1);
-}
-
 // Other programs are at work on them.
-TEST_F(EvidenceStoreTest, ExpectedViewsCountWhateverTheirMapsAre) {
-  const Workspace workspace = Open();
-  Write(1);
-  std::map<int, InputState> views;
-  {
-    InputFingerprints inputs(workspace);
-    for (const int image : {0, 1, 2}) {
-      views[image] = inputs.OfView(image);
-    }
-  }
-  Touch(workspace.DepthPath(1, MapType::kGeometric));
-  EXPECT_FALSE(IsCurrent(1));
-  InputFingerprints inputs(workspace);
-  inputs.Expect(views, {0});
-  EvidenceStore store(workspace, inputs, kOptions, 4);
-  store.Expect({1});
-  EXPECT_TRUE(store.IsCurrent(1));
-}
-
 }  // namespace
 }  // namespace tsar

@@ -45,9 +45,6 @@ TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
   }
   EXPECT_EQ(view.num_depths_to_refine, num_to_refine);
   EXPECT_GT(num_of_other, 100);
-  EXPECT_EQ(static_cast<int64_t>(view.NumBytes()),
-            ViewDataBytes(static_cast<int64_t>(view.depth.NumPixels()),
-                          /*has_costs=*/false));
 }
 
 // As tsar_stereo writes costs where a depth follows from its planar prior.

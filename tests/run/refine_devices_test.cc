@@ -3,18 +3,89 @@
 
 #include "colmap_tsar/run/refine_devices.h"
 
-#include "colmap_tsar/scene/find_scene.h"
+#include "colmap_tsar/base/error.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
-#include "tests/run/refine_devices_fixture.h"
+#include "tests/run/counting_device.h"
+#include "tests/support/test_workspace.h"
 #include <gmock/gmock.h>
 
 namespace tsar {
 namespace {
+
+constexpr size_t kGigabyte = 1000000000;
+
+// Refinement of images of one megapixel with ten sources each, on a machine
+// with these GPUs.
+class RefineDevicesTest : public testing::Test {
+ protected:
+  RefineDevicesTest() {
+    overview_.max_num_pixels = 1000000;
+    overview_.max_num_sources = 10;
+    options_.num_threads = 16;
+  }
+
+  GpuSystem Gpus(int num_gpus) {
+    return {
+        [this, num_gpus] {
+          EXPECT_NE(options_.choice, DeviceChoice::kCpu)
+              << "the driver is not needed";
+          return num_gpus;
+        },
+        [this](int index) {
+          if (without_code_.count(index) > 0 || index < 0) {
+            throw Error(
+                ErrorCode::kDevice,
+                "GPU " + std::to_string(index) + " has no code; build it");
+          }
+          ++num_created_[index];
+          if (num_created_[index] > max_num_devices_) {
+            throw Error(ErrorCode::kOutOfMemory,
+                        "main memory could not be pinned; close others");
+          }
+          const size_t memory =
+              memory_.count(index) > 0 ? memory_[index] : 8 * kGigabyte;
+          return std::unique_ptr<Device>(new CountingDevice("Card", memory));
+        }};
+  }
+  RefineDevices Create(int num_gpus, int num_images = 100) {
+    num_created_.clear();
+    return CreateRefineDevices(
+        options_, Plan(), num_images, Gpus(num_gpus), machine_bytes_);
+  }
+  void ExpectRefusal(ErrorCode code,
+                     const std::vector<std::string>& texts,
+                     int num_gpus) {
+    ExpectError(code, texts, [&] { Create(num_gpus); });
+  }
+
+  MemoryPlan Plan() const { return PlanRefinement({}, overview_); }
+
+  WorkspaceOverview overview_;
+  DeviceOptions options_;
+  std::map<int, size_t> memory_;
+  std::set<int> without_code_;
+  std::map<int, int> num_created_;
+  int max_num_devices_ = kMaxGpuWorkers;  // Of each GPU.
+  int64_t machine_bytes_ = 64 * static_cast<int64_t>(kGigabyte);
+};
+
+// The names of all workers.
+std::vector<std::string> Names(const RefineDevices& devices) {
+  std::vector<std::string> names;
+  for (const RefineWorker& worker : devices.workers) {
+    names.push_back(worker.name);
+  }
+  return names;
+}
 
 TEST_F(RefineDevicesTest, TakesEveryGpuWithTwoWorkers) {
   const RefineDevices devices = Create(2);
@@ -26,7 +97,8 @@ TEST_F(RefineDevicesTest, TakesEveryGpuWithTwoWorkers) {
   EXPECT_NE(devices.workers[1].views, devices.workers[2].views);
   EXPECT_NE(devices.workers[0].device, devices.workers[1].device);
   EXPECT_EQ(devices.description, "GPU 0 (Card), GPU 1 (Card)");
-  EXPECT_GT(devices.sizes.num_loaders, 1);
+  EXPECT_EQ(devices.at_work.num_workers, 4);
+  EXPECT_GT(devices.at_work.num_threads, 30);
 }
 
 TEST_F(RefineDevicesTest, WithoutAnyGpuAutoMeansTheCpu) {
@@ -55,8 +127,6 @@ TEST_F(RefineDevicesTest, TheModelPassHasTheGpusOfTheWorkers) {
     EXPECT_EQ(devices.model.gpus[i].name, devices.workers[i].name);
     EXPECT_EQ(devices.model.gpus[i].device, devices.workers[i].device.get());
   }
-  EXPECT_GE(devices.model.max_gpu_bytes, Plan().work);
-  EXPECT_EQ(Create(2, 2).model.max_gpu_bytes, Plan().work);
   options_.choice = DeviceChoice::kCpu;
   EXPECT_TRUE(Create(2).model.gpus.empty());
 }
@@ -69,27 +139,8 @@ TEST_F(RefineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
             static_cast<int64_t>(options_.cache_size * kGigabyte));
   // No view is labeled beside another one, and nothing is left.
   options_.cache_size = 0.001;
-  EXPECT_EQ(PlanModelPass(options_, Plan(), machine_bytes_).num_views, 1);
-  EXPECT_EQ(PlanModelPass(options_, Plan(), machine_bytes_).max_kept_bytes, 0);
-}
-
-TEST_F(RefineDevicesTest, GpusCanRateTheLabelsOfMostViews) {
-  for (const int64_t num_pixels : {300000, 1500000, 6400000}) {
-    for (const int num_sources : {10, 20}) {
-      overview_.max_num_pixels = num_pixels;
-      overview_.max_num_sources = num_sources;
-      LabelingSize size;
-      size.num_views = num_sources + 1;
-      size.num_pixels = std::min<int64_t>(num_pixels, 777 * 777);
-      size.num_superpixels = size.num_pixels / 350;
-      size.num_observations = 32 * size.num_superpixels;
-      size.num_planes = 80;
-      EXPECT_LE(LabelInModelWorkingBytes(
-                    size, {/*confident_depth=*/true, /*superpixels=*/true}),
-                Create(1).model.max_gpu_bytes)
-          << num_pixels << " " << num_sources;
-    }
-  }
+  EXPECT_EQ(PlanModelPass(options_, Plan(), {}, machine_bytes_).num_views, 1);
+  EXPECT_EQ(PlanModelPass(options_, Plan(), {}, machine_bytes_).max_kept_bytes, 0);
 }
 
 TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {
@@ -118,10 +169,67 @@ TEST_F(RefineDevicesTest, EveryGpuGetsAnImageBeforeOneGetsTwo) {
   without_code_ = {0};
   memory_[1] = 1;
   EXPECT_EQ(Names(Create(4, 1)), std::vector<std::string>({"GPU 2 (Card)"}));
-  memory_[2] = static_cast<size_t>(DeviceBytes(Plan(), 1)) * 3 / 2;
+  memory_[2] = static_cast<size_t>(Plan().device) * 3 / 2;
   EXPECT_EQ(Names(Create(4, 3)),
             std::vector<std::string>(
                 {"GPU 2 (Card)", "GPU 3 (Card)", "GPU 3 (Card)"}));
+}
+
+TEST_F(RefineDevicesTest, TakesTheNamedGpusInTheirOrder) {
+  options_.gpu_indices = {2, 0};
+  EXPECT_EQ(Create(3).description, "GPU 2 (Card), GPU 0 (Card)");
+  options_.gpu_indices = {0, 3};
+  ExpectRefusal(
+      ErrorCode::kDevice, {"gpu_index", "no GPU 3", "has 3", "0 to 2"}, 3);
+  options_.gpu_indices = {1};
+  ExpectRefusal(ErrorCode::kDevice, {"gpu_index", "no GPU 1", "number 0"}, 1);
+}
+
+TEST_F(RefineDevicesTest, LeavesOutGpusWithoutCodeUnlessNamed) {
+  without_code_ = {0};
+  EXPECT_EQ(Create(2).description, "GPU 1 (Card)");
+  options_.gpu_indices = {0, 1};
+  ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 2);
+}
+
+TEST_F(RefineDevicesTest, UsesOneWorkerWhereTwoDoNotFit) {
+  memory_[0] = static_cast<size_t>(Plan().device) * 3 / 2;
+  EXPECT_EQ(Create(1).workers.size(), 1u);
+  EXPECT_EQ(Create(2).workers.size(), 3u);
+}
+
+TEST_F(RefineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {
+  overview_.max_num_pixels = 23000000;
+  memory_[0] = kGigabyte;
+  const std::vector<std::string> texts = {"GPU 0 (Card)",
+                                          "needs 1.3 GB",
+                                          "1.0 GB are free",
+                                          "close other programs",
+                                          "gpu_index",
+                                          "max_image_size",
+                                          "device cpu"};
+  ExpectRefusal(ErrorCode::kDevice, texts, 1);
+  // Another has enough.
+  EXPECT_EQ(Create(2).description, "GPU 1 (Card)");
+  options_.gpu_indices = {0, 1};
+  ExpectRefusal(ErrorCode::kDevice, texts, 2);
+}
+
+TEST_F(RefineDevicesTest, GoesOnWhereASecondWorkerCannotBeMade) {
+  max_num_devices_ = 1;
+  for (const std::vector<int>& gpu_indices :
+       {std::vector<int>(), std::vector<int>({0, 1})}) {
+    options_.gpu_indices = gpu_indices;
+    testing::internal::CaptureStderr();
+    const RefineDevices devices = Create(2);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                testing::HasSubstr("GPU 1 (Card) works on 1 image at a time"));
+    EXPECT_EQ(Names(devices),
+              std::vector<std::string>({"GPU 0 (Card)", "GPU 1 (Card)"}));
+  }
+  // Without the first there is none.
+  max_num_devices_ = 0;
+  ExpectRefusal(ErrorCode::kOutOfMemory, {"could not be pinned"}, 2);
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ class RefinePassesTest : public testing::Test {
     const CountingDevice& counter = *device;
     Workspace workspace(root_, MapType::kGeometric);
     RefineDevices devices;
-    devices.view_caches.push_back(std::make_unique<DeviceViewCache>(1 << 20));
+    devices.view_caches.push_back(std::make_unique<UploadedViews>(4));
     devices.workers.push_back(
         {"GPU 3 (Card)", std::move(device), devices.view_caches.front().get()});
     devices.finds_scenes_ahead = finds_scenes_ahead;
@@ -119,12 +119,10 @@ class RefinePassesTest : public testing::Test {
     std::ostringstream text;
     Progress progress(text, false);
     const std::function<bool()> never = [] { return false; };
-    ViewCache cache(
-        1 << 30, 1 << 20, [&](int image) { return run.loader.Load(image); });
     PipelineOutcome outcome =
         ImagePipeline<RefineResult>(
-            pass, run.Images(), "", cache, {}, progress, never)
-            .Run(1);
+            pass, run.Images(), "", {}, /*max_num_views=*/8, progress, never)
+            .Run();
     reports_ = std::move(outcome.reports);
     failures_ = std::move(outcome.failures);
   }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/run/load_view.h"
-#include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/workspace_check.h"
 
 #include "tests/run/refine_workspace_fixture.h"
@@ -68,7 +67,6 @@ TEST_F(RefinePriorsTest, ViewsHaveTheirPriors) {
   EXPECT_EQ(view.prior->values.Width(), 8);
   EXPECT_EQ(view.prior->values(7, 5), 1.f);
   EXPECT_TRUE(view.prior->normals.Empty());
-  EXPECT_EQ(view.NumBytes(), without.NumBytes() + 8 * 6 * sizeof(float));
   // However it is reduced.
   EXPECT_EQ(ReduceView(view, 2).prior, view.prior);
   const ViewData reduced = LoadReducedView(workspace, with_depth, 32);
@@ -233,24 +231,6 @@ TEST_F(RefinePriorsTest, RefusesFoldersWithoutPriors) {
   options.prior_path.clear();
   options.prior_type = PriorType::kMetric;
   ExpectRefusal(ErrorCode::kBadOption, {"prior_type", "prior_path"}, options);
-}
-
-TEST_F(RefinePriorsTest, MemoryIsPlannedForTheLargestPrior) {
-  Workspace workspace(root_, MapType::kGeometric);
-  const WorkspaceOverview without = CheckWorkspace(workspace);
-  EXPECT_EQ(without.prior_memory.prior, 0);
-  EXPECT_EQ(without.prior_memory.to_read, 0);
-  workspace.UsePriors(priors_, PriorType::kAuto);
-  const WorkspaceOverview overview = CheckWorkspace(workspace);
-  // 8 x 6 depths take more than 4 x 3 normals.
-  EXPECT_EQ(overview.prior_memory.prior, 8 * 6 * 4);
-  EXPECT_GT(overview.prior_memory.to_read, 8 * 6 * (4 + 4));
-  for (const bool scene_planes : {true, false}) {
-    RefineOptions options;
-    options.scene_planes = scene_planes;
-    EXPECT_EQ(PlanRefinement(options, overview).view,
-              PlanRefinement(options, without).view + 8 * 6 * 4);
-  }
 }
 
 }  // namespace

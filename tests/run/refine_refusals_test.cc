@@ -123,18 +123,6 @@ TEST_F(RefineWorkspaceTest, RefusesMapsWithMorePixelsThanItCanNumber) {
               [&] { CheckWorkspace(Workspace(root_, MapType::kGeometric)); });
 }
 
-TEST_F(RefineWorkspaceTest, LooksForTheMapsThatTakeMemory) {
-  const auto look = [&] {
-    return CheckWorkspace(Workspace(root_, MapType::kGeometric));
-  };
-  EXPECT_FALSE(look().has_costs);
-  EXPECT_EQ(look().map_sides, std::vector<int>(4, 96));
-  CreateFolders(Paths(2).cost.Parent());
-  WritePlanarMap(UserPath(Paths(2).cost),
-                 {96, 72, 2, std::vector<float>(2 * 96 * 72)});
-  EXPECT_TRUE(look().has_costs);
-}
-
 TEST_F(RefineWorkspaceTest, RefusesBrokenMapsOfEitherType) {
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
     for (const std::filesystem::path& path :

@@ -22,7 +22,8 @@ inline Tree ResultOf(const std::filesystem::path& root) {
   Tree tree = ReadTree(root);
   std::erase_if(tree, [](const auto& file) {
     return file.first.find("stereo/tsar/records/") == 0 ||
-           file.first == "stereo/tsar/manifest.json";
+           file.first == "stereo/tsar/manifest.json" ||
+           file.first == "stereo/tsar/lock";
   });
   return tree;
 }
@@ -122,10 +123,6 @@ class RefineShardTest : public testing::Test {
     return root_ / "stereo/tsar/evidence" /
            (SyntheticWorkspace::Names()[view] + ".geometric.bin");
   }
-  bool HasShards() const {
-    return std::filesystem::exists(root_ / "stereo/tsar/shards");
-  }
-
   TemporaryFolder folder_;
   const std::filesystem::path root_ = folder_.Path() / "dense";
 };

@@ -5,14 +5,16 @@
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/restore.h"
-#include "colmap_tsar/run/store/shard_record.h"
-#include "colmap_tsar/run/store/workspace_lock.h"
 
+#include <chrono>
 #include <functional>
 #include <sstream>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "tests/run/refine_shard_fixture.h"
+#include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 namespace tsar {
@@ -24,7 +26,6 @@ TEST_F(RefineShardTest, AnyNumberOfShardsGivesTheBytesOfOneRun) {
     Redraw();
     RunAll("observe", count);
     RunAll("compose", count);
-    EXPECT_TRUE(HasShards());
     EXPECT_TRUE(std::filesystem::exists(Evidence(0)));
     const RunSummary summary = Run("merge");
     EXPECT_EQ(summary.num_images, 4);
@@ -95,109 +96,128 @@ TEST_F(RefineShardTest, TellsWhatItDid) {
   PrintSummary(Run("merge"), text);
   EXPECT_THAT(text.str(), testing::HasSubstr("4 images: 4 refined\n"));
   EXPECT_THAT(text.str(), testing::HasSubstr("colmap stereo_fusion"));
-  const nlohmann::json manifest =
-      nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
-  EXPECT_EQ(manifest["runtime"]["shards"], "2");
-  EXPECT_EQ(manifest["runtime"]["shard 1 of 2, used"], "1 CPU thread");
 }
 
 TEST_F(RefineShardTest, ThePassesComeInTheirOrder) {
+  const std::string all = "observe of all shards";
   ExpectRefusal(
-      ErrorCode::kNotFound, {"0, 1, 2 have", "observe"}, "compose", "0/3");
-  ExpectRefusal(ErrorCode::kNotFound, {"4 of 4 images"}, "merge");
+      ErrorCode::kNotFound, {"was not observed", all}, "compose", "0/3");
+  ExpectRefusal(ErrorCode::kNotFound, {"4 of 4 images", "v0.png"}, "merge");
   Run("observe", "1/3");
   ExpectRefusal(
-      ErrorCode::kNotFound, {"0, 2 have", "observe"}, "compose", "1/3");
-  ExpectRefusal(ErrorCode::kNotFound, {"0, 1, 2 have", "compose"}, "merge");
-  ExpectRefusal(ErrorCode::kNotFound, {"0, 2 have", "observe"}, "model");
+      ErrorCode::kNotFound, {"was not observed", all}, "compose", "1/3");
+  ExpectRefusal(ErrorCode::kNotFound, {"was not observed", all}, "model");
   Run("observe", "0/3");
   Run("observe", "2/3");
-  const Tree maps = ReadTree(root_ / "stereo/depth_maps");
-  ExpectError(ErrorCode::kNotFound, {"planes.bin", "pass model first"}, [&] {
-    Run("compose", "2/3");
-  });
-  EXPECT_TRUE(ReadTree(root_ / "stereo/depth_maps") == maps);
+  ExpectRefusal(ErrorCode::kNotFound,
+                {"planes.bin", "pass model first"},
+                "compose",
+                "2/3");
   Run("model");
   // Once more, it has nothing to do.
   const Tree modeled = ReadTree(root_);
   Run("model");
   EXPECT_TRUE(ReadTree(root_) == modeled);
   Run("compose", "2/3");
-  ExpectRefusal(ErrorCode::kNotFound, {"0, 1 have", "compose"}, "merge");
-  // What is observed anew has to be composed anew.
+  ExpectRefusal(
+      ErrorCode::kNotFound, {"of 4 images", "compose of all"}, "merge");
   Run("compose", "0/3");
   Run("compose", "1/3");
-  Run("observe", "1/3");
-  ExpectRefusal(ErrorCode::kNotFound, {"3 shards, 1 has", "compose"}, "merge");
-  EXPECT_EQ(Run("compose", "1/3").num_refined, 0);
   Run("merge");
-  EXPECT_FALSE(HasShards());
   // A merge that was killed at its very end, or is run twice.
   const Tree merged = ReadTree(root_);
   EXPECT_EQ(Run("merge").num_refined, 4);
   EXPECT_TRUE(ReadTree(root_) == merged);
 }
 
-TEST_F(RefineShardTest, AMergeThatWasKilledGoesOn) {
+TEST_F(RefineShardTest, WhatWasObservedWithOtherOptionsDoesNotCount) {
   RunAll("observe", 2);
-  RunAll("compose", 2);
-  const std::filesystem::path records = folder_.Path() / "records";
-  std::filesystem::copy(root_ / "stereo/tsar/shards", records);
-  Run("merge");
-  const Tree merged = ReadTree(root_);
-  // Between two of its steps.
-  std::filesystem::copy(records, root_ / "stereo/tsar/shards");
-  Run("merge");
-  EXPECT_TRUE(ReadTree(root_) == merged);
-  std::filesystem::create_directories(root_ / "stereo/tsar/shards.removed");
-  Run("merge");
-  EXPECT_TRUE(ReadTree(root_) == merged);
-}
-
-TEST_F(RefineShardTest, AllShardsMustBeRunAlike) {
-  Run("observe", "0/2");
   RefineOptions others;
   others.segment = false;
-  ExpectRefusal(ErrorCode::kMismatch,
-                {"observe-0-of-2.json", "segment 1", "with 0"},
-                Options(root_, "observe", "1/2"),
+  ExpectRefusal(ErrorCode::kNotFound,
+                {"was not observed with these options"},
+                Options(root_, "model"),
                 others);
-  ExpectRefusal(ErrorCode::kMismatch, {"one of 2"}, "observe", "1/3");
-  WorkspaceRefineOptions photometric = Options(root_, "observe", "1/2");
-  photometric.input_type = MapType::kPhotometric;
-  ExpectRefusal(ErrorCode::kMismatch, {"geometric maps"}, photometric);
-  Run("observe", "1/2");
-  ExpectRefusal(ErrorCode::kMismatch,
-                {"segment"},
-                Options(root_, "compose", "1/2"),
+  // Another number of shards does no harm.
+  Run("model");
+  RunAll("compose", 3);
+  ExpectRefusal(ErrorCode::kNotFound,
+                {"4 of 4 images"},
+                Options(root_, "merge"),
                 others);
-  RunAll("compose", 2);
-  ExpectRefusal(
-      ErrorCode::kMismatch, {"segment"}, Options(root_, "merge"), others);
-
-  const std::filesystem::path path = GetShardPath(root_, "observe", 0, 2);
-  ShardRecord record = ReadShardRecord(path);
-  record.version = "0.0.1";
-  WriteShardRecord(root_, record);
-  ExpectRefusal(ErrorCode::kMismatch, {"0.0.1"}, "compose", "1/2");
-  WriteText(path, "{");
-  ExpectRefusal(ErrorCode::kCorrupt, {path.string()}, "compose", "1/2");
-  // As the message says.
-  std::filesystem::remove_all(root_ / "stereo/tsar/shards");
   RunAll("observe", 3, others);
-  RunAll("compose", 3, others);
+  RunAll("compose", 2, others);
   EXPECT_EQ(Run("merge", "", others).num_refined, 4);
   EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole(others)));
 }
 
-TEST_F(RefineShardTest, ListsOfOtherImagesAreSeen) {
-  Run("observe", "0/2");
-  const std::string config = ReadText(root_ / "stereo/patch-match.cfg");
-  WriteText(root_ / "stereo/patch-match.cfg",
-            "v0.png\nv1.png\nv1.png\nv0.png\nv3.png\n__all__\n");
-  ExpectRefusal(ErrorCode::kMismatch, {"patch-match.cfg"}, "observe", "1/2");
-  WriteText(root_ / "stereo/patch-match.cfg", config);
-  Run("observe", "1/2");
+TEST_F(RefineShardTest, AFailureEndsItsShardAlone) {
+  RunAll("observe", 2);
+  Run("model");
+  // A folder has the map's temporary name.
+  const std::filesystem::path temporary =
+      Paths(3).confidence.string() + AtomicFile::kTemporarySuffix;
+  std::filesystem::create_directories(temporary / "in_the_way");
+  int num_failures = 0;
+  for (const char* shard : {"0/2", "1/2"}) {
+    try {
+      Run("compose", shard);
+    } catch (const Error& error) {
+      ++num_failures;
+      EXPECT_THAT(error.what(), testing::HasSubstr("confidence_maps"));
+    }
+  }
+  EXPECT_EQ(num_failures, 1);
+  ExpectRefusal(ErrorCode::kNotFound, {"1 of 4 images", "v3.png"}, "merge");
+  std::filesystem::remove_all(temporary);
+  RunAll("compose", 2);
+  Run("merge");
+  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
+}
+
+// What a program that writes a file anew does to its time.
+void Touch(const std::filesystem::path& path) {
+  std::filesystem::last_write_time(
+      path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
+}
+
+TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
+  const std::function<void()> changes[] = {
+      [&] { Touch(Paths(0).depth); },
+      [&] { Touch(root_ / "images" / SyntheticWorkspace::Names()[3]); },
+      [&] { std::filesystem::remove(Evidence(1)); },
+      [&] { WriteText(Evidence(2), ReadText(Evidence(1)).substr(0, 40)); }};
+  for (size_t i = 0; i < std::size(changes); ++i) {
+    SCOPED_TRACE(i);
+    Redraw();
+    RunAll("observe", 2);
+    Run("model");
+    changes[i]();
+    // Every image needs what was observed in all others.
+    for (const char* shard : {"0/2", "1/2"}) {
+      ExpectRefusal(ErrorCode::kNotFound,
+                    {".bin: ", "was not observed", "observe of all shards"},
+                    "compose",
+                    shard);
+    }
+    RunAll("observe", 2);
+    RunAll("compose", 2);
+    Run("merge");
+    EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
+  }
+}
+
+TEST_F(RefineShardTest, WhatNobodyNeededIsAskedFor) {
+  RunAll("observe", 2);
+  RunAll("compose", 2);
+  Run("merge");
+  RunAll("observe", 2);  // Nothing is needed: all are done.
+  std::filesystem::remove(Paths(2).provenance);
+  ExpectRefusal(ErrorCode::kNotFound, {"left/v2.png"}, "merge");
+  RunAll("observe", 2);
+  RunAll("compose", 2);
+  Run("merge");
+  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
 }
 
 TEST_F(RefineShardTest, RefusesOptionsThatContradictEachOther) {
@@ -209,28 +229,6 @@ TEST_F(RefineShardTest, RefusesOptionsThatContradictEachOther) {
   ExpectRefusal(ErrorCode::kBadOption, {"output_path", "cp -as"}, options);
   // One of one is all.
   EXPECT_EQ(Run("all", "0/1").num_refined, 4);
-  EXPECT_FALSE(HasShards());
-}
-
-TEST_F(RefineShardTest, SaysThatAnotherMachineHadBegun) {
-  Run("observe", "0/2");
-  const auto warnings_for = [&](const std::string& host, bool is_complete) {
-    ShardRecord record = ReadShardRecord(GetShardPath(root_, "observe", 0, 2));
-    record.is_complete = is_complete;
-    if (!host.empty()) {
-      record.runtime["host"] = host;
-    }
-    WriteShardRecord(root_, record);
-    testing::internal::CaptureStderr();
-    Run("observe", "0/2");
-    return testing::internal::GetCapturedStderr();
-  };
-  EXPECT_THAT(warnings_for("far-away", false),
-              testing::HasSubstr("shard 0 of 2 was begun on far-away"));
-  EXPECT_THAT(warnings_for("far-away", true),
-              testing::Not(testing::HasSubstr("far-away")));
-  EXPECT_THAT(warnings_for("", false),
-              testing::Not(testing::HasSubstr("was begun on")));
 }
 
 TEST_F(RefineShardTest, WholeRunsTakeOverWhatShardsLeft) {
@@ -239,7 +237,6 @@ TEST_F(RefineShardTest, WholeRunsTakeOverWhatShardsLeft) {
   Run("model");
   Run("compose", "1/3");
   EXPECT_GT(Run("all").num_skipped, 0);
-  EXPECT_FALSE(HasShards());
   EXPECT_TRUE(ResultOf(root_) == ResultOf(whole));
 }
 
@@ -273,47 +270,7 @@ TEST_F(RefineShardTest, KeepsImagesThatCannotBeRefined) {
   }
 }
 
-TEST_F(RefineShardTest, AFailureIsToldByItsShardAndByTheMerge) {
-  RunAll("observe", 2);
-  Run("model");
-  // A folder has the map's temporary name.
-  const std::filesystem::path temporary =
-      Paths(3).confidence.string() + AtomicFile::kTemporarySuffix;
-  std::filesystem::create_directories(temporary / "in_the_way");
-  int num_failures = 0;
-  for (const char* shard : {"0/2", "1/2"}) {
-    try {
-      Run("compose", shard);
-    } catch (const Error&) {
-      ++num_failures;
-    }
-  }
-  EXPECT_EQ(num_failures, 1);
-  ExpectRefusal(ErrorCode::kNotFound, {"v3.png: ", "confidence_maps"}, "merge");
-  std::filesystem::remove_all(temporary);
-  RunAll("compose", 2);
-  Run("merge");
-  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
-}
-
 // As where the disk is full.
-TEST_F(RefineShardTest, AFailureThatCannotBeNotedIsToldStill) {
-  Run("observe");
-  Run("model");
-  std::filesystem::create_directories(Paths(3).confidence.string() +
-                                      AtomicFile::kTemporarySuffix +
-                                      "/in_the_way");
-  const std::filesystem::path record = GetShardPath(root_, "compose", 0, 1);
-  ExpectError(ErrorCode::kIo, {Paths(3).confidence.string()}, [&] {
-    Refine(Options(root_, "compose"), {}, [&] {
-      std::filesystem::create_directories(
-          record.string() + AtomicFile::kTemporarySuffix + "/in_the_way");
-      return false;
-    });
-  });
-  EXPECT_THAT(ReadText(record), testing::Not(testing::HasSubstr("in_the_way")));
-}
-
 TEST_F(RefineShardTest, WorksOnAnOutputWorkspaceInPlace) {
   const Tree before = ReadTree(root_);
   const std::filesystem::path output = folder_.Path() / "out";

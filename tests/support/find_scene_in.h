@@ -24,8 +24,9 @@ inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
   for (const MeasuredScenePlane& plane : block.planes) {
     planes.push_back(ToModelPlane(plane));
   }
-  const auto lend_device =
-      [&](int64_t, const std::function<void(Device&)>& work) { work(device); };
+  const auto lend_device = [&](const std::function<void(Device&)>& work) {
+    work(device);
+  };
   std::vector<LabelsInModel> labels;
   for (int sweep = 0; sweep < num_sweeps; ++sweep) {
     std::vector<LabelsInModel> next;

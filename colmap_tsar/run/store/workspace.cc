@@ -217,9 +217,7 @@ std::shared_ptr<DepthPrior> Workspace::ReadPrior(int image) const {
              : nullptr;
 }
 
-PriorMemory Workspace::CheckPrior(int image) const {
-  return tsar::CheckPrior(priors_.FilesOf(image), SizeOfImage(image));
-}
+void Workspace::CheckPrior(int image) const { ReadPrior(image); }
 
 void Workspace::UseLabelImages(const std::filesystem::path& folder) {
   label_images_.clear();

@@ -120,8 +120,8 @@ class Workspace {
   const PriorFolder& Priors() const { return priors_; }
   // Null where the image has none. Throws what ReadPrior throws.
   std::shared_ptr<DepthPrior> ReadPrior(int image) const;
-  // Throws what CheckPrior throws; zeros for an image without a prior.
-  PriorMemory CheckPrior(int image) const;
+  // Throws what ReadPrior throws.
+  void CheckPrior(int image) const;
   // From now on, images have the label images in this folder, see
   // masks_and_labels.h; none where it is empty. Throws Error: what
   // FindLabelImages throws, kBadOption (it is the folder of the images).

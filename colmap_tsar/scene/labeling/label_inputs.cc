@@ -56,22 +56,4 @@ LabelInputs::LabelInputs(const std::vector<ObservedView>& views,
   sources_ = Buffer<ObservedSource>(device, sources);
 }
 
-LabelingSize MeasureLabelingSize(const std::vector<ObservedView>& views,
-                                 int num_planes) {
-  LabelingSize size;
-  size.num_views = static_cast<int>(views.size());
-  size.num_planes = num_planes;
-  for (const ObservedView& view : views) {
-    const ViewEvidence& evidence = *view.evidence;
-    size.num_pixels =
-        std::max(size.num_pixels, int64_t{evidence.width} * evidence.height);
-    size.num_superpixels =
-        std::max<int64_t>(size.num_superpixels, evidence.NumSuperpixels());
-    size.num_observations =
-        std::max(size.num_observations,
-                 static_cast<int64_t>(evidence.observations.size()));
-  }
-  return size;
-}
-
 }  // namespace tsar

@@ -51,17 +51,4 @@ class LabelInputs {
   Buffer<ObservedSource> sources_;
 };
 
-// The size of a view to be labeled and its sources.
-struct LabelingSize {
-  int num_views = 1;  // Including the reference.
-  // Maxima over these views.
-  int64_t num_pixels = 0;
-  int64_t num_superpixels = 0;
-  int64_t num_observations = 0;
-  int num_planes = 0;
-};
-
-LabelingSize MeasureLabelingSize(const std::vector<ObservedView>& views,
-                                 int num_planes);
-
 }  // namespace tsar

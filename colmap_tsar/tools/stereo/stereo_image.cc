@@ -74,26 +74,6 @@ Image<uint8_t> HolesOf(const Image<float>& depth) {
   return holes;
 }
 
-// Main memory for the alignment of a depth prior, for each pixel of the raster:
-// its images, and lists of samples and of what is predicted of them.
-constexpr int64_t kAlignBytesPerPixel = 100;
-
-// Bytes of the device's memory, including the sources, linear in the pixels.
-// The factors were measured (tests/tools/stereo/stereo_memory_test.cc).
-int64_t MatchingBytes(const StereoOptions& options,
-                      int64_t num_pixels,
-                      int num_sources) {
-  const auto linear = [&](int64_t fixed, int64_t per_source) {
-    constexpr int64_t kFixed = 16384;
-    // Many sources take additional memory for view selection.
-    const int64_t num_more = std::max(0, num_sources - 16);
-    return kFixed + num_pixels * (fixed + per_source * num_sources + num_more);
-  };
-  return options.FillsUnderPrior()  ? linear(74, 8)
-         : options.geom_consistency ? linear(57, 8)
-                                    : linear(50, 5);
-}
-
 }  // namespace
 
 StereoMaps MatchImage(const ViewData& reference,
@@ -179,33 +159,17 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
   return host;
 }
 
-int64_t StereoMapsBytes(int64_t num_pixels) {
-  return BytesOf<Vec3f>(num_pixels) + 3 * BytesOf<float>(num_pixels);
-}
-
-MemoryPlan PlanStereo(const StereoOptions& options,
-                      const WorkspaceOverview& overview) {
+MemoryPlan PlanStereo(const WorkspaceOverview& overview) {
   const int64_t num_pixels = overview.max_num_pixels;
   MemoryPlan plan;
   plan.num_sources = overview.max_num_sources;
-  // Each image uploads its sources again, so that they count as work.
-  plan.work = MatchingBytes(options, num_pixels, plan.num_sources) +
-              (overview.has_masks ? BytesOf<uint8_t>(num_pixels) : 0);
-  plan.view = ViewBytes(overview);
-  // Costs are copied from and to one array for their file; before, there are
-  // prior planes or the merged depth and normal besides the maps.
-  const int64_t costs = 2 * BytesOf<float>(num_pixels);
-  plan.load = std::max(LoadBytes(overview), costs);
-  const int64_t aligning =
-      overview.prior_memory.prior > 0
-          ? kAlignBytesPerPixel * MaxRasterPixels(num_pixels)
-          : 0;
-  const int64_t filling =
-      BytesOf<Plane>(num_pixels) + BytesOf<float>(num_pixels) + aligning;
-  plan.result =
-      StereoMapsBytes(num_pixels) +
-      std::max(options.FillsUnderPrior() ? std::max(costs, filling) : costs,
-               ReadMaskBytes(overview));
+  // Measured, as are all factors (stereo_memory_test.cc). Each image uploads
+  // its sources again.
+  plan.device = (1 << 14) + num_pixels * (75 + 9 * plan.num_sources);
+  plan.views = kViewBytesPerPixel * num_pixels * (plan.num_sources + 1);
+  // The maps with their costs, prior planes, and the alignment of a prior.
+  plan.main = plan.views + ReadAndWriteBytes(overview) + 50 * num_pixels +
+              (overview.has_priors ? 100 * MaxRasterPixels(num_pixels) : 0);
   return plan;
 }
 

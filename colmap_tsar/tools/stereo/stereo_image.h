@@ -52,11 +52,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const StereoOptions& options,
                                    Device& device);
 
-// Bytes of main memory.
-int64_t StereoMapsBytes(int64_t num_pixels);
-
 // The memory plan of tsar_stereo. overview: that of the maps to make.
-MemoryPlan PlanStereo(const StereoOptions& options,
-                      const WorkspaceOverview& overview);
+MemoryPlan PlanStereo(const WorkspaceOverview& overview);
 
 }  // namespace tsar

@@ -122,7 +122,7 @@ StereoTask::StereoTask(const Workspace& workspace,
   }
 }
 
-ViewCache::View StereoTask::Load(int image) const {
+std::shared_ptr<const ViewData> StereoTask::Load(int image) const {
   auto view = std::make_shared<ViewData>();
   const Camera& camera = workspace_.Model().images[image].camera;
   const auto [width, height] = MapSizeOf(camera, options_.max_image_size);
@@ -158,7 +158,7 @@ std::vector<int> StereoTask::Views(size_t index) const {
 
 StereoMaps StereoTask::Compute(size_t index,
                                size_t worker,
-                               ViewCache::Lease* views,
+                               LoadedViews* views,
                                ImageReport* report) {
   const int image = Problem(index).reference;
   std::vector<const ViewData*> sources;

@@ -11,6 +11,7 @@
 #include "colmap_tsar/tools/stereo/stereo_options.h"
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -71,13 +72,13 @@ class StereoTask : public ImageTasks<StereoMaps> {
 
   // Loads the image, after the first pass its current maps, and for the pass
   // that fills its depth prior. Maps of unmatched images are older and ignored.
-  ViewCache::View Load(int image) const;
+  std::shared_ptr<const ViewData> Load(int image) const override;
 
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override;
   StereoMaps Compute(size_t index,
                      size_t worker,
-                     ViewCache::Lease* views,
+                     LoadedViews* views,
                      ImageReport* report) override;
   // An interruption loses no result: on a CPU an image takes minutes.
   bool WritesAfterStop() const override { return true; }

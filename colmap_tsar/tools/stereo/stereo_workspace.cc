@@ -49,10 +49,10 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
         overview.max_num_image_pixels, int64_t{camera.width} * camera.height);
     CheckPhotoFile(workspace.ImagePath(image));
     workspace.CheckMask(image, {width, height});
-    overview.has_masks = overview.has_masks || workspace.HasMask(image);
-    overview.AddPrior(workspace.CheckPrior(image));
+    workspace.CheckPrior(image);
+    overview.has_priors =
+        overview.has_priors || workspace.Priors().HasPrior(image);
   }
-  overview.has_costs = options.FillsUnderPrior();
   overview.has_maps.assign(workspace.Model().images.size(), true);
   return overview;
 }
@@ -175,7 +175,7 @@ void RunPasses(const Workspace& workspace,
                const StereoPasses& passes,
                const std::vector<std::vector<size_t>>& images,
                const std::vector<bool>& is_listed,
-               int64_t view_bytes,
+               size_t max_num_views,
                RefineDevices& devices,
                Progress& progress,
                const std::function<bool()>& should_stop,
@@ -185,18 +185,15 @@ void RunPasses(const Workspace& workspace,
     const std::string name =
         std::to_string(pass + 1) + " of " + std::to_string(passes.NumPasses());
     StereoTask task(workspace, options, passes, pass, devices.workers);
-    ViewCache cache(devices.cache_num_bytes,
-                    static_cast<size_t>(view_bytes),
-                    [&](int image) { return task.Load(image); });
     progress.BeginPass();
     PipelineOutcome outcome = ImagePipeline<StereoMaps>(task,
                                                         images[pass],
                                                         "Pass " + name + ":",
-                                                        cache,
-                                                        devices.sizes,
+                                                        devices.at_work,
+                                                        max_num_views,
                                                         progress,
                                                         should_stop)
-                                  .Run(devices.workers.size());
+                                  .Run();
     outcome.RethrowFailure();
     if (!outcome.IsComplete()) {
       throw Error(ErrorCode::kInterrupted,
@@ -246,11 +243,10 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
         "names no image with sources",
         "an image needs others that share sparse points with it");
   }
-  RefineDevices devices = CreateRefineDevices(
-      device_options,
-      overview,
-      [&](const WorkspaceOverview& maps) { return PlanStereo(options, maps); },
-      static_cast<int>(images.front().size()));
+  RefineDevices devices =
+      CreateRefineDevices(device_options,
+                          PlanStereo(overview),
+                          static_cast<int>(images.front().size()));
   summary.device = devices.description;
   ClaimMaps(workspace, options, overwrite, is_listed);
   const bool is_done = std::ranges::all_of(images.back(), [&](size_t index) {
@@ -267,7 +263,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
               passes,
               images,
               is_listed,
-              ViewBytes(overview),
+              devices.at_work.MaxNumViews(overview.max_num_pixels),
               devices,
               progress,
               should_stop,

@@ -23,7 +23,6 @@ struct Matched {
   int64_t photometric = 0;  // Bytes at a time.
   int64_t geometric = 0;
   int64_t under_prior = 0;
-  StereoMaps maps;
 };
 
 Matched Match(const SyntheticViews& drawn,
@@ -43,7 +42,7 @@ Matched Match(const SyntheticViews& drawn,
   photos[0].depth = {};
   Matched matched;
   CountingDevice first("", SIZE_MAX, 2);
-  matched.maps = MatchImage(photos[0], photo_sources, range, 1, options, first);
+  MatchImage(photos[0], photo_sources, range, 1, options, first);
   matched.photometric = static_cast<int64_t>(first.PeakMemory());
   CountingDevice second("", SIZE_MAX, 2);
   ViewData reference = drawn.views[0];
@@ -98,58 +97,15 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
         overview.max_num_pixels = num_pixels;
         overview.max_num_image_pixels = num_pixels;
         overview.max_num_sources = static_cast<int>(num_sources);
-        const auto expect_planned = [&](bool geom_consistency,
-                                        int64_t at_a_time) {
-          StereoOptions planned = options;
-          planned.geom_consistency = geom_consistency;
-          const MemoryPlan plan = PlanStereo(planned, overview);
-          EXPECT_GE(DeviceBytes(plan, 1), at_a_time);
-          EXPECT_LE(DeviceBytes(plan, 1), 1.5 * at_a_time);
-          EXPECT_EQ(DeviceBytes(plan, 2), 2 * DeviceBytes(plan, 1));
-        };
-        expect_planned(false, matched.photometric);
-        expect_planned(
-            true,
-            std::max({matched.photometric,
-                      matched.geometric,
-                      options.planar_prior ? matched.under_prior : 0}));
+        const int64_t planned = PlanStereo(overview).device;
+        EXPECT_GE(planned,
+                  std::max({matched.photometric,
+                            matched.geometric,
+                            matched.under_prior}));
+        EXPECT_LE(planned, 2 * matched.geometric);
       }
     }
   }
-}
-
-TEST(StereoMemory, CountsMapsAndNoEvidence) {
-  const SyntheticViews drawn = MakeSyntheticViews({});
-  const StereoOptions options = FastOptions(1);
-  const StereoMaps maps = Match(drawn, 4, options).maps;
-  const size_t map_bytes =
-      maps.depth.NumPixels() * sizeof(float) +
-      maps.normal.NumPixels() * sizeof(Vec3f) +
-      (maps.min_cost.NumPixels() + maps.second_cost.NumPixels()) *
-          sizeof(float);
-  WorkspaceOverview overview;
-  overview.max_num_pixels = static_cast<int64_t>(maps.depth.NumPixels());
-  overview.max_num_sources = 4;
-  EXPECT_EQ(StereoMapsBytes(overview.max_num_pixels),
-            static_cast<int64_t>(map_bytes));
-  const MemoryPlan plan = PlanStereo(options, overview);
-  EXPECT_GT(plan.result, static_cast<int64_t>(map_bytes));
-  EXPECT_EQ(plan.view, static_cast<int64_t>(drawn.views[0].NumBytes()));
-  EXPECT_EQ(plan.model_block + plan.label_view + plan.make_evidence +
-                EvidenceBytes(plan, 3),
-            0);
-}
-
-TEST(StereoMemory, CountsDepthPriors) {
-  WorkspaceOverview overview;
-  overview.max_num_pixels = 6'000'000;
-  overview.max_num_sources = 4;
-  const MemoryPlan without = PlanStereo({}, overview);
-  overview.AddPrior({4'000'000, 70'000'000});
-  const MemoryPlan with = PlanStereo({}, overview);
-  EXPECT_EQ(with.view, without.view + 4'000'000);
-  EXPECT_EQ(with.load, 70'000'000);
-  EXPECT_GT(with.result, without.result);
 }
 
 }  // namespace
