@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/text_stream.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/tools/report/colors.h"

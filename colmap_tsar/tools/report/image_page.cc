@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/priors/fit_prior.h"
