@@ -92,9 +92,6 @@ MainMemoryDivision::Sizes MainMemoryDivision::Divide(
     }
   }
   result.view_bytes = static_cast<size_t>(std::max<int64_t>(rest, 0));
-  result.raster_bytes =
-      result.view_bytes + static_cast<size_t>(ReadingAndResultBytes(
-                              plan_, num_workers, result.pipeline));
   const int64_t needed = budget.NumBytes() + BytesForViews(plan_) - rest;
   if (needed > budget.MachineBytes()) {
     throw Error(ErrorCode::kOutOfMemory,

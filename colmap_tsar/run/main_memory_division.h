@@ -37,8 +37,6 @@ class MainMemoryDivision {
   struct Sizes {
     PipelineSizes pipeline;
     size_t view_bytes = 0;  // For views.
-    // For all rasters: views, the buffers of reading them, and results.
-    size_t raster_bytes = 0;
   };
 
   // All references must outlive this object. on_cpu: the CPU computes, so that

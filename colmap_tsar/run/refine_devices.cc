@@ -106,7 +106,6 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
       budget, static_cast<int>(result.workers.size()), max_num_loaders);
   result.sizes = sizes.pipeline;
   result.cache_num_bytes = sizes.view_bytes;
-  result.raster_num_bytes = sizes.raster_bytes;
   return result;
 }
 

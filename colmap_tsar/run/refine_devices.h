@@ -42,9 +42,7 @@ struct RefineDevices {
   bool finds_scenes_ahead = false;
   // The resources of the pass that finds the planes of the scene.
   ModelResources model;
-  // Main memory for views, and for all rasters.
-  size_t cache_num_bytes = 0;
-  size_t raster_num_bytes = 0;
+  size_t cache_num_bytes = 0;  // Main memory for views.
 
   // The number of images with workers, and of those whose scenes are found
   // ahead.

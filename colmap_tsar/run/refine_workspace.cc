@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/raster_memory.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/sparse_model.h"
@@ -207,14 +206,6 @@ void RefineController::OpenOutput() {
 
 PipelineOutcome RefineController::RunPasses(const RefineRun& run,
                                             RunAccount& account) {
-  if (run.HasScenePlanes() && !IsShard()) {
-    // Images that are not listed are only observed.
-    const double share = static_cast<double>(run.plan.NumListed()) /
-                         static_cast<double>(run.plan.NumImages());
-    // Approximate relative times of the passes. Measured: 1 : 0.26 : 0.87 and 1
-    // : 0.51 : 0.93 on two cores, 1 : 0.87 : 1.17 on a GPU.
-    progress_.PlanPasses({1.0, 0.5, share});
-  }
   std::vector<StageSeconds> seconds(run.plan.NumImages());
   if (options_.pass != RefinePass::kCompose) {
     account.BeforeObserving();
@@ -258,7 +249,6 @@ bool RefineController::FindPlanes(const RefineRun& run,
   if (!run.HasScenePlanes()) {
     return true;
   }
-  progress_.BeginPass(/*has_parts=*/true);
   if (!run.IsAnyNeeded() || run.model.IsCurrent()) {
     return true;
   }
@@ -282,7 +272,6 @@ PipelineOutcome RefineController::RunPass(const RefineRun& run,
   if (Images().empty()) {
     return PipelineOutcome();
   }
-  progress_.BeginPass();
   ViewCache cache(
       devices_.cache_num_bytes,
       static_cast<size_t>(has_reduced_views ? ReducedViewBytes(overview_)
@@ -291,7 +280,6 @@ PipelineOutcome RefineController::RunPass(const RefineRun& run,
         return has_reduced_views ? run.loader.LoadReduced(image)
                                  : run.loader.Load(image);
       });
-  const RasterMemoryReuse reuse(devices_.raster_num_bytes);
   return ImagePipeline<RefineResult>(
              pass,
              Images(),
