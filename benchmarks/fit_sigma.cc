@@ -20,7 +20,7 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/compose/depth_sigma.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/run/store/scene_model_file.h"

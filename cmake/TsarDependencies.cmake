@@ -4,10 +4,6 @@ find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs)
 find_package(Boost REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Ceres REQUIRED)
-find_package(JPEG REQUIRED)
-find_package(PNG REQUIRED)
-find_package(TIFF REQUIRED)
-find_package(ZLIB REQUIRED)
 include(${CMAKE_CURRENT_LIST_DIR}/TsarImportedTargets.cmake)
 # Its headers hold all that is used of it, and need LZ4. Its own package file also
 # lists what only its tools need (HDF5, MPI).

@@ -5,7 +5,7 @@
 #   cpack -G TGZ   an archive with both, to be unpacked anywhere
 #
 # Both are for the distribution that they were built on, whose OpenCV, Boost,
-# Ceres, glog, libjpeg, libpng, libtiff, LZ4 and xxHash the program uses.
+# Ceres, glog, LZ4 and xxHash the program uses.
 
 set(CPACK_GENERATOR DEB TGZ)
 set(CPACK_PACKAGE_NAME colmap-tsar)
@@ -47,8 +47,8 @@ NVIDIA GPUs where it was built with CUDA, and runs on CPUs elsewhere.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcolmap-tsar-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "\
-libceres-dev, libeigen3-dev, libgoogle-glog-dev, libjpeg-dev, liblz4-dev, \
-libopencv-dev, libpng-dev, libtiff-dev, libxxhash-dev, zlib1g-dev")
+libceres-dev, libeigen3-dev, libgoogle-glog-dev, liblz4-dev, libopencv-dev, \
+libxxhash-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "\
 library and headers of TSAR for COLMAP
 The static library, the headers and the CMake package ColmapTsar for

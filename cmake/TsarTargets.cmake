@@ -19,7 +19,6 @@ target_compile_definitions(colmap_tsar PRIVATE
 target_link_libraries(colmap_tsar
   PUBLIC Eigen3::Eigen
   PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
-          TIFF::TIFF JPEG::JPEG PNG::PNG ZLIB::ZLIB
           $<BUILD_INTERFACE:Boost::headers> Ceres::ceres ColmapTsar::glog
           ColmapTsar::xxhash
           $<$<BOOL:${TSAR_CLOUD_EVALUATION}>:ColmapTsar::lz4>

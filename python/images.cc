@@ -4,7 +4,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/tools/import/target_workspace.h"

@@ -4,7 +4,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
 

@@ -44,14 +44,10 @@ packages=(
   libflann-dev
   libgoogle-glog-dev
   libgtest-dev
-  libjpeg-dev
   liblz4-dev
   libopencv-dev
-  libpng-dev
-  libtiff-dev
   libxxhash-dev
   nlohmann-json3-dev
-  zlib1g-dev
   # The benchmarks, which -DTSAR_BENCHMARKS=ON builds.
   libbenchmark-dev
   # The Python module, which -DTSAR_PYTHON=ON builds. python3-venv is for its

@@ -10,14 +10,13 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <new>
 #include <optional>
-#include <streambuf>
 #include <string>
-#include <utility>
+#include <system_error>
 #include <vector>
 
+#include <ext/stdio_filebuf.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -25,153 +24,98 @@
 namespace tsar {
 namespace {
 
-std::string TemporaryOf(const std::string& name) {
-  return name + AtomicFile::kTemporarySuffix;
-}
+namespace fs = std::filesystem;
 
 constexpr mode_t kPermissions = 0777;
 
-// Flushes a file that another program may have left in the system's cache.
-void FlushFile(const Folder& folder, const std::string& name) {
-  const OwnedDescriptor file(
-      openat(folder.Descriptor(),
-             name.c_str(),
-             O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
-  if (file.Get() >= 0) {
-    fsync(file.Get());
-  }
+ContainedPath TemporaryOf(const ContainedPath& path) {
+  return path.Parent() /
+         (path.Filename().string() + AtomicFile::kTemporarySuffix);
 }
 
-bool AreSame(const Folder& a, const Folder& b) {
-  struct stat state_a;
-  struct stat state_b;
-  return fstat(a.Descriptor(), &state_a) == 0 &&
-         fstat(b.Descriptor(), &state_b) == 0 &&
-         state_a.st_dev == state_b.st_dev && state_a.st_ino == state_b.st_ino;
+// The temporary of a killed program may be a link to a file that must not
+// change.
+void RemoveOldTemporary(const ContainedPath& path) {
+  RequireNoFolder(path.Path());
+  RequireNoFolder(TemporaryOf(path).Path());
+  unlink(TemporaryOf(path).Path().c_str());
 }
 
-// Buffered writing to a file descriptor that remembers the system's error.
-class DescriptorBuffer : public std::streambuf {
+// Remembers the system's error, which streams do not tell.
+class OutputBuffer : public __gnu_cxx::stdio_filebuf<char> {
  public:
-  explicit DescriptorBuffer(int descriptor)
-      : descriptor_(descriptor), buffer_(size_t{1} << 16) {
-    setp(buffer_.data(), buffer_.data() + buffer_.size());
-  }
+  explicit OutputBuffer(int descriptor)
+      : stdio_filebuf(descriptor, std::ios::out | std::ios::binary) {}
 
   int SystemErrorNumber() const { return error_; }
 
  protected:
   int_type overflow(int_type character) override {
-    if (!Flush()) {
-      return traits_type::eof();
-    }
-    if (!traits_type::eq_int_type(character, traits_type::eof())) {
-      *pptr() = traits_type::to_char_type(character);
-      pbump(1);
-    }
-    return traits_type::not_eof(character);
+    const int_type result = stdio_filebuf::overflow(character);
+    Note(result != traits_type::eof());
+    return result;
   }
-
   std::streamsize xsputn(const char* data, std::streamsize size) override {
-    if (size <= 0) {
-      return 0;  // The data of an empty vector may be a null pointer.
-    }
-    if (size <= epptr() - pptr()) {
-      std::memcpy(pptr(), data, static_cast<size_t>(size));
-      pbump(static_cast<int>(size));
-      return size;
-    }
-    return Flush() && WriteAll(data, static_cast<size_t>(size)) ? size : 0;
+    const std::streamsize written = stdio_filebuf::xsputn(data, size);
+    Note(written == size);
+    return written;
   }
-
-  int sync() override { return Flush() ? 0 : -1; }
-
-  // Seeking lets a value that is only known at the end be written at the
-  // beginning.
-  pos_type seekpos(pos_type position, std::ios_base::openmode) override {
-    if (!Flush()) {
-      return pos_type(off_type(-1));
-    }
-    if (lseek(descriptor_, position, SEEK_SET) < 0) {
-      error_ = errno;
-      return pos_type(off_type(-1));
-    }
-    return position;
+  int sync() override {
+    const int result = stdio_filebuf::sync();
+    Note(result == 0);
+    return result;
   }
 
  private:
-  bool Flush() {
-    const bool written =
-        WriteAll(pbase(), static_cast<size_t>(pptr() - pbase()));
-    setp(buffer_.data(), buffer_.data() + buffer_.size());
-    return written;
-  }
-
-  bool WriteAll(const char* data, size_t size) {
-    while (size > 0 && error_ == 0) {
-      const ssize_t written = write(descriptor_, data, size);
-      if (written >= 0) {
-        data += written;
-        size -= static_cast<size_t>(written);
-      } else if (errno != EINTR) {
-        error_ = errno;
-      }
+  void Note(bool succeeded) {
+    if (!succeeded && error_ == 0) {
+      error_ = errno;
     }
-    return error_ == 0;
   }
 
-  int descriptor_;
   int error_ = 0;
-  std::vector<char> buffer_;
 };
 
 }  // namespace
 
 struct AtomicFile::State {
-  State(const ContainedPath& file_path)
+  explicit State(const ContainedPath& file_path)
       : path(file_path),
-        folder(file_path.Parent()),
-        name(file_path.Filename().string()),
-        temporary(TemporaryOf(name)),
-        descriptor(Open()),
-        buffer(descriptor),
+        temporary(TemporaryOf(file_path).Path()),
+        buffer(Open()),
         stream(&buffer) {}
   ~State() {
-    Close();
     if (!committed) {
-      RemoveTemporary();
+      unlink(temporary.c_str());
     }
   }
 
   int Open() {
-    RequireNoFolder(path.Path());
+    RequireInside(path.Parent());
     struct stat state;
-    if (fstatat(folder.Descriptor(), name.c_str(), &state, 0) == 0 &&
-        S_ISREG(state.st_mode)) {
+    if (stat(path.Path().c_str(), &state) == 0 && S_ISREG(state.st_mode)) {
       replaced = state;
     }
-    // The temporary of a killed program may be a link to a file that must not
-    // change.
-    RemoveTemporary();
-    RequireNoFolder((path.Parent() / temporary).Path());
+    RemoveOldTemporary(path);
     const int opened =
-        openat(folder.Descriptor(),
-               temporary.c_str(),
-               O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
-               replaced ? replaced->st_mode & kPermissions : 0666);
+        open(temporary.c_str(),
+             O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+             replaced ? replaced->st_mode & kPermissions : 0666);
     if (opened < 0) {
       ThrowSystemError(path.Path(), "cannot be written", errno);
     }
     return opened;
   }
 
-  // Failures are ignored: not all file systems have owners and permissions.
+  // Failures are ignored: not all file systems have owners and permissions, and
+  // only the superuser may give files away.
   void SetAttributes() {
+    const int descriptor = buffer.fd();
+    if (replaced &&
+        fchown(descriptor, replaced->st_uid, replaced->st_gid) == 0) {
+      errno = 0;
+    }
     if (replaced) {
-      if (fchown(descriptor, replaced->st_uid, replaced->st_gid) != 0) {
-        // Only the superuser may give files away.
-        errno = 0;
-      }
       fchmod(descriptor, replaced->st_mode & kPermissions);
     }
     if (time) {
@@ -180,24 +124,12 @@ struct AtomicFile::State {
     }
   }
 
-  bool Close() {
-    const int closing = std::exchange(descriptor, -1);
-    return closing < 0 || close(closing) == 0;
-  }
-
-  void RemoveTemporary() {
-    unlinkat(folder.Descriptor(), temporary.c_str(), 0);
-  }
-
   ContainedPath path;
-  Folder folder;
-  std::string name;
-  std::string temporary;
+  fs::path temporary;
   std::optional<struct stat> replaced;  // Source of the attributes.
   std::optional<timespec> time;         // Modification time, if not now.
-  int descriptor;
   bool committed = false;
-  DescriptorBuffer buffer;
+  OutputBuffer buffer;
   std::ostream stream;
 };
 
@@ -210,7 +142,7 @@ AtomicFile::AtomicFile(AtomicFile&&) noexcept = default;
 std::ostream& AtomicFile::Stream() { return state_->stream; }
 
 void AtomicFile::Prepare() {
-  if (state_->descriptor < 0) {
+  if (!state_->buffer.is_open()) {
     return;
   }
   state_->stream.flush();
@@ -220,63 +152,52 @@ void AtomicFile::Prepare() {
     throw std::bad_alloc();
   }
   state_->SetAttributes();
-  if (error == 0 && fsync(state_->descriptor) != 0) {
+  if (error == 0 && fsync(state_->buffer.fd()) != 0) {
     error = errno;
   }
-  if (!state_->Close() && error == 0) {
+  if (state_->buffer.close() == nullptr && error == 0) {
     error = errno;
   }
   if (error != 0) {
-    state_->RemoveTemporary();
     ThrowSystemError(state_->path.Path(), "writing failed", error);
   }
 }
 
-int64_t AtomicFile::Time() const {
-  struct stat state = {};
-  fstatat(state_->folder.Descriptor(),
-          state_->temporary.c_str(),
-          &state,
-          AT_SYMLINK_NOFOLLOW);
-  return ToNanoseconds(state.st_mtim);
-}
+int64_t AtomicFile::Time() const { return TimeOf(state_->temporary); }
 
 void AtomicFile::Commit() {
   Prepare();
-  const int folder = state_->folder.Descriptor();
-  if (renameat(
-          folder, state_->temporary.c_str(), folder, state_->name.c_str()) !=
-      0) {
-    const int error = errno;
-    state_->RemoveTemporary();
-    ThrowSystemError(state_->path.Path(), "cannot be replaced", error);
+  const ContainedPath& path = state_->path;
+  if (rename(state_->temporary.c_str(), path.Path().c_str()) != 0) {
+    ThrowSystemError(path.Path(), "cannot be replaced", errno);
   }
   state_->committed = true;
-  state_->folder.Flush();
+  Folder(path.Parent()).Flush();
 }
 
 void CreateFolders(const ContainedPath& path) { Folder::Create(path); }
 
-void LinkOrCopyFile(const std::filesystem::path& source,
-                    const ContainedPath& path) {
-  const Folder folder = Folder::Create(path.Parent());
-  RequireNoFolder(path.Path());
-  const std::string name = path.Filename().string();
-  const std::string temporary = TemporaryOf(name);
-  unlinkat(folder.Descriptor(), temporary.c_str(), 0);
-  if (linkat(AT_FDCWD,
-             source.c_str(),
-             folder.Descriptor(),
-             temporary.c_str(),
-             AT_SYMLINK_FOLLOW) == 0) {
-    FlushFile(folder, temporary);
-    RenameFile(path.Parent() / temporary, path);
+void LinkOrCopyFile(const fs::path& source, const ContainedPath& path) {
+  CreateFolders(path.Parent());
+  RemoveOldTemporary(path);
+  const ContainedPath temporary = TemporaryOf(path);
+  std::error_code error;
+  fs::create_hard_link(fs::canonical(source, error), temporary.Path(), error);
+  if (error) {
+    CopyFile(source, path, true);
     return;
   }
-  CopyFile(source, path, true);
+  // Another program may have left the file in the system's cache.
+  const int descriptor = open(temporary.Path().c_str(),
+                              O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (descriptor >= 0) {
+    fsync(descriptor);
+    close(descriptor);
+  }
+  RenameFile(temporary, path);
 }
 
-void CopyFile(const std::filesystem::path& source,
+void CopyFile(const fs::path& source,
               const ContainedPath& path,
               bool keeps_time) {
   InputFile input(source);
@@ -304,36 +225,35 @@ void CopyFile(const std::filesystem::path& source,
 void RenameFile(const ContainedPath& from, const ContainedPath& to) {
   const Folder from_folder(from.Parent());
   const Folder to_folder(to.Parent());
-  const std::string from_name = from.Filename().string();
-  if (from_name == to.Filename() && AreSame(from_folder, to_folder)) {
+  if (from.Filename() == to.Filename() &&
+      fs::equivalent(from.Parent().Path(), to.Parent().Path())) {
     throw Error::File(ErrorCode::kUnsupported,
                       to.string(),
                       "is the same file as " + from.string(),
                       "remove the links among the folders of the workspace");
   }
-  if (renameat(from_folder.Descriptor(),
-               from_name.c_str(),
-               to_folder.Descriptor(),
-               to.Filename().c_str()) != 0) {
+  if (rename(from.Path().c_str(), to.Path().c_str()) != 0) {
     if (errno != EXDEV) {
-      ThrowSystemError(to.Path(), "cannot be replaced by " + from_name, errno);
+      ThrowSystemError(to.Path(),
+                       "cannot be replaced by " + from.Filename().string(),
+                       errno);
     }
     // The copy is complete and flushed to the disk before the source is
     // removed.
     CopyFile(from.Path(), to, true);
   }
   // rename() does nothing if both names are links to one file.
-  unlinkat(from_folder.Descriptor(), from_name.c_str(), 0);
+  unlink(from.Path().c_str());
   to_folder.Flush();
 }
 
 bool ExchangeFiles(const ContainedPath& first, const ContainedPath& second) {
   const Folder first_folder(first.Parent());
   const Folder second_folder(second.Parent());
-  if (renameat2(first_folder.Descriptor(),
-                first.Filename().c_str(),
-                second_folder.Descriptor(),
-                second.Filename().c_str(),
+  if (renameat2(AT_FDCWD,
+                first.Path().c_str(),
+                AT_FDCWD,
+                second.Path().c_str(),
                 RENAME_EXCHANGE) != 0) {
     if (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) {
       return false;

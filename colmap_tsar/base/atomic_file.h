@@ -18,8 +18,8 @@ namespace tsar {
 // and leaves the old file alone. The new file has the permissions of the old
 // one and, where that is permitted, its owner.
 //
-// Every failure throws Error kIo with the file and the system's reason, and
-// removes the temporary. One program at a time may write a given file.
+// Every failure throws Error kIo with the file and the system's reason. One
+// program at a time may write a given file.
 class AtomicFile {
  public:
   // Suffix of the temporary names. A killed program leaves its temporary

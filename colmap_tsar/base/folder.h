@@ -14,40 +14,25 @@
 
 namespace tsar {
 
-// A file descriptor, closed with this object; -1 for none.
-class OwnedDescriptor {
- public:
-  explicit OwnedDescriptor(int value) : value_(value) {}
-  ~OwnedDescriptor();
-  OwnedDescriptor(OwnedDescriptor&& other) noexcept : value_(other.Release()) {}
-  OwnedDescriptor& operator=(OwnedDescriptor&& other) noexcept {
-    std::swap(value_, other.value_);
-    return *this;
-  }
-  int Get() const { return value_; }
-  int Release() { return std::exchange(value_, -1); }
-
- private:
-  int value_;
-};
-
-// A folder, open as long as this object lives. Operations through its
-// descriptor affect this very folder, even if it is renamed.
-//
-// The components of the path are opened one by one from the root without
-// following links (O_NOFOLLOW). Links to other folders below the root are
-// resolved first. Throws Error: kNotFound (no such folder), kUnsupported (a
-// link leads out of the root), kIo.
+// A folder, open as long as this object lives. All functions of this file throw
+// Error: kUnsupported (a link on the way leads out of the root), kIo.
 class Folder {
  public:
+  // Throws Error kNotFound if there is no such folder.
   explicit Folder(const ContainedPath& path);
+  ~Folder();
+  Folder(Folder&& other) noexcept
+      : path_(std::move(other.path_)),
+        descriptor_(std::exchange(other.descriptor_, -1)) {}
+  Folder& operator=(Folder&&) = delete;
+
   // Returns nullopt if there is no such folder.
   static std::optional<Folder> OpenIfThere(const ContainedPath& path);
-  // Creates the folder and its parents if missing. The new names are flushed to
-  // the disk, the outermost first.
+  // Creates the folder and its parents if missing and flushes the new names to
+  // the disk.
   static Folder Create(const ContainedPath& path);
 
-  int Descriptor() const { return descriptor_.Get(); }
+  int Descriptor() const { return descriptor_; }
   const ContainedPath& Path() const { return path_; }
 
   // Flushes changes of names to the disk. File systems without support for it
@@ -63,12 +48,16 @@ class Folder {
   std::vector<Entry> List() const;
 
  private:
-  Folder(const ContainedPath& path, OwnedDescriptor descriptor)
-      : path_(path), descriptor_(std::move(descriptor)) {}
+  Folder(const ContainedPath& path, int descriptor)
+      : path_(path), descriptor_(descriptor) {}
 
   ContainedPath path_;
-  OwnedDescriptor descriptor_{-1};
+  int descriptor_ = -1;
 };
+
+// Throws Error kUnsupported where a link on the way from the root to this
+// folder, which need not exist, leads out of the root.
+void RequireInside(const ContainedPath& folder);
 
 // The entries of a folder and of all below it, each folder before its content.
 // Links are not followed. Empty if there is no such folder. A folder that
@@ -95,7 +84,7 @@ std::set<std::string> ListFileNames(const ContainedPath& folder,
 // be called before the content is computed. Links to folders can be replaced.
 void RequireNoFolder(const std::filesystem::path& path);
 
-// Removes a file or link if it exists. Throws Error kIo.
+// Removes a file or link if it exists.
 void RemoveFile(const ContainedPath& path);
 
 // Removes a folder if it is empty; returns whether it did.
@@ -104,11 +93,11 @@ bool RemoveFolderIfEmpty(const ContainedPath& path);
 // Removes this folder and those below it as far as they are empty.
 void RemoveEmptyFolders(const ContainedPath& folder);
 
-// Removes a folder and its content without following links. Throws Error kIo.
+// Removes a folder and its content without following links.
 void RemoveTree(const ContainedPath& folder);
 
 // Removes the temporaries of AtomicFile that killed programs left behind, in a
-// folder and all below it, but no folders of such names. Throws Error kIo.
+// folder and all below it, but no folders of such names.
 void RemoveTemporaries(const ContainedPath& folder);
 
 }  // namespace tsar

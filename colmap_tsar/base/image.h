@@ -4,11 +4,13 @@
 #pragma once
 
 #include "colmap_tsar/base/macros.h"
-#include "colmap_tsar/base/raster_memory.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <new>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -48,6 +50,23 @@ struct ImageView {
   template <typename U>
   requires std::is_same_v<U, T> TSAR_HD operator ImageView<const U>() const {
     return {data, width, height};
+  }
+};
+
+// A vector's allocator that leaves elements without a value uninitialized.
+template <typename T>
+struct UninitializedAllocator : std::allocator<T> {
+  template <typename U>
+  struct rebind {
+    using other = UninitializedAllocator<U>;
+  };
+
+  template <typename U>
+  void construct(U*) {}
+  template <typename U, typename... Arguments>
+  void construct(U* element, Arguments&&... arguments) {
+    ::new (static_cast<void*>(element))
+        U(std::forward<Arguments>(arguments)...);
   }
 };
 
@@ -100,7 +119,7 @@ class Image {
  private:
   int width_ = 0;
   int height_ = 0;
-  std::vector<T, RasterAllocator<T>> data_;
+  std::vector<T, UninitializedAllocator<T>> data_;
 };
 
 }  // namespace tsar

@@ -24,19 +24,7 @@ const char* KindText(mode_t mode) {
                           : "it is a device, not a regular file";
 }
 
-// Calls a function of the standard library, whose exceptions name no file.
-template <typename Function>
-auto Reading(const std::filesystem::path& path, const Function& function) {
-  try {
-    return function();
-  } catch (const std::ios_base::failure& error) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "cannot be read (" + error.code().message() + ")",
-                      "check the disk");
-  }
-}
-
+// Names the file where the standard library's exceptions do not.
 class FileBuffer : public __gnu_cxx::stdio_filebuf<char> {
  public:
   FileBuffer(const std::filesystem::path& path, int descriptor)
@@ -45,13 +33,25 @@ class FileBuffer : public __gnu_cxx::stdio_filebuf<char> {
 
  protected:
   int_type underflow() override {
-    return Reading(path_, [&] { return stdio_filebuf::underflow(); });
+    return Reading([&] { return stdio_filebuf::underflow(); });
   }
   std::streamsize xsgetn(char* data, std::streamsize size) override {
-    return Reading(path_, [&] { return stdio_filebuf::xsgetn(data, size); });
+    return Reading([&] { return stdio_filebuf::xsgetn(data, size); });
   }
 
  private:
+  template <typename Function>
+  auto Reading(const Function& function) -> decltype(function()) {
+    try {
+      return function();
+    } catch (const std::ios_base::failure& error) {
+      throw Error::File(ErrorCode::kIo,
+                        path_.string(),
+                        "cannot be read (" + error.code().message() + ")",
+                        "check the disk");
+    }
+  }
+
   const std::filesystem::path path_;
 };
 
@@ -72,8 +72,8 @@ InputFile::InputFile(const std::filesystem::path& path)
   is_no_file_ = has_state && !S_ISREG(state.st_mode);
   if (is_no_file_) {
     reason_ = KindText(state.st_mode);
-  } else if (error != 0 || !has_state) {
-    reason_ = std::strerror(error != 0 ? error : errno);
+  } else if (error != 0) {
+    reason_ = std::strerror(error);
   }
   if (reason_.empty()) {
     size_ = static_cast<uintmax_t>(state.st_size);

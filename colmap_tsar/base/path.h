@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <ctime>
 #include <filesystem>
 #include <string>
 
@@ -35,6 +34,5 @@ bool IsWithin(const std::filesystem::path& path,
 
 // The modification time of a file in nanoseconds; 0 if there is no file.
 int64_t TimeOf(const std::filesystem::path& path);
-int64_t ToNanoseconds(const timespec& time);
 
 }  // namespace tsar

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <new>
-#include <utility>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -16,57 +15,36 @@
 namespace tsar {
 
 PictureInput::PictureInput(const std::filesystem::path& path,
-                           PictureWords words)
-    : name_(path.string()), words_(std::move(words)), file_(path) {
+                           const std::string& noun,
+                           const std::string& advice)
+    : name_(path.string()), noun_(noun), file_(path) {
   if (file_.IsMissing()) {
     throw Error::File(ErrorCode::kNotFound,
                       name_,
-                      "no such " + words_.noun,
-                      AdviceForMissing(path, words_.advice));
+                      "no such " + noun,
+                      AdviceForMissing(path, advice));
   }
-  if (!file_) {
-    throw Error::File(
-        ErrorCode::kIo,
-        name_,
-        "the " + words_.noun + " cannot be read: " + file_.Reason(),
-        "check that it is a file and that you may read it");
-  }
-  if (Size() == 0) {
-    throw Error::File(
-        ErrorCode::kCorrupt, name_, "the file is empty", words_.advice);
-  }
-}
-
-std::vector<uint8_t> PictureInput::ReadHead(uint64_t count) {
-  return Read(0, std::min(count, Size()));
-}
-
-std::vector<uint8_t> PictureInput::ReadTail(uint64_t count) {
-  const uint64_t num_bytes = std::min(count, Size());
-  return Read(Size() - num_bytes, num_bytes);
-}
-
-std::vector<uint8_t> PictureInput::ReadAll() {
-  // OpenCV indexes bytes by an int.
-  constexpr uint64_t kMaxBytes = uint64_t{1} << 31;
-  if (Size() >= kMaxBytes) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      name_,
-                      "the " + words_.noun + " has 2 GB or more",
-                      words_.advice_if_too_large);
-  }
-  return Read(0, Size());
-}
-
-std::vector<uint8_t> PictureInput::Read(uint64_t begin, uint64_t count) {
-  std::vector<uint8_t> bytes(count);
-  file_.seekg(static_cast<std::streamoff>(begin));
-  file_.read(reinterpret_cast<char*>(bytes.data()),
-             static_cast<std::streamsize>(count));
   if (!file_) {
     throw Error::File(ErrorCode::kIo,
                       name_,
-                      "reading the " + words_.noun + " failed",
+                      "the " + noun + " cannot be read: " + file_.Reason(),
+                      "check that it is a file and that you may read it");
+  }
+  if (Size() == 0) {
+    throw Error::File(ErrorCode::kCorrupt, name_, "the file is empty", advice);
+  }
+}
+
+std::vector<uint8_t> PictureInput::Read(uint64_t begin, uint64_t count) {
+  begin = std::min(begin, Size());
+  std::vector<uint8_t> bytes(std::min(count, Size() - begin));
+  file_.seekg(static_cast<std::streamoff>(begin));
+  file_.read(reinterpret_cast<char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+  if (!file_) {
+    throw Error::File(ErrorCode::kIo,
+                      name_,
+                      "reading the " + noun_ + " failed",
                       "check the disk");
   }
   return bytes;
@@ -99,6 +77,11 @@ void PutPicture(const cv::Mat& pixels,
 }
 
 cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode) {
+  // OpenCV indexes bytes by an int.
+  constexpr size_t kMaxBytes = size_t{1} << 31;
+  if (bytes.empty() || bytes.size() >= kMaxBytes) {
+    return {};
+  }
   // The matrix needs a mutable pointer, but decoding only reads.
   const cv::Mat buffer(1,
                        static_cast<int>(bytes.size()),

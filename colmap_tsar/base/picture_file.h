@@ -18,33 +18,26 @@ class Mat;
 
 namespace tsar {
 
-// The texts of messages about a picture.
-struct PictureWords {
-  std::string noun;                 // A noun such as "mask".
-  std::string advice;               // For a missing or empty file.
-  std::string advice_if_too_large;  // For a too large file.
-};
-
 // An open file of a picture, of at least one byte. All functions throw Error,
 // naming the file: kNotFound (no such file), kIo (it cannot be read, or is no
-// regular file), kCorrupt (empty), kUnsupported (2 GB or more).
+// regular file), kCorrupt (empty).
 class PictureInput {
  public:
-  PictureInput(const std::filesystem::path& path, PictureWords words);
+  // noun: such as "mask"; advice: for a missing or empty file.
+  PictureInput(const std::filesystem::path& path,
+               const std::string& noun,
+               const std::string& advice);
 
   const std::string& Name() const { return name_; }
   uint64_t Size() const { return file_.Size(); }
 
-  // Read the first or the last `count` bytes, or fewer if the file is shorter.
-  std::vector<uint8_t> ReadHead(uint64_t count);
-  std::vector<uint8_t> ReadTail(uint64_t count);
-  std::vector<uint8_t> ReadAll();
+  // `count` bytes from an offset on, or fewer if the file ends before.
+  std::vector<uint8_t> Read(uint64_t begin, uint64_t count);
+  std::vector<uint8_t> ReadAll() { return Read(0, Size()); }
 
  private:
-  std::vector<uint8_t> Read(uint64_t begin, uint64_t count);
-
   std::string name_;
-  PictureWords words_;
+  std::string noun_;
   InputFile file_;
 };
 
@@ -58,7 +51,7 @@ void PutPicture(const cv::Mat& pixels,
                 const std::vector<int>& parameters = {});
 
 // The pixels of a file as cv::imdecode() returns them in this mode; empty if
-// OpenCV cannot decode it. Throws std::bad_alloc.
+// OpenCV cannot decode it, or it has 2 GB or more. Throws std::bad_alloc.
 cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode);
 
 }  // namespace tsar

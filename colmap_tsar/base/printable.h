@@ -8,18 +8,16 @@
 
 namespace tsar {
 
-// The text as one line without terminal controls: names and notes come from
+// The text as one line without control characters: names and notes come from
 // untrusted files and could rewrite the screen. White space, including line
-// ends, becomes a space; other control characters, bidirectional controls and
-// bytes that are not UTF-8 become '?'. All else is unchanged, in any script.
+// ends, becomes a space, other control characters '?'. All else is unchanged.
 std::string Printable(std::string_view text);
 
 // Removes the first character of a nonempty text and returns it as Printable()
 // does. Allocates nothing; valid as long as the text.
 std::string_view TakePrintable(std::string_view* text);
 
-// Whether a text has control characters, which no file name needs. Bytes that
-// are not UTF-8 count as letters of another encoding.
+// Whether a text has control characters, which no file name needs.
 bool HasControlCharacter(std::string_view text);
 
 // The text as one shell word, quoted if necessary.

@@ -4,14 +4,10 @@
 #include "colmap_tsar/base/progress.h"
 
 #include "colmap_tsar/base/printable.h"
-#include "colmap_tsar/base/text_stream.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <iomanip>
-#include <iterator>
-#include <numeric>
 #include <utility>
 
 namespace tsar {
@@ -38,34 +34,6 @@ std::string DurationText(double seconds) {
 
 }  // namespace
 
-std::string ProgressText(int num_done,
-                         int num_worked,
-                         int num_total,
-                         double seconds,
-                         double later_seconds) {
-  TextStream text;
-  text << "[" << num_done << "/" << num_total << "]";
-  if (num_worked > 0 && seconds > 0.0) {
-    const double speed = num_worked / seconds;
-    // Slow work is shown as seconds per image instead.
-    text << " " << std::fixed << std::setprecision(1);
-    if (speed >= 1.0) {
-      text << speed << " images/s";
-    } else {
-      text << 1.0 / speed << " s per image";
-    }
-    if (num_done < num_total) {
-      const double left = (num_total - num_done) / speed;
-      text << ", " << DurationText(left) << " left";
-      if (later_seconds > 0.0) {
-        text << " (about " << DurationText(left + later_seconds)
-             << " of all passes)";
-      }
-    }
-  }
-  return text.str();
-}
-
 Progress::Progress(std::ostream& out, bool is_terminal, Clock clock)
     : out_(out),
       is_terminal_(is_terminal),
@@ -73,33 +41,6 @@ Progress::Progress(std::ostream& out, bool is_terminal, Clock clock)
 
 void Progress::SetListener(Listener listener) {
   listener_ = std::move(listener);
-}
-
-void Progress::PlanPasses(std::vector<double> costs) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  costs_.assign(costs.begin(), costs.end());
-  is_in_pass_ = false;
-  past_cost_ = 0.0;
-  past_seconds_ = 0.0;
-}
-
-void Progress::BeginPass(bool has_parts) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  const double now = clock_();
-  if (is_in_pass_ && !costs_.empty()) {
-    if (was_work_) {
-      // Images that were done before took no time.
-      const double share =
-          has_parts_ ? 1.0 : static_cast<double>(num_worked_) / num_total_;
-      past_cost_ += share * costs_.front();
-      past_seconds_ += now - pass_start_;
-    }
-    costs_.pop_front();
-  }
-  is_in_pass_ = true;
-  has_parts_ = has_parts;
-  was_work_ = false;
-  pass_start_ = now;
 }
 
 void Progress::Start(int num_total, const std::string& pass) {
@@ -121,7 +62,6 @@ void Progress::Advance(bool was_work) {
   const double now = clock_();
   ++num_done_;
   num_worked_ += was_work ? 1 : 0;
-  was_work_ = was_work_ || was_work;
   // Where nothing had to be done there is nothing to tell, unless it takes
   // time.
   const bool is_due =
@@ -144,32 +84,16 @@ void Progress::Finish() {
   }
 }
 
-double Progress::LaterSeconds(double now) const {
-  if (!is_in_pass_ || costs_.empty() || num_worked_ == 0) {
-    return 0.0;
-  }
-  const double later_cost =
-      std::accumulate(std::next(costs_.begin()), costs_.end(), 0.0);
-  const double seconds_of_all = (now - start_) * num_total_ / num_worked_;
-  if (!has_parts_) {
-    // The current pass is the best measure for this scene and machine.
-    return later_cost / costs_.front() * seconds_of_all;
-  }
-  if (past_cost_ == 0.0) {
-    return 0.0;
-  }
-  const double seconds_per_cost = past_seconds_ / past_cost_;
-  const double other_parts = costs_.front() * seconds_per_cost -
-                             (start_ - pass_start_) - seconds_of_all;
-  return later_cost * seconds_per_cost + std::max(0.0, other_parts);
-}
-
 void Progress::Print(double now) {
   last_print_ = now;
-  const std::string text =
-      (pass_.empty() ? "" : pass_ + " ") +
-      ProgressText(
-          num_done_, num_worked_, num_total_, now - start_, LaterSeconds(now));
+  std::string text = (pass_.empty() ? "" : pass_ + " ") + "[" +
+                     std::to_string(num_done_) + "/" +
+                     std::to_string(num_total_) + "]";
+  if (num_worked_ > 0 && num_done_ < num_total_) {
+    const double seconds_per_image = (now - start_) / num_worked_;
+    text += " " + DurationText((num_total_ - num_done_) * seconds_per_image) +
+            " left";
+  }
   if (!is_terminal_) {
     out_ << text << std::endl;
     return;

@@ -7,8 +7,7 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/base/resize_nearest.h"
-#include "colmap_tsar/io/photo_format.h"
-#include "colmap_tsar/io/png.h"
+#include "colmap_tsar/io/photo.h"
 
 #include <algorithm>
 #include <optional>
@@ -16,13 +15,16 @@
 #include <system_error>
 #include <utility>
 
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
 namespace tsar {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr const char* kMaskAdvice =
-    "write it as a PNG file of 8 bits, black where the image is to be ignored";
+    "write it as a PNG file, black where the image is to be ignored";
 constexpr const char* kLabelAdvice =
     "write it as a PNG file of one channel with 8 or 16 bits, a number for "
     "each segment and 0 for none";
@@ -94,87 +96,78 @@ fs::path FindLabelImage(const fs::path& folder, const std::string& name) {
 struct PngWords {
   const char* noun;
   const char* no_png;   // For another format.
-  const char* damaged;  // Precedes the defect.
+  const char* damaged;  // For one that breaks off or cannot be decoded.
   const char* advice;   // How to write one.
 };
 
-constexpr PngWords kMaskWords = {
-    "mask", "the mask is no PNG file", "the mask is damaged: ", kMaskAdvice};
+constexpr PngWords kMaskWords = {"mask",
+                                 "the mask is no PNG file",
+                                 "the mask is damaged or breaks off",
+                                 kMaskAdvice};
 constexpr PngWords kLabelWords = {"label image",
                                   "the label image is no PNG file",
-                                  "the label image is damaged: ",
+                                  "the label image is damaged or breaks off",
                                   kLabelAdvice};
 
 // An open PNG file; see PictureInput for more errors.
 class PngInput {
  public:
+  // Throws Error kCorrupt if it is no PNG file.
   PngInput(const fs::path& path, const PngWords& words)
-      : words_(words), file_(path, {words.noun, words.advice, words.advice}) {}
+      : words_(words), file_(path, words.noun, words.advice) {
+    const std::optional<PngHeader> header =
+        ReadPngHeader(file_.Read(0, kNumHeadBytes));
+    if (!header) {
+      throw Error::File(
+          ErrorCode::kCorrupt, Name(), words_.no_png, words_.advice);
+    }
+    header_ = *header;
+  }
 
   const std::string& Name() const { return file_.Name(); }
-
-  // Throws Error kCorrupt if it is no PNG file or its header is incomplete.
-  PngHeader ReadHeader() {
-    const std::vector<uint8_t> head = file_.ReadHead(kPngHeadSize);
-    const std::optional<PngHeader> header = ReadPngHeader(head);
-    if (header) {
-      return *header;
-    }
-    if (FormatOf(head) == PhotoFormat::kPng) {
-      throw Damaged("its header is not whole");
-    }
-    throw Error::File(
-        ErrorCode::kCorrupt, Name(), words_.no_png, words_.advice);
+  const PngHeader& Header() const { return header_; }
+  RasterSize Size() const {
+    return {static_cast<int>(header_.width), static_cast<int>(header_.height)};
   }
 
   // Whether the end of the file is that of a complete one.
   bool EndsAsWhole() {
-    return EndsInMarker(PhotoFormat::kPng, file_.ReadTail(kTailBytes));
+    const uint64_t tail = file_.Size() - kNumTailBytes;
+    return EndsInMarker(file_.Read(0, kNumHeadBytes),
+                        file_.Read(tail, kNumTailBytes));
   }
 
-  // Decodes the pixels; see DecodePng.
-  template <typename T>
-  Image<T> Decode() {
-    return DecodePng<T>(file_.ReadAll(), [&](const std::string& defect) {
-      return Damaged(defect);
-    });
-  }
-
-  Error Damaged(const std::string& defect) const {
-    return Error::File(
-        ErrorCode::kCorrupt, Name(), words_.damaged + defect, "write it again");
+  // mode: that of cv::imdecode.
+  cv::Mat Decode(int mode) {
+    cv::Mat pixels = DecodePicture(file_.ReadAll(), mode);
+    if (pixels.empty()) {
+      throw Error::File(
+          ErrorCode::kCorrupt, Name(), words_.damaged, "write it again");
+    }
+    return pixels;
   }
 
  private:
   const PngWords& words_;
   PictureInput file_;
+  PngHeader header_;
 };
 
 bool HasSize(const PngHeader& header, const RasterSize& size) {
-  return int64_t{header.width} == size.width &&
-         int64_t{header.height} == size.height;
+  return header.width == size.width && header.height == size.height;
 }
 
 // Throws if, by its header, the file is no mask for an image of these sizes.
-void RequireMask(const MaskSizes& sizes, PngInput* file) {
-  const PngHeader header = file->ReadHeader();
-  if (header.bits_per_channel > 8) {
-    throw Error::File(ErrorCode::kUnsupported,
-                      file->Name(),
-                      "the mask has " +
-                          std::to_string(header.bits_per_channel) +
-                          " bits per channel",
-                      kMaskAdvice);
-  }
-  if (!HasSize(header, sizes.image) && !HasSize(header, sizes.maps)) {
+void RequireMask(const MaskSizes& sizes, const PngInput& file) {
+  if (!HasSize(file.Header(), sizes.image) &&
+      !HasSize(file.Header(), sizes.maps)) {
     const bool has_own_maps = sizes.maps.width != sizes.image.width ||
                               sizes.maps.height != sizes.image.height;
     throw Error::File(
         ErrorCode::kMismatch,
-        file->Name(),
-        "the mask has " + std::to_string(header.width) + " x " +
-            std::to_string(header.height) + " pixels, its undistorted image " +
-            ToString(sizes.image) +
+        file.Name(),
+        "the mask has " + ToString(file.Size()) +
+            " pixels, its undistorted image " + ToString(sizes.image) +
             (has_own_maps ? ", and its maps " + ToString(sizes.maps) : ""),
         "masks of the photos do not fit: undistort them with "
         "image_undistorter, as docs/guide.md tells under Masks");
@@ -182,10 +175,12 @@ void RequireMask(const MaskSizes& sizes, PngInput* file) {
 }
 
 Image<uint8_t> DecodeMask(PngInput* file) {
-  Image<uint8_t> mask = file->Decode<uint8_t>();
-  for (uint8_t& value : mask) {
-    value = value == 0 ? 1 : 0;
-  }
+  const cv::Mat pixels =
+      file->Decode(cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  Image<uint8_t> mask(pixels.cols, pixels.rows);
+  cv::Mat is_black(pixels.rows, pixels.cols, CV_8UC1, mask.Data());
+  cv::compare(pixels, 0, is_black, cv::CMP_EQ);
+  is_black &= 1;
   return mask;
 }
 
@@ -201,44 +196,36 @@ bool HasAspectOf(const RasterSize& size, const RasterSize& image) {
 
 // Throws if, by its header, the file holds no segments of an image of this
 // size.
-PngHeader RequireLabels(const RasterSize& image, PngInput* file) {
-  const PngHeader header = file->ReadHeader();
-  if (!header.is_gray) {
+void RequireLabels(const RasterSize& image, const PngInput& file) {
+  if (!file.Header().is_gray) {
     throw Error::File(ErrorCode::kUnsupported,
-                      file->Name(),
+                      file.Name(),
                       "the label image has colors or transparency, which "
                       "are no numbers of segments",
                       kLabelAdvice);
   }
-  const RasterSize size = {static_cast<int>(header.width),
-                           static_cast<int>(header.height)};
-  if (size.width <= 0 || size.height <= 0) {
-    throw file->Damaged("its header is not whole");
-  }
-  if (!HasAspectOf(size, image)) {
+  const RasterSize size = file.Size();
+  if (size.width <= 0 || size.height <= 0 || !HasAspectOf(size, image)) {
     throw Error::File(
         ErrorCode::kMismatch,
-        file->Name(),
+        file.Name(),
         "the label image has " + ToString(size) +
             " pixels, which is not the shape of its undistorted image of " +
             ToString(image),
         "segment the undistorted images, in the workspace's folder images");
   }
-  return header;
 }
 
-template <typename T>
-Image<uint16_t> Reduce(const Image<T>& labels) {
+Image<uint16_t> DecodeLabels(PngInput* file) {
+  const cv::Mat pixels = file->Decode(cv::IMREAD_UNCHANGED);
+  Image<uint16_t> labels(pixels.cols, pixels.rows);
+  cv::Mat target(pixels.rows, pixels.cols, CV_16UC1, labels.Data());
+  pixels.convertTo(target, CV_16U);
   const int side = std::max(labels.Width(), labels.Height());
   return ResizeNearest<uint16_t>(
       labels,
       ReducedLength(labels.Width(), side, kMaxLabelImageSide),
       ReducedLength(labels.Height(), side, kMaxLabelImageSide));
-}
-
-Image<uint16_t> DecodeLabels(const PngHeader& header, PngInput* file) {
-  return header.bits_per_channel > 8 ? Reduce(file->Decode<uint16_t>())
-                                     : Reduce(file->Decode<uint8_t>());
 }
 
 }  // namespace
@@ -279,18 +266,19 @@ std::vector<fs::path> FindLabelImages(
 
 Image<uint8_t> ReadImageMask(const fs::path& path, const MaskSizes& sizes) {
   PngInput file(path, kMaskWords);
-  RequireMask(sizes, &file);
+  RequireMask(sizes, file);
   return DecodeMask(&file);
 }
 
 Image<uint16_t> ReadLabelImage(const fs::path& path, const RasterSize& image) {
   PngInput file(path, kLabelWords);
-  return DecodeLabels(RequireLabels(image, &file), &file);
+  RequireLabels(image, file);
+  return DecodeLabels(&file);
 }
 
 void CheckImageMask(const fs::path& path, const MaskSizes& sizes) {
   PngInput file(path, kMaskWords);
-  RequireMask(sizes, &file);
+  RequireMask(sizes, file);
   if (!file.EndsAsWhole()) {
     // Data may have been appended after the end.
     DecodeMask(&file);
@@ -299,12 +287,12 @@ void CheckImageMask(const fs::path& path, const MaskSizes& sizes) {
 
 int64_t CheckLabelImage(const fs::path& path, const RasterSize& image) {
   PngInput file(path, kLabelWords);
-  const PngHeader header = RequireLabels(image, &file);
+  RequireLabels(image, file);
   if (!file.EndsAsWhole()) {
     // Data may have been appended after the end.
-    DecodeLabels(header, &file);
+    DecodeLabels(&file);
   }
-  return int64_t{header.width} * int64_t{header.height};
+  return file.Header().width * file.Header().height;
 }
 
 Image<uint8_t> ResizeMask(const Image<uint8_t>& mask, const RasterSize& size) {

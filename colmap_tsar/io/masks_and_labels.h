@@ -57,8 +57,7 @@ struct MaskSizes {
 
 // Reads a mask at its own size: 1 where the image is masked, 0 elsewhere.
 // Throws Error, naming the file: kNotFound (no such file), kIo (it cannot be
-// read), kCorrupt (it is no PNG file, or damaged), kUnsupported (16 bits per
-// channel), kMismatch (another size).
+// read), kCorrupt (it is no PNG file, or damaged), kMismatch (another size).
 Image<uint8_t> ReadImageMask(const std::filesystem::path& path,
                              const MaskSizes& sizes);
 
@@ -68,8 +67,8 @@ constexpr int kMaxLabelImageSide = 1024;
 
 // Reads the segments, reduced to kMaxLabelImageSide by nearest-neighbor
 // sampling. image: the size of the undistorted image. Throws the errors of
-// ReadImageMask, but kUnsupported for colors and kMismatch for another aspect
-// ratio.
+// ReadImageMask, kMismatch for another aspect ratio, and kUnsupported for
+// colors.
 Image<uint16_t> ReadLabelImage(const std::filesystem::path& path,
                                const RasterSize& image);
 

@@ -3,15 +3,11 @@
 
 #include "colmap_tsar/io/photo.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/picture_file.h"
-#include "colmap_tsar/io/jpeg.h"
-#include "colmap_tsar/io/photo_format.h"
-#include "colmap_tsar/io/picture_checks.h"
-#include "colmap_tsar/io/png.h"
 
-#include <optional>
-#include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -22,76 +18,54 @@
 namespace tsar {
 namespace {
 
-using Bytes = std::vector<uint8_t>;
+using namespace std::string_view_literals;
+
+constexpr std::string_view kJpegBegin = "\xff\xd8\xff"sv;
+constexpr std::string_view kJpegEnd = "\xff\xd9"sv;
+constexpr std::string_view kJpeg2000Begin = "\xff\x4f\xff\x51"sv;
+constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR"sv;
+constexpr std::string_view kPngEnd = "IEND\xae\x42\x60\x82"sv;
+
+std::string_view TextOf(std::span<const uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+uint32_t BigEndianAt(std::span<const uint8_t> bytes, size_t offset) {
+  return static_cast<uint32_t>(bytes[offset]) << 24 | bytes[offset + 1] << 16 |
+         bytes[offset + 2] << 8 | bytes[offset + 3];
+}
+
+// Where the compressed data of a JPEG file begin: behind its segments, of which
+// that of EXIF may hold another JPEG file.
+size_t FindJpegData(std::span<const uint8_t> bytes) {
+  constexpr uint8_t kStartOfScan = 0xda;
+  size_t position = 2;
+  while (position + 4 <= bytes.size() && bytes[position + 1] != kStartOfScan) {
+    position += bytes[position + 1] == 0xff
+                    ? 1  // Padding.
+                    : 2 + (BigEndianAt(bytes, position) & 0xffff);
+  }
+  return position;
+}
+
+// Whether the data of a file have their end, after which there may be more.
+// OpenCV decodes JPEG and JPEG 2000 without it, and fills the rest with gray.
+bool HasEnd(std::span<const uint8_t> bytes) {
+  const std::string_view text = TextOf(bytes);
+  if (text.starts_with(kJpegBegin)) {
+    return text.find(kJpegEnd, FindJpegData(bytes)) != std::string_view::npos;
+  }
+  if (text.starts_with(kPngBegin)) {
+    return text.find(kPngEnd) != std::string_view::npos;
+  }
+  const size_t stream = text.substr(0, 4096).find(kJpeg2000Begin);
+  return stream == std::string_view::npos ||
+         text.find(kJpegEnd, stream) != std::string_view::npos;
+}
 
 PictureInput OpenPhoto(const std::filesystem::path& path) {
   return PictureInput(
-      path,
-      {"image",
-       "make the workspace again with image_undistorter",
-       "run image_undistorter with a smaller --max_image_size"});
-}
-
-PhotoFormat RequireFormat(const std::string& name,
-                          std::span<const uint8_t> head) {
-  const std::optional<PhotoFormat> format = FormatOf(head);
-  if (!format) {
-    throw UnreadablePhoto(name,
-                          "it is none of JPEG, PNG, TIFF, WebP, BMP, PGM, PPM "
-                          "and JPEG 2000");
-  }
-  return *format;
-}
-
-// Throws if the file is known to be incomplete; OpenCV would continue or print
-// its own error.
-void RequireWhole(PhotoFormat format,
-                  const Bytes& bytes,
-                  const std::string& name) {
-  std::string defect;
-  if (format == PhotoFormat::kTiff) {
-    defect = FindTiffDefect(bytes);
-  } else if (DeclaredSize(format, bytes) > bytes.size() ||
-             (format == PhotoFormat::kPnm && !HasAllNumbers(bytes)) ||
-             (format == PhotoFormat::kJpeg2000 && !HasJpeg2000End(bytes))) {
-    defect = "it breaks off";
-  }
-  if (!defect.empty()) {
-    throw DamagedPhoto(name, defect);
-  }
-}
-
-// mode: cv::IMREAD_COLOR or IMREAD_GRAYSCALE.
-cv::Mat DecodeOther(PhotoFormat format,
-                    const Bytes& bytes,
-                    int mode,
-                    const std::string& name) {
-  if (format == PhotoFormat::kJpeg) {
-    CheckJpeg(bytes, name);
-  } else {
-    RequireWhole(format, bytes, name);
-  }
-  cv::Mat pixels = DecodePicture(bytes, mode | cv::IMREAD_IGNORE_ORIENTATION);
-  if (pixels.empty()) {
-    throw UnreadablePhoto(name, "OpenCV cannot decode it");
-  }
-  return pixels;
-}
-
-struct Content {
-  Bytes bytes;
-  PhotoFormat format;
-  // The kind, among the formats that this library decodes itself.
-  bool is_plain_jpeg;
-};
-
-Content ReadContent(PictureInput* file) {
-  Content content;
-  content.bytes = file->ReadAll();
-  content.format = RequireFormat(file->Name(), content.bytes);
-  content.is_plain_jpeg = content.format == PhotoFormat::kJpeg &&
-                          !ReadJpegKind(content.bytes, file->Name()).is_cmyk;
-  return content;
+      path, "image", "make the workspace again with image_undistorter");
 }
 
 // T: Rgb, or uint8_t for gray.
@@ -99,20 +73,25 @@ template <typename T>
 Image<T> Read(const std::filesystem::path& path) {
   constexpr bool kIsGray = std::is_same_v<T, uint8_t>;
   PictureInput file = OpenPhoto(path);
-  const Content content = ReadContent(&file);
-  if (content.is_plain_jpeg) {
-    return DecodeJpeg<T>(content.bytes, file.Name());
+  const std::vector<uint8_t> bytes = file.ReadAll();
+  cv::Mat pixels;
+  if (HasEnd(bytes)) {
+    pixels = DecodePicture(bytes,
+                           (kIsGray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) |
+                               cv::IMREAD_IGNORE_ORIENTATION);
   }
-  if (content.format == PhotoFormat::kPng) {
-    return DecodePng<T>(content.bytes, [&](const std::string& defect) {
-      return DamagedPhoto(file.Name(), defect);
-    });
+  if (pixels.empty()) {
+    throw cv::haveImageReader(path.string())
+        ? Error::File(ErrorCode::kCorrupt,
+                      file.Name(),
+                      "the image is damaged or breaks off",
+                      "make the workspace again with image_undistorter, from a "
+                      "whole photo")
+        : Error::File(ErrorCode::kCorrupt,
+                      file.Name(),
+                      "not a readable image: OpenCV does not know its format",
+                      "make the workspace again with image_undistorter");
   }
-  const cv::Mat pixels =
-      DecodeOther(content.format,
-                  content.bytes,
-                  kIsGray ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR,
-                  file.Name());
   auto image = Image<T>::Uninitialized(pixels.cols, pixels.rows);
   cv::Mat target(pixels.rows, pixels.cols, pixels.type(), image.Data());
   if (kIsGray) {
@@ -134,23 +113,40 @@ Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
 }
 
 bool HasAlpha(const std::filesystem::path& path) {
-  PictureInput file = OpenPhoto(path);
   const std::optional<PngHeader> header =
-      ReadPngHeader(file.ReadHead(kPngHeadSize));
+      ReadPngHeader(OpenPhoto(path).Read(0, kNumHeadBytes));
   return header && header->has_alpha;
 }
 
 void CheckPhotoFile(const std::filesystem::path& path) {
-  // The head holds the header of every format, unless it has long comments.
-  constexpr uint64_t kHeadBytes = 4096;
   PictureInput file = OpenPhoto(path);
-  const Bytes head = file.ReadHead(kHeadBytes);
-  const PhotoFormat format = RequireFormat(file.Name(), head);
-  if (DeclaredSize(format, head) > file.Size() ||
-      !EndsInMarker(format, file.ReadTail(kTailBytes))) {
+  const uint64_t tail = file.Size() - std::min(file.Size(), kNumTailBytes);
+  if (!cv::haveImageReader(path.string()) ||
+      !EndsInMarker(file.Read(0, kNumHeadBytes),
+                    file.Read(tail, kNumTailBytes))) {
     // Cameras may append data after the end.
     ReadPhoto(path);
   }
+}
+
+std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head) {
+  constexpr uint8_t kAlpha = 4;
+  if (head.size() < kNumHeadBytes || !TextOf(head).starts_with(kPngBegin)) {
+    return std::nullopt;
+  }
+  const uint8_t color_type = head[25];
+  return PngHeader{BigEndianAt(head, 16),
+                   BigEndianAt(head, 20),
+                   color_type == 0,
+                   (color_type & kAlpha) != 0};
+}
+
+bool EndsInMarker(std::span<const uint8_t> head,
+                  std::span<const uint8_t> tail) {
+  return TextOf(head).starts_with(kJpegBegin)
+             ? TextOf(tail).ends_with(kJpegEnd)
+             : !TextOf(head).starts_with(kPngBegin) ||
+                   TextOf(tail).ends_with(kPngEnd);
 }
 
 }  // namespace tsar

@@ -7,22 +7,20 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 
 namespace tsar {
 
-// Photos: JPEG, PNG, TIFF, WebP, BMP, PGM, PPM and JPEG 2000, identified by
-// their first bytes and converted to 8 bits. The pixels are those that OpenCV
-// decodes; the EXIF orientation is ignored, as in COLMAP.
+// Photos: the pixels that OpenCV decodes, converted to 8 bits. The EXIF
+// orientation is ignored, as in COLMAP.
 //
-// A truncated file is rejected, unless it has all pixels. Damage inside is
-// found as far as the format allows: PNG and TIFF with Deflate have checksums;
-// the decoders of JPEG and of TIFF with other compression mostly fail. WebP,
-// JPEG 2000 and formats without compression (BMP, PGM, PPM, such TIFF) can only
-// be checked for their length.
+// A truncated file is rejected. Damage inside is found where the decoder fails,
+// as for the checksums of PNG.
 //
 // All functions follow links and throw Error, naming the file: kNotFound (no
 // such file), kIo (it cannot be read, or is no regular file), kCorrupt (empty,
-// damaged, of no format of photos), kUnsupported (too many pixels).
+// damaged, of no format of photos).
 
 Image<Rgb> ReadPhoto(const std::filesystem::path& path);
 
@@ -35,7 +33,27 @@ bool HasAlpha(const std::filesystem::path& path);
 
 // Looks at the beginning and the end of a file alone, and decodes it only where
 // these are not those of a whole one. Tells what is missing, empty, of another
-// format or cut off; damage inside shows when the photo is read.
+// format or, if JPEG or PNG, cut off; other damage shows when the photo is
+// read.
 void CheckPhotoFile(const std::filesystem::path& path);
+
+// The number of bytes at the beginning and at the end of a file that the
+// functions below look at.
+inline constexpr uint64_t kNumHeadBytes = 26;
+inline constexpr uint64_t kNumTailBytes = 8;
+
+struct PngHeader {
+  int64_t width = 0;
+  int64_t height = 0;
+  bool is_gray = false;  // Gray without transparency.
+  bool has_alpha = false;
+};
+
+// The header of a file that begins with these bytes; nullopt if it is no PNG.
+std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head);
+
+// Whether the last bytes are those of a whole file, with nothing after it, as
+// far as the format of the first bytes has a marker at its end: JPEG and PNG.
+bool EndsInMarker(std::span<const uint8_t> head, std::span<const uint8_t> tail);
 
 }  // namespace tsar

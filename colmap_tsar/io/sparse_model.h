@@ -61,8 +61,7 @@ SparseModel ReadSparseModel(const std::filesystem::path& sparse_folder);
 // The folder that holds the sparse model of a dense workspace: `sparse`, where
 // image_undistorter writes it, or `sparse/0`, where programs that train on
 // undistorted images keep it. The first is used if it has any file of a model.
-// Throws Error: kNotFound (no folder `sparse`, no model in either, or only some
-// of its files).
+// Throws Error kNotFound if neither has one.
 std::filesystem::path FindModelFolder(const std::filesystem::path& root);
 
 // Reads the model in that folder. Throws Error: kUnsupported (an image's name

@@ -9,8 +9,8 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/io/depth_image.h"
 #include "colmap_tsar/io/float_map.h"
+#include "colmap_tsar/io/map_files.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/raster_memory.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/sparse_model.h"
@@ -222,13 +221,6 @@ void RefineController::PrepareShard(const RefineRun& run) {
 PipelineOutcome RefineController::RunPasses(const RefineRun& run) {
   if (IsShard()) {
     PrepareShard(run);
-  } else if (run.HasScenePlanes()) {
-    // Images that are not listed are only observed.
-    const double share = static_cast<double>(run.plan.NumListed()) /
-                         static_cast<double>(run.plan.NumImages());
-    // Approximate relative times of the passes. Measured: 1 : 0.26 : 0.87 and 1
-    // : 0.51 : 0.93 on two cores, 1 : 0.87 : 1.17 on a GPU.
-    progress_.PlanPasses({1.0, 0.5, share});
   }
   std::vector<StageSeconds> seconds(run.plan.NumImages());
   if (options_.pass != RefinePass::kCompose) {
@@ -270,7 +262,6 @@ bool RefineController::FindPlanes(const RefineRun& run,
   if (!run.HasScenePlanes()) {
     return true;
   }
-  progress_.BeginPass(/*has_parts=*/true);
   if (!run.IsAnyNeeded() || run.model.IsCurrent()) {
     return true;
   }
@@ -293,9 +284,6 @@ PipelineOutcome RefineController::RunPass(ImageTasks<RefineResult>& pass,
   if (Images().empty()) {
     return PipelineOutcome();
   }
-  progress_.BeginPass();
-  const RasterMemoryReuse reuse(
-      static_cast<size_t>(devices_.at_work.num_bytes));
   return ImagePipeline<RefineResult>(
              pass,
              Images(),

@@ -11,7 +11,6 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/photo.h"
-#include "colmap_tsar/io/photo_format.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
@@ -49,6 +48,8 @@ int64_t RequirePossibleSize(const std::filesystem::path& path,
                             int width,
                             int height,
                             const char* advice) {
+  // The limit of OpenCV; pixels are also indexed by an int.
+  constexpr int64_t kMaxNumPixels = int64_t{1} << 30;
   const int64_t num_pixels = int64_t{width} * height;
   if (num_pixels > kMaxNumPixels) {
     throw Error::File(ErrorCode::kUnsupported,

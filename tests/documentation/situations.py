@@ -182,7 +182,7 @@ SITUATIONS = {
     "The bounding box is not complete": lambda: write("box.txt", "-1 -1 0\n1 1\n"),
     "The folder of masks holds none": lambda: write("masks/v000.png", png(8, 640, 480)),
     "A mask is of another size": lambda: write("masks/v000.jpg.png", png(8, 100, 80)),
-    "A mask is no mask": lambda: write("masks/v000.jpg.png", png(16, 640, 480)),
+    "A mask is no mask": lambda: write("masks/v000.jpg.png", "GIF89a"),
     "The folder of depth priors holds none": lambda: write("priors/v000.jpg", ""),
     "A depth prior is of another shape": lambda: write(
         "priors/v000.pfm", b"Pf\n6 8\n-1\n" + struct.pack("<48f", *[1.0] * 48)),

@@ -29,16 +29,24 @@ extern "C" int LLVMFuzzerRunDriver(
 namespace tsar {
 namespace {
 
-constexpr const FuzzTarget* kTargets[] = {
-    &kMapTarget,          &kSigmaMapTarget,    &kSparseBinaryTarget,
-    &kSparseTextTarget,   &kConfigTarget,      &kImageListTarget,
-    &kProjectIniTarget,   &kRecordTarget,
-    &kImportRecordTarget, &kOutputMarkerTarget,
-    &kDmbTarget,          &kApdTarget,         &kDmapTarget,
-    &kStoredCameraTarget, &kNpyTarget,         &kPfmTarget,
-    &kPngTarget,          &kTiffTarget,        &kExrTarget,
-    &kGrayPngTarget,      &kJpegTarget,        &kPhotoTarget,
-    &kPlyTarget,          &kMeshlabTarget,     &kSceneModelTarget};
+constexpr const FuzzTarget* kTargets[] = {&kMapTarget,
+                                          &kSigmaMapTarget,
+                                          &kSparseBinaryTarget,
+                                          &kSparseTextTarget,
+                                          &kConfigTarget,
+                                          &kImageListTarget,
+                                          &kProjectIniTarget,
+                                          &kRecordTarget,
+                                          &kImportRecordTarget,
+                                          &kOutputMarkerTarget,
+                                          &kDmbTarget,
+                                          &kApdTarget,
+                                          &kDmapTarget,
+                                          &kStoredCameraTarget,
+                                          &kNpyTarget,
+                                          &kPfmTarget,
+                                          &kPlyTarget,
+                                          &kMeshlabTarget};
 
 const FuzzTarget* current_target = nullptr;
 

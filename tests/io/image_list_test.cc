@@ -43,48 +43,32 @@ class ImageListTest : public testing::Test {
 using testing::ElementsAre;
 using testing::Pair;
 
+// With blanks, empty lines, and what editors of other systems write.
 TEST_F(ImageListTest, ReadsNamesInTheirOrder) {
-  EXPECT_THAT(Read("left/b c.png\n\n  a.png \n"),
-              ElementsAre(Pair(1, 1), Pair(0, 3)));
-  EXPECT_THAT(Read("\xC3\xA9.png"), ElementsAre(Pair(2, 1)));
-}
-
-TEST_F(ImageListTest, ReadsWhatEditorsOfOtherSystemsWrite) {
+  EXPECT_THAT(Read("left/b c.png\n\n  a.png \na.png"),
+              ElementsAre(Pair(1, 1), Pair(0, 3), Pair(0, 4)));
   EXPECT_THAT(Read("\xEF\xBB\xBF"
-                   "a.png\r\nleft/b c.png\r\n"),
-              ElementsAre(Pair(0, 1), Pair(1, 2)));
+                   "\xC3\xA9.png\r\nleft/b c.png\r\n"),
+              ElementsAre(Pair(2, 1), Pair(1, 2)));
 }
 
-TEST_F(ImageListTest, KeepsWhatIsThereTwice) {
-  EXPECT_THAT(Read("a.png\na.png\n"), ElementsAre(Pair(0, 1), Pair(0, 2)));
-}
-
-TEST_F(ImageListTest, NamesTheLineOfAnUnknownName) {
+TEST_F(ImageListTest, NamesTheLineThatIsWrong) {
+  constexpr ErrorCode kMismatch = ErrorCode::kMismatch;
+  constexpr ErrorCode kCorrupt = ErrorCode::kCorrupt;
   ExpectRefused("a.png\r\n\r\nb.png\r\n",
-                ErrorCode::kMismatch,
+                kMismatch,
                 "line 3 names b.png, which is not in the sparse model");
   // Not a comment: names may begin so.
-  ExpectRefused("# a.png\n", ErrorCode::kMismatch, "line 1 names # a.png");
-  ExpectRefused("A.png\n", ErrorCode::kMismatch, "line 1 names A.png");
-}
-
-TEST_F(ImageListTest, RefusesListsOfNothing) {
+  ExpectRefused("# a.png\n", kMismatch, "line 1 names # a.png");
   for (const char* text : {"", "\n \r\n\t\n", "\xEF\xBB\xBF"}) {
-    ExpectRefused(text, ErrorCode::kMismatch, "the list names no image");
+    ExpectRefused(text, kMismatch, "the list names no image");
   }
-}
-
-TEST_F(ImageListTest, RefusesFilesThatAreNoText) {
   ExpectRefused(std::string("a.png\n\x89PNG\x00\x01", 12),
-                ErrorCode::kCorrupt,
+                kCorrupt,
                 "line 2 is no image name; give a text file");
-  ExpectRefused(std::string(100000, 'x'),
-                ErrorCode::kCorrupt,
-                "line 1 is no image name; give a text file");
-}
-
-TEST_F(ImageListTest, NamesTheOptionWhereThereIsNoFile) {
-  for (const std::filesystem::path& path : {path_, folder_.Path()}) {
+  ExpectRefused(std::string(100000, 'x'), kCorrupt, "line 1 is no image name");
+  for (const std::filesystem::path& path :
+       {folder_.Path() / "none", folder_.Path()}) {
     ExpectError(ErrorCode::kNotFound,
                 {path.string(), "check --image_list_path"},
                 [&] { ReadImageList(path, model_, "--image_list_path"); });
@@ -103,56 +87,25 @@ class WorkspaceModelTest : public testing::Test {
   std::string ImageName() const {
     return ReadWorkspaceModel(FindModelFolder(root_)).images.at(0).name;
   }
-  void ExpectMissing(const std::filesystem::path& folder,
-                     std::vector<std::string> texts) const {
-    texts.push_back(folder.string() + ": ");
-    ExpectError(ErrorCode::kNotFound, texts, [&] { FindModelFolder(root_); });
-  }
-
   TemporaryFolder folder_;
   const std::filesystem::path root_ = folder_.Path() / "dense";
   const std::filesystem::path sparse_ = root_ / "sparse";
 };
 
-TEST_F(WorkspaceModelTest, IsFoundInTheFolder0) {
+TEST_F(WorkspaceModelTest, LiesInSparseOrInTheFolder0) {
+  ExpectError(ErrorCode::kNotFound,
+              {sparse_.string() + ": no sparse model", "folder 0"},
+              [&] { FindModelFolder(root_); });
   WriteModel(sparse_ / "0", "nested.png");
   EXPECT_EQ(FindModelFolder(root_), sparse_ / "0");
   EXPECT_EQ(ImageName(), "nested.png");
-}
-
-TEST_F(WorkspaceModelTest, TheOneInSparseItselfWins) {
-  WriteModel(sparse_ / "0", "nested.png");
-  WriteModel(sparse_, "own.png");
-  EXPECT_EQ(FindModelFolder(root_), sparse_);
-  EXPECT_EQ(ImageName(), "own.png");
-}
-
-TEST_F(WorkspaceModelTest, NamesThePlacesWhereNeitherHasOne) {
-  ExpectMissing(sparse_, {"no sparse model", "folder 0", "image_undistorter"});
-  // Neither other numbers nor other files are models.
-  WriteModel(sparse_ / "1", "other.png");
-  WriteText(sparse_ / "0/points3D.ply", "ply\n");
-  WriteText(sparse_ / "rigs.bin", "");
-  ExpectMissing(sparse_, {"no sparse model"});
-  std::filesystem::remove_all(sparse_ / "0");
-  WriteText(sparse_ / "0", "a file");
-  ExpectMissing(sparse_, {"no sparse model"});
-}
-
-TEST_F(WorkspaceModelTest, NamesTheFilesThatAModelLacks) {
-  WriteModel(sparse_ / "0", "nested.png");
-  std::filesystem::remove(sparse_ / "0/points3D.txt");
-  ExpectMissing(sparse_ / "0", {"points3D.txt is missing"});
-  // Of two incomplete ones, those of the one that lacks less.
-  WriteText(sparse_ / "0/cameras.bin", "");
-  ExpectMissing(sparse_ / "0", {"points3D.txt is missing"});
-}
-
-TEST_F(WorkspaceModelTest, AnIncompleteOneInSparseDoesNotGiveWay) {
-  WriteModel(sparse_ / "0", "nested.png");
+  // An incomplete one does not give way to one that may be another.
   WriteText(sparse_ / "cameras.bin", "");
-  ExpectMissing(sparse_,
-                {"not complete: images.bin, points3D.bin are missing"});
+  ExpectError(ErrorCode::kNotFound,
+              {sparse_.string() + ": the sparse model is not complete"},
+              [&] { ImageName(); });
+  WriteModel(sparse_, "own.png");
+  EXPECT_EQ(ImageName(), "own.png");
 }
 
 TEST_F(WorkspaceModelTest, NamesTheFolderOfNamesThatLeadOut) {

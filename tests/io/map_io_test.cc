@@ -3,10 +3,8 @@
 
 #include "colmap_tsar/io/map_io.h"
 
-#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/companion_maps.h"
 #include "colmap_tsar/io/map_shape.h"
 
 #include <algorithm>
@@ -63,43 +61,31 @@ class MapIoTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(MapIoTest, ReadsDepthsRowByRow) {
+TEST_F(MapIoTest, ReadsDepthsRowByRowAndNormalsPlaneByPlane) {
   const auto path = Write(MapBytes("3&2&1&", {1, 2, 3, 4, 5, 6}));
   const Image<float> depth = ReadDepthMap(path);
   ASSERT_EQ(depth.Width(), 3);
   ASSERT_EQ(depth.Height(), 2);
   EXPECT_EQ(depth(2, 0), 3.f);
   EXPECT_EQ(depth(0, 1), 4.f);
-  const MapSize size = ReadMapSize(path);
-  EXPECT_EQ(size.width, 3);
-  EXPECT_EQ(size.height, 2);
-  EXPECT_EQ(size.channels, 1);
-}
-
-TEST_F(MapIoTest, ReadsNormalsPlaneByPlane) {
-  const auto path = Write(MapBytes("2&1&3&", {1, 2, 3, 4, 5, 6}));
+  Write(MapBytes("2&1&3&", {1, 2, 3, 4, 5, 6}));
   const Image<Vec3f> normal = ReadNormalMap(path);
   EXPECT_EQ(normal(0, 0), (Vec3f{1, 3, 5}));
   EXPECT_EQ(normal(1, 0), (Vec3f{2, 4, 6}));
 }
 
-TEST_F(MapIoTest, MakesBadDepthsInvalidAndCountsThoseNotFinite) {
+TEST_F(MapIoTest, MakesBadValuesInvalidAndCountsThoseNotFinite) {
   int64_t count = -1;
   const Image<float> depth = ReadDepthMap(
       Write(MapBytes("5&1&1&", {kNan, kInf, -kInf, -1.f, 2.f})), &count);
   EXPECT_EQ(count, 3);
   EXPECT_THAT(std::vector<float>(depth.begin(), depth.end()),
               testing::ElementsAre(0.f, 0.f, 0.f, 0.f, 2.f));
-}
-
-TEST_F(MapIoTest, MakesBadNormalsInvalidAndCountsThem) {
-  int64_t count = -1;
   const Image<Vec3f> normal = ReadNormalMap(
       Write(MapBytes("3&1&3&", {0, 1, 2, kInf, 1, 2, 0, 1, kNan})), &count);
   EXPECT_EQ(count, 2);
-  EXPECT_EQ(normal(0, 0), Vec3f());
-  EXPECT_EQ(normal(1, 0), (Vec3f{1, 1, 1}));
-  EXPECT_EQ(normal(2, 0), Vec3f());
+  EXPECT_THAT(std::vector<Vec3f>(normal.begin(), normal.end()),
+              testing::ElementsAre(Vec3f(), (Vec3f{1, 1, 1}), Vec3f()));
 }
 
 TEST_F(MapIoTest, WritesTheBytesThatColmapReads) {
@@ -137,39 +123,23 @@ TEST_F(MapIoTest, RefusesFilesOfAnotherLength) {
 
 TEST_F(MapIoTest, RefusesBadHeaders) {
   for (const char* header : {"0&2&1&",
-                             "2&0&1&",
                              "2&2&0&",
                              "-2&2&1&",
-                             "+2&2&1&",
                              " 2&2&1&",
-                             "2 &2&1&",
                              "2&2&1",
                              "2&&1&",
-                             "&&&",
                              "2x2x1x",
-                             "0x2&2&1&",
                              "2.0&2&1&",
                              "2&2&1&\n",
                              "4294967298&2&1&",
-                             "99999999999999999999&1&1&"}) {
-    SCOPED_TRACE(header);
-    ExpectCorruptDepth(MapBytes(header, {1, 2, 3, 4}));
-  }
-}
-
-// Products of these numbers wrap around to small sizes in 32 and 64 bits.
-TEST_F(MapIoTest, RefusesAbsurdSizesBeforeAllocating) {
-  for (const char* header : {"999999999&999999999&1&",
+                             "99999999999999999999&1&1&",
+                             // Products that wrap around to small sizes.
                              "999999999&999999999&999999999&",
                              "65536&65536&1&",
                              "536870912&536870912&536870912&"}) {
     SCOPED_TRACE(header);
-    ExpectCorruptDepth(MapBytes(header, {}));
     ExpectCorruptDepth(MapBytes(header, {1, 2, 3, 4}));
   }
-}
-
-TEST_F(MapIoTest, RefusesTheWrongNumberOfChannels) {
   const auto path = Write(MapBytes("2&1&2&", {1, 2, 3, 4}));
   ExpectError(
       ErrorCode::kCorrupt, {path.string(), "2"}, [&] { ReadDepthMap(path); });
@@ -209,14 +179,12 @@ TEST_F(MapIoTest, RefusesToWriteWhatFusionCannotRead) {
 constexpr RasterSize kImage = {1244, 829};
 
 TEST(MapShape, IsThatOfTheImageScaledAndRounded) {
-  for (const RasterSize image :
-       {kImage, {829, 1244}, {6208, 4135}, {96, 72}, {1000, 999}, {3000, 7}}) {
+  for (const RasterSize image : {kImage, {829, 1244}, {1000, 999}, {3000, 7}}) {
     for (int side = 1; side <= 2 * image.width; ++side) {
-      const double scale = static_cast<double>(side) / image.width;
-      for (const double height : {std::floor(scale * image.height),
-                                  std::round(scale * image.height),
-                                  std::ceil(scale * image.height)}) {
-        const RasterSize map = {side, std::max(1, static_cast<int>(height))};
+      const double height = static_cast<double>(side) / image.width *
+                            static_cast<double>(image.height);
+      for (const double rounded : {std::floor(height), std::ceil(height)}) {
+        const RasterSize map = {side, std::max(1, static_cast<int>(rounded))};
         ASSERT_TRUE(HasShapeOf(map, image))
             << ToString(map) << " of " << ToString(image);
       }
@@ -248,70 +216,6 @@ TEST(MapShape, TheErrorNamesFileAndSizes) {
               [&] {
                 require({829, 1244});
               });
-}
-
-class SigmaMapTest : public testing::Test {
- protected:
-  void Write(const Image<uint16_t>& halves) const {
-    AtomicFile file({folder_.Path(), "sigma.npy"});
-    PutSigmaMap(halves, &file);
-    file.Commit();
-  }
-  void ExpectCorrupt(const std::string& bytes) const {
-    WriteText(path_, bytes);
-    ExpectError(
-        ErrorCode::kCorrupt, {path_.string()}, [&] { ReadSigmaMap(path_); });
-  }
-
-  TemporaryFolder folder_;
-  std::filesystem::path path_ = folder_.Path() / "sigma.npy";
-};
-
-TEST_F(SigmaMapTest, IsAnArrayOfNumPy) {
-  Image<uint16_t> halves(3, 2);
-  for (int i = 0; i < 6; ++i) {
-    halves.Data()[i] = static_cast<uint16_t>(0x0201 * i);
-  }
-  Write(halves);
-  const std::string bytes = ReadText(path_);
-  ASSERT_EQ(bytes.size(), 128u + 12u);
-  EXPECT_EQ(bytes.substr(0, 10), std::string("\x93NUMPY\x01\x00\x76\x00", 10));
-  EXPECT_EQ(bytes.substr(10, 59),
-            "{'descr': '<f2', 'fortran_order': False, 'shape': (2, 3), }");
-  EXPECT_EQ(bytes[127], '\n');
-  EXPECT_EQ(bytes.substr(128, 6), std::string("\0\0\x01\x02\x02\x04", 6));
-  const Image<float> sigma = ReadSigmaMap(path_);
-  ASSERT_EQ(sigma.Width(), 3);
-  ASSERT_EQ(sigma.Height(), 2);
-  for (int i = 0; i < 6; ++i) {
-    EXPECT_EQ(sigma.Data()[i], HalfToFloat(halves.Data()[i]));
-  }
-}
-
-TEST_F(SigmaMapTest, RefusesWhatIsNone) {
-  ExpectError(
-      ErrorCode::kNotFound, {path_.string()}, [&] { ReadSigmaMap(path_); });
-  Write(Image<uint16_t>(3, 2, ToPositiveHalf(0.5f)));
-  const std::string good = ReadText(path_);
-  ExpectCorrupt("");
-  ExpectCorrupt(good.substr(0, 100));
-  ExpectCorrupt(good.substr(0, good.size() - 1));
-  ExpectCorrupt(good + "xx");
-  const auto with = [&](const std::string& from, const std::string& to) {
-    std::string bytes = good;
-    return bytes.replace(bytes.find(from), from.size(), to);
-  };
-  ExpectCorrupt(with("<f2", "<f4"));
-  ExpectCorrupt(with("False", "True "));
-  ExpectCorrupt(with("(2, 3)", "(3, 2)x"));
-  ExpectCorrupt(with("(2, 3)", "(0, 3)"));
-  ExpectCorrupt(with("(2, 3)", "(2, -)"));
-  ExpectCorrupt(with("(2, 3), }    ", "(999999999, 3), }"));
-  // Infinite, not a number, negative.
-  for (const char* value : {"\x00\x7c", "\x01\x7c", "\x00\x80"}) {
-    std::string bytes = good;
-    ExpectCorrupt(bytes.replace(130, 2, std::string(value, 2)));
-  }
 }
 
 }  // namespace

@@ -103,37 +103,27 @@ TEST_F(PatchMatchConfigTest, CopiesOfAViewAreNoSources) {
   EXPECT_THAT(problems[3].sources, ElementsAre(3));
 }
 
-TEST_F(PatchMatchConfigTest, EmptyFileHasNoProblems) {
-  EXPECT_THAT(Read("# nothing\n"), IsEmpty());
-}
-
-TEST_F(PatchMatchConfigTest, NamesTheLineOfAnUnknownImage) {
-  ExpectRefused(ErrorCode::kMismatch,
-                "# comment\nabsent.jpg\n__all__\n",
-                "line 2 names absent.jpg");
-  ExpectRefused(ErrorCode::kMismatch,
-                "v0.jpg\n\nv1.jpg, absent.jpg\n",
-                "line 3 names absent.jpg");
-}
-
-TEST_F(PatchMatchConfigTest, RefusesBrokenPairs) {
+TEST_F(PatchMatchConfigTest, NamesTheLineThatIsWrong) {
+  constexpr ErrorCode kMismatch = ErrorCode::kMismatch;
   constexpr ErrorCode kCorrupt = ErrorCode::kCorrupt;
+  ExpectError(ErrorCode::kNotFound, {path_.string()}, [&] {
+    ReadPatchMatchConfig(path_, model_);
+  });
+  EXPECT_THAT(Read("# nothing\n"), IsEmpty());
+  ExpectRefused(
+      kMismatch, "# comment\nabsent.jpg\n__all__\n", "line 2 names absent.jpg");
+  ExpectRefused(
+      kMismatch, "v0.jpg\n\nv1.jpg, absent.jpg\n", "line 3 names absent.jpg");
   ExpectRefused(kCorrupt, "v0.jpg\n__all__\nv1.jpg\n# end\n", "line 3");
   ExpectRefused(kCorrupt, "v0.jpg\n__all__\nv0.jpg\n__all__\n", "line 3");
   ExpectRefused(kCorrupt, "v0.jpg\nv1.jpg, v0.jpg\n", "line 2");
   ExpectRefused(kCorrupt, "v0.jpg\nv1.jpg, v1.jpg\n", "line 2");
   ExpectRefused(kCorrupt, "v0.jpg\n,;\n", "line 2");
-  for (const char* number : {"", "0", "-3", "x", "3x", "3, 4", "99999999999"}) {
+  for (const char* number : {"", "0", "-3", "3x", "3, 4", "99999999999"}) {
     ExpectRefused(kCorrupt,
                   std::string("v0.jpg\n__auto__, ") + number + "\n",
                   "line 2 must have the form");
   }
-}
-
-TEST_F(PatchMatchConfigTest, NamesMissingFiles) {
-  ExpectError(ErrorCode::kNotFound, {path_.string()}, [&] {
-    ReadPatchMatchConfig(path_, model_);
-  });
 }
 
 TEST(SourceSelectorTest, OrdersByTheNumberOfSharedPoints) {
@@ -147,13 +137,14 @@ TEST(SourceSelectorTest, OrdersByTheNumberOfSharedPoints) {
   EXPECT_THAT(selector.SelectSources(0, 20), ElementsAre(2, 4, 1));
   EXPECT_THAT(selector.SelectSources(0, 2), ElementsAre(2, 4));
   EXPECT_THAT(selector.SelectSources(3, 20), ElementsAre(1));
-}
-
-TEST(SourceSelectorTest, EqualCountsGoByIndex) {
-  SparseModel model = MakeModel({0, 1, 2, 3});
-  AddPoint({0, 0, 5}, {3, 1, 0, 2}, &model);
+  // Equal counts go by index; repeated observations count.
+  model = MakeModel({0, 1, 2, 3});
+  AddPoint(point, {3, 1, 0, 2}, &model);
   EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(1, 20),
               ElementsAre(0, 2, 3));
+  AddPoint(point, {1, 3, 3}, &model);
+  EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(1, 20),
+              ElementsAre(3, 0, 2));
 }
 
 // A point on the reference's axis at depth z is seen from x under atan(x / z).
@@ -164,14 +155,6 @@ TEST(SourceSelectorTest, ComparesTheAngleWithTheMinimum) {
   EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(0, 20), ElementsAre(2));
   // The two see the point from nearly the same place.
   EXPECT_THAT(SourceSelector(model, 0.9).SelectSources(0, 20), ElementsAre(1));
-}
-
-TEST(SourceSelectorTest, SourcesMayBeCloserToEachOtherThanToTheReference) {
-  const double tan1 = std::tan(std::numbers::pi / 180.0);
-  SparseModel model = MakeModel({0, tan1, 1.1 * tan1, 1.25 * tan1});
-  AddPoint({0, 0, 1}, {0, 1, 2, 3}, &model);
-  EXPECT_THAT(SourceSelector(model, 0.99).SelectSources(0, 20),
-              ElementsAre(1, 3));
 }
 
 TEST(SourceSelectorTest, ChoosesOneOfSeveralImagesFromOnePlace) {
@@ -188,16 +171,6 @@ TEST(SourceSelectorTest, ChoosesOneOfSeveralImagesFromOnePlace) {
   model.images[0].point_indices.clear();
   EXPECT_THAT(SourceSelector(model, 1.0).SelectIndependent(0, {1, 3, 4}),
               ElementsAre(1, 3, 4));
-}
-
-TEST(SourceSelectorTest, PointsInTheDistanceMakeViewpointsAlike) {
-  SparseModel model = MakeModel({0, 1, 2});
-  AddPoint({0, 0, 1000}, {0, 1, 2}, &model);
-  EXPECT_THAT(SourceSelector(model, 1.0).SelectIndependent(0, {1, 2}),
-              IsEmpty());
-  AddPoint({0, 0, 5}, {0}, &model);
-  EXPECT_THAT(SourceSelector(model, 1.0).SelectIndependent(0, {1, 2}),
-              ElementsAre(1, 2));
 }
 
 // Of n angles the one of rank round(0.75 (n - 1)) counts. Near points have
@@ -226,14 +199,6 @@ TEST(SourceSelectorTest, ObtuseAnglesCountAsTheirSupplement) {
   SparseModel model = MakeModel({-1, 1});
   AddPoint({0, 0, 1e-4}, {0, 1}, &model);
   EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(0, 20), IsEmpty());
-}
-
-TEST(SourceSelectorTest, CountsRepeatedObservations) {
-  SparseModel model = MakeModel({0, 1, 2});
-  AddPoint({0, 0, 5}, {0, 2, 2}, &model);
-  AddPoint({0, 0, 5}, {0, 1}, &model);
-  EXPECT_THAT(SourceSelector(model, 1.0).SelectSources(0, 20),
-              ElementsAre(2, 1));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "tests/support/test_files.h"
 
@@ -115,49 +116,29 @@ TEST_F(PlyTest, SkipsElementsAroundTheVertices) {
             expected);
 }
 
-TEST_F(PlyTest, ReadsLinesThatEndAsOnWindows) {
+TEST_F(PlyTest, ReadsLinesThatEndAsOnWindowsAndACloudWithoutPoints) {
   const Points expected = {{1, 2, 3}};
   EXPECT_EQ(Read("ply\r\nformat ascii 1.0\r\nelement vertex 1\r\nproperty "
                  "float x\r\nproperty float y\r\nproperty float "
                  "z\r\nend_header\r\n1 2 3\r\n"),
             expected);
-}
-
-TEST_F(PlyTest, ReadsACloudWithoutPoints) {
   EXPECT_TRUE(Read(Header("binary_little_endian",
                           std::string("element vertex 0\n") + kXyz))
                   .empty());
 }
 
-TEST_F(PlyTest, MissingFileAndFolderAreNotFound) {
-  EXPECT_EQ(CodeOf([&] { ReadPlyPoints(folder_ / "none.ply"); }),
-            ErrorCode::kNotFound);
-  EXPECT_EQ(CodeOf([&] { ReadPlyPoints(folder_); }), ErrorCode::kNotFound);
-}
-
 TEST_F(PlyTest, CountsThatTheFileCannotHoldAreCorrupt) {
-  for (const char* count : {"3",
-                            "1000000000",
-                            "1000000000000000000",
-                            "18446744073709551615",
-                            "-1",
-                            "99999999999999999999",
-                            "many"}) {
-    const std::string elements =
-        std::string("element vertex ") + count + "\n" + kXyz;
-    EXPECT_EQ(Failure(Header("binary_little_endian", elements) +
-                      std::string(24, '\0')),
-              ErrorCode::kCorrupt)
-        << count;
-    EXPECT_EQ(Failure(Header("ascii", elements) + "1 2 3\n4 5 6\n"),
-              ErrorCode::kCorrupt)
-        << count;
-    const std::string before = std::string("element camera ") + count +
+  for (const std::string count :
+       {"3", "1000000000000000000", "18446744073709551615", "-1", "many"}) {
+    const std::string elements = "element vertex " + count + "\n" + kXyz;
+    const std::string before = "element camera " + count +
                                "\nproperty double a\nelement vertex 0\n" + kXyz;
-    EXPECT_EQ(
-        Failure(Header("binary_little_endian", before) + std::string(16, '\0')),
-        ErrorCode::kCorrupt)
-        << count;
+    for (const std::string& content :
+         {Header("binary_little_endian", elements) + std::string(24, '\0'),
+          Header("ascii", elements) + "1 2 3\n4 5 6\n",
+          Header("binary_little_endian", before) + std::string(16, '\0')}) {
+      EXPECT_EQ(Failure(content), ErrorCode::kCorrupt) << count;
+    }
   }
 }
 
@@ -171,41 +152,40 @@ TEST_F(PlyTest, EveryTruncationIsCorrupt) {
   }
 }
 
-TEST_F(PlyTest, HeadersThatMakeNoSenseAreCorrupt) {
+TEST_F(PlyTest, RefusesOtherContent) {
+  constexpr ErrorCode kCorrupt = ErrorCode::kCorrupt;
+  constexpr ErrorCode kUnsupported = ErrorCode::kUnsupported;
   const std::string vertex = std::string("element vertex 1\n") + kXyz;
-  for (const std::string& content :
-       {std::string("hello\n"),
-        "ply\n" + vertex + "end_header\n1 2 3\n",
-        Header("ascii", "property float x\n" + vertex) + "1 2 3\n",
-        Header("ascii", "element vertex 1\nproperty float x\n") + "1\n",
-        Header("ascii", "element vertex 1\n"),
-        Header("ascii", "element vertex 1\nproperty half x\n") + "1 2 3\n",
-        Header("ascii", "elephant 1\n" + vertex) + "1 2 3\n",
-        Header("ascii", "element face 0\nproperty int a\n"),
-        Header("ascii", vertex) + "1 two 3\n"}) {
-    EXPECT_EQ(Failure(content), ErrorCode::kCorrupt) << content;
+  const float bad = std::numeric_limits<float>::quiet_NaN();
+  for (const auto& [content, code] :
+       {std::pair(std::string("hello\n"), kCorrupt),
+        std::pair("ply\n" + vertex + "end_header\n1 2 3\n", kCorrupt),
+        std::pair(Header("ascii", "property float x\n" + vertex), kCorrupt),
+        std::pair(
+            Header("ascii", "element vertex 1\nproperty float x\n") + "1\n",
+            kCorrupt),
+        std::pair(Header("ascii", "element vertex 1\nproperty half x\n"),
+                  kCorrupt),
+        std::pair(Header("ascii", "elephant 1\n" + vertex) + "1 2 3\n",
+                  kCorrupt),
+        std::pair(Header("ascii", "element face 0\nproperty int a\n"),
+                  kCorrupt),
+        std::pair(Header("ascii", vertex) + "1 two 3\n", kCorrupt),
+        std::pair(Header("binary_little_endian", vertex) + Bytes(0.f) +
+                      Bytes(bad) + Bytes(0.f),
+                  kCorrupt),
+        std::pair(Header("binary_big_endian", vertex) + std::string(12, 0),
+                  kUnsupported),
+        std::pair(
+            Header("ascii",
+                   "element face 1\nproperty list uchar int i\n" + vertex) +
+                "1 0\n1 2 3\n",
+            kUnsupported)}) {
+    EXPECT_EQ(Failure(content), code) << content;
   }
-}
-
-TEST_F(PlyTest, PositionsThatAreNotFiniteAreCorrupt) {
-  const std::string header =
-      Header("binary_little_endian", std::string("element vertex 1\n") + kXyz);
-  for (const float bad : {std::numeric_limits<float>::quiet_NaN(),
-                          std::numeric_limits<float>::infinity()}) {
-    EXPECT_EQ(Failure(header + Bytes(0.f) + Bytes(bad) + Bytes(0.f)),
-              ErrorCode::kCorrupt);
-  }
-}
-
-TEST_F(PlyTest, BigEndianAndListsAreUnsupported) {
-  const std::string vertex = std::string("element vertex 1\n") + kXyz;
-  EXPECT_EQ(Failure(Header("binary_big_endian", vertex) + std::string(12, 0)),
-            ErrorCode::kUnsupported);
-  EXPECT_EQ(
-      Failure(Header("ascii",
-                     "element face 1\nproperty list uchar int i\n" + vertex) +
-              "1 0\n1 2 3\n"),
-      ErrorCode::kUnsupported);
+  EXPECT_EQ(CodeOf([&] { ReadPlyPoints(folder_ / "none.ply"); }),
+            ErrorCode::kNotFound);
+  EXPECT_EQ(CodeOf([&] { ReadPlyPoints(folder_); }), ErrorCode::kNotFound);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/io/sparse_model.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "tests/support/test_workspace.h"
 
@@ -76,21 +76,6 @@ TEST(SparseModelTest, ReadsText) {
   EXPECT_EQ(model.Find("absent"), nullptr);
 }
 
-TEST(SparseModelTest, ReadsTextWithWindowsLineEnds) {
-  TextModel text;
-  for (std::string* s : {&text.cameras, &text.images, &text.points}) {
-    std::string converted;
-    for (const char c : *s) {
-      converted += c == '\n' ? "\r\n" : std::string(1, c);
-    }
-    *s = converted;
-  }
-  const SparseModel model = text.Read();
-  ASSERT_EQ(model.images.size(), 2u);
-  EXPECT_EQ(model.images[0].name, "first.png");
-  EXPECT_EQ(model.points.size(), 2u);
-}
-
 // Both were written by COLMAP's model_converter from one model.
 TEST(SparseModelTest, ReadsTheSameFromBothOfColmapsFormats) {
   const SparseModel a = ReadSparseModel(kRoom / "binary");
@@ -118,93 +103,37 @@ TEST(SparseModelTest, ReadsTheSameFromBothOfColmapsFormats) {
   }
 }
 
-// Points lie in front of the cameras that see them and project into the image.
-TEST(SparseModelTest, PosesTakeTheWorldToTheCamera) {
-  const SparseModel model = ReadSparseModel(kRoom / "binary");
-  for (const SparseModel::ModelImage& image : model.images) {
-    const Camera& camera = image.camera;
-    for (const int index : image.point_indices) {
-      const Eigen::Vector3d point =
-          camera.rotation * model.points[index] + camera.translation;
-      ASSERT_GT(point.z(), 0.0);
-      const double x = camera.fx * point.x() / point.z() + camera.cx;
-      const double y = camera.fy * point.y() / point.z() + camera.cy;
-      EXPECT_TRUE(x > 0 && x < camera.width && y > 0 && y < camera.height);
-    }
-  }
-}
-
 TEST(SparseModelTest, PrefersBinaryWhereAllThreeAreThere) {
   const TemporaryFolder folder;
+  ExpectError(ErrorCode::kNotFound, {folder.Path().string()}, [&] {
+    ReadSparseModel(folder.Path());
+  });
   std::filesystem::copy(kRoom / "text", folder.Path());
   WriteText(folder.Path() / "cameras.bin", "broken");
   EXPECT_EQ(ReadSparseModel(folder.Path()).images.size(), 8u);
-  WriteText(folder.Path() / "images.bin", "broken");
-  WriteText(folder.Path() / "points3D.bin", "broken");
+  for (const char* name : {"images.bin", "points3D.bin"}) {
+    WriteText(folder.Path() / name, "broken");
+  }
   ExpectError(ErrorCode::kCorrupt,
               {(folder.Path() / "cameras.bin").string()},
               [&] { ReadSparseModel(folder.Path()); });
 }
 
-TEST(SparseModelTest, IgnoresRigsAndFrames) {
-  const TemporaryFolder folder;
-  std::filesystem::copy(kRoom / "binary", folder.Path());
-  WriteText(folder.Path() / "rigs.bin", "anything");
-  WriteText(folder.Path() / "frames.bin", "anything");
-  EXPECT_EQ(ReadSparseModel(folder.Path()).images.size(), 8u);
-}
-
-TEST(SparseModelTest, NamesMissingFoldersAndFiles) {
-  const TemporaryFolder folder;
-  const auto missing = folder.Path() / "missing";
-  ExpectError(ErrorCode::kNotFound, {missing.string()}, [&] {
-    ReadSparseModel(missing);
-  });
-  std::filesystem::copy(kRoom / "binary", folder.Path());
-  std::filesystem::remove(folder.Path() / "points3D.bin");
-  ExpectError(ErrorCode::kNotFound, {folder.Path().string()}, [&] {
-    ReadSparseModel(folder.Path());
-  });
-}
-
-TEST(SparseModelTest, RefusesBinaryFilesCutAnywhere) {
-  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
-    const TemporaryFolder folder;
-    std::filesystem::copy(kRoom / "binary", folder.Path());
-    const std::string bytes = ReadText(folder.Path() / name);
-    const size_t step = std::max<size_t>(1, bytes.size() / 50);
-    for (size_t length = 0; length < bytes.size(); length += step) {
-      WriteText(folder.Path() / name, bytes.substr(0, length));
-      ExpectError(
-          ErrorCode::kCorrupt, {name}, [&] { ReadSparseModel(folder.Path()); });
-    }
-  }
-}
-
-TEST(SparseModelTest, RefusesCountsLargerThanTheFile) {
-  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
-    for (const uint64_t count : {uint64_t{1} << 20, ~uint64_t{0}}) {
-      const TemporaryFolder folder;
-      std::filesystem::copy(kRoom / "binary", folder.Path());
-      std::string bytes = ReadText(folder.Path() / name);
-      std::string hostile;
-      Append(count, &hostile);
-      WriteText(folder.Path() / name, hostile + bytes.substr(8));
-      ExpectError(
-          ErrorCode::kCorrupt, {name}, [&] { ReadSparseModel(folder.Path()); });
-    }
-  }
-}
-
-// Every single byte of the small files replaced: an error or a model, never
-// anything else.
+// Cut anywhere, a count larger than the file, any byte replaced: an error or a
+// model, never anything else.
 TEST(SparseModelTest, SurvivesDamagedBinaryFiles) {
-  for (const char* name : {"cameras.bin", "images.bin", "points3D.bin"}) {
+  for (const std::string name : {"cameras.bin", "images.bin", "points3D.bin"}) {
     const TemporaryFolder folder;
     std::filesystem::copy(kRoom / "binary", folder.Path());
     const std::string bytes = ReadText(folder.Path() / name);
-    const size_t step = std::max<size_t>(1, bytes.size() / 400);
+    const auto expect_corrupt = [&](const std::string& damaged) {
+      WriteText(folder.Path() / name, damaged);
+      ExpectError(
+          ErrorCode::kCorrupt, {name}, [&] { ReadSparseModel(folder.Path()); });
+    };
+    const size_t step = std::max<size_t>(1, bytes.size() / 100);
     for (size_t i = 0; i < bytes.size(); i += step) {
+      expect_corrupt(bytes.substr(0, i));
       std::string damaged = bytes;
       damaged[i] = static_cast<char>(~damaged[i]);
       WriteText(folder.Path() / name, damaged);
@@ -215,6 +144,11 @@ TEST(SparseModelTest, SurvivesDamagedBinaryFiles) {
       } catch (const Error& error) {
         EXPECT_THAT(error.what(), testing::HasSubstr(".bin"));
       }
+    }
+    for (const uint64_t count : {uint64_t{1} << 20, ~uint64_t{0}}) {
+      std::string hostile;
+      Append(count, &hostile);
+      expect_corrupt(hostile + bytes.substr(8));
     }
   }
 }
@@ -241,22 +175,17 @@ TEST(SparseModelTest, RefusesBadText) {
       {kCameras, " 24\n", "\n", kCorrupt, "line 3 ends too early"},
       {kCameras, "7 SIMPLE", "1 SIMPLE", kCorrupt, "more than once"},
       {kCameras, "100 101", "0 101", kCorrupt, "focal"},
-      {kCameras, "100 101", "100 -101", kCorrupt, "focal"},
       {kCameras, "100 101", "nan 101", kCorrupt, "focal"},
-      {kCameras, "100 101", "inf 101", kCorrupt, "focal"},
       {kCameras, "100 101", "1e-9 101", kCorrupt, "focal"},
-      {kCameras, "100 101", "100 1e-9", kCorrupt, "focal"},
       {kCameras, "100 101", "1x0 101", kCorrupt, "line 2 has \"1x0\""},
       {kCameras, "40 30", "nan 30", kCorrupt, "principal"},
       {kCameras, "80 60", "0 60", kCorrupt, "size"},
-      {kCameras, "80 60", "80 99999999999", kCorrupt, "size"},
       {kCameras, "80 60", "-80 60", kCorrupt, "\"-80\""},
       {kImages, "3 1 sub", "3 9 sub", kCorrupt, "camera 9"},
       {kImages, "first.png", "sub/with space.png", kCorrupt, "more than once"},
       {kImages, "first.png", "", kCorrupt, "name"},
       {kImages, "\n2 0", "\n5 0", kCorrupt, "image 5"},
       {kImages, "0 0 0 -0.5", "0 0 0 0", kCorrupt, "pose"},
-      {kImages, "0 0 0 -0.5", "0 nan 0 1", kCorrupt, "pose"},
       {kImages, "1 2 3 1", "1 inf 3 1", kCorrupt, "pose"},
       {kImages, "5 2 0 0", "5 2 0\n", kCorrupt, "line 2 ends too early"},
       {kPoints, "5 0 2 3", "5 0 8 3", kCorrupt, "image 8"},

@@ -70,10 +70,11 @@ for name, content in PHOTOS.items():
         if name == "tiff" and share == 1:
             continue  # The last byte says that there is no second picture.
         # All commands read photos alike: rarer formats are given to one in turn.
+        has_marker = name in ("png", "deep", "jpeg")
         commands = COMMANDS if name in ("png", "jpeg") else [next(turns)]
-        fails(f"{name} cut to 1/{share}", cut, ["the image is damaged"], commands=commands)
+        fails(f"{name} cut to 1/{share}", cut, ["the image is damaged"], not has_marker, commands)
         num_cases += 1
-for name in ("png", "deep", "jpeg", "tiff"):
+for name in ("png", "deep"):
     fails(f"{name} with zeros", zeroed(PHOTOS[name]), ["the image is damaged"], True)
     num_cases += 1
 fails("a JPEG with zeros up to its end", PHOTOS["jpeg"][:400] + bytes(len(PHOTOS["jpeg"]) - 400),

@@ -3,7 +3,7 @@
 
 // Whole runs on a room with a bare column.
 
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/view/compose.h"

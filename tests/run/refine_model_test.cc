@@ -4,7 +4,7 @@
 // The planes of the scene, from the pass that finds them to what is left of
 // them.
 
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/scene_model_store.h"
 #include "colmap_tsar/run/store/restore.h"

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/workspace_lock.h"

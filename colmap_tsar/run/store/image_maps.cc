@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/device/thread_pool.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 

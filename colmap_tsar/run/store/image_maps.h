@@ -22,7 +22,7 @@ struct ImageMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
   Image<uint8_t> confidence;  // See ToConfidenceLevel().
-  Image<float> sigma;         // See companion_maps.h.
+  Image<float> sigma;         // See map_files.h.
   Image<uint8_t> provenance;  // See refined_maps.h.
   Image<uint16_t> planes;     // See refined_maps.h.
 };

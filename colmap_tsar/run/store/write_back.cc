@@ -9,7 +9,7 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/base/warning.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/links.h"
 #include "colmap_tsar/run/store/originals.h"

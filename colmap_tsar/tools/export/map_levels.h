@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/io/png.h"
 
 #include <cstdint>
 #include <string>
@@ -14,6 +13,12 @@
 namespace tsar {
 
 // Maps as integer levels, for pictures: value = scale * level + offset.
+
+struct Rgb16 {
+  uint16_t r = 0;
+  uint16_t g = 0;
+  uint16_t b = 0;
+};
 
 constexpr int kMaxLevel = 65535;
 

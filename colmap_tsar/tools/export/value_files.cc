@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/picture_file.h"
-#include "colmap_tsar/io/array_files.h"
+#include "colmap_tsar/io/map_files.h"
 
 #include <cstdlib>
 #include <cstring>

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/io/png.h"
+#include "colmap_tsar/tools/export/map_levels.h"
 
 #include <cstdint>
 

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/io/dense_maps.h"
-#include "colmap_tsar/io/depth_image.h"
 #include "colmap_tsar/io/float_map.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_shape.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/depth_image.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/tools/import/match_formats.h"
 
 #include <algorithm>

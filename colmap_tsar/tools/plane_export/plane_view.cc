@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/view/refined_maps.h"

@@ -130,16 +130,6 @@ std::vector<std::vector<size_t>> FindImagesOfPasses(
   return images;
 }
 
-// The relative durations of the passes, measured on two cores: 2.5 : 1 : 0.1
-// for the photometric one, a geometric one and that under the prior.
-std::vector<double> PassCosts(const StereoPasses& passes) {
-  std::vector<double> costs;
-  for (int pass = 0; pass < passes.NumPasses(); ++pass) {
-    costs.push_back(pass == 0 ? 2.5 : passes.IsUnderPrior(pass) ? 0.1 : 1.0);
-  }
-  return costs;
-}
-
 const std::string& NameOf(const Workspace& workspace, size_t index) {
   const StereoProblem& problem = workspace.Problems()[index];
   return workspace.Model().images[problem.reference].name;
@@ -180,12 +170,10 @@ void RunPasses(const Workspace& workspace,
                Progress& progress,
                const std::function<bool()>& should_stop,
                StereoSummary* summary) {
-  progress.PlanPasses(PassCosts(passes));
   for (int pass = 0; pass < passes.NumPasses(); ++pass) {
     const std::string name =
         std::to_string(pass + 1) + " of " + std::to_string(passes.NumPasses());
     StereoTask task(workspace, options, passes, pass, devices.workers);
-    progress.BeginPass();
     PipelineOutcome outcome = ImagePipeline<StereoMaps>(task,
                                                         images[pass],
                                                         "Pass " + name + ":",

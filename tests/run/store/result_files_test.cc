@@ -4,7 +4,7 @@
 #include "colmap_tsar/run/store/result_files.h"
 
 #include "colmap_tsar/base/arithmetic.h"
-#include "colmap_tsar/io/companion_maps.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/restore.h"

@@ -4,8 +4,8 @@
 // Reads back what is exported as those read it who know the manifest alone.
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/io/depth_image.h"
 #include "colmap_tsar/io/float_map.h"
+#include "colmap_tsar/io/map_files.h"
 
 #include <cstdlib>
 
