@@ -91,10 +91,10 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
   const std::string group = kGroup;
   options->AddChoice(group + "preset",
                      &command->preset,
-                     {"default", "paper", "paper_strict"},
-                     "The method of this project; the published one as this "
-                     "project reads it; or its equations as printed, for "
-                     "scenes in meters. Options that are given come on top.");
+                     {"default", "paper"},
+                     "The method of this project, or the published one as "
+                     "this project reads it. Options that are given come on "
+                     "top.");
   AddDeviceArguments(
       group,
       &command->devices,
@@ -141,9 +141,7 @@ OptionTarget TargetOf(const RefineField& field) {
 
 void AddRefineOptions(RefineCommand* command, OptionSet* options) {
   RefineOptions paper = PresetOptions(RefinePreset::kPaper);
-  RefineOptions strict = PresetOptions(RefinePreset::kPaperStrict);
   const std::vector<RefineField> of_paper = ListRefineFields(&paper);
-  const std::vector<RefineField> of_strict = ListRefineFields(&strict);
   const std::vector<RefineField> fields = ListRefineFields(&command->refine);
   std::vector<Option> settings;
   for (size_t i = 0; i < fields.size(); ++i) {
@@ -159,9 +157,6 @@ void AddRefineOptions(RefineCommand* command, OptionSet* options) {
         field.name, field.description, TargetOf(field), RangeOf(field)};
     if (of_paper[i].Text() != field.Text()) {
       setting.presets["paper"] = of_paper[i].Text();
-    }
-    if (of_strict[i].Text() != field.Text()) {
-      setting.presets["paper_strict"] = of_strict[i].Text();
     }
     settings.push_back(std::move(setting));
   }
@@ -214,9 +209,8 @@ void RefineCommand::AddTo(OptionSet* options) {
 }
 
 void RefineCommand::UsePreset() {
-  refine = PresetOptions(preset == "paper"          ? RefinePreset::kPaper
-                         : preset == "paper_strict" ? RefinePreset::kPaperStrict
-                                                    : RefinePreset::kDefault);
+  refine = PresetOptions(preset == "paper" ? RefinePreset::kPaper
+                                           : RefinePreset::kDefault);
 }
 
 RunSummary RefineCommand::Run(Progress& progress,

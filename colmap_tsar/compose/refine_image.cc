@@ -111,28 +111,20 @@ RefineResult RefineImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  Surfaces surfaces = FindSurfaces(
+  const Surfaces surfaces = FindSurfaces(
       reference, image_id, options, &views, device, &timer, observer);
   const PlaneRaster region_planes = views.OnMap(surfaces.region_planes);
-  ComposedMap composed;
-  if (options.fill_before_regions) {
-    composed = std::move(surfaces.filled);
-    ApplyRegionPlanes(region_planes, views.Scale(), {}, &composed, device);
-  } else {
-    composed =
-        ComposeSurfaces(region_planes, options, &surfaces, &views, device);
-  }
+  ComposedMap composed =
+      ComposeSurfaces(region_planes, options, surfaces, &views, device);
   ShowStage(observer, RefineStage::kDepthComposed, composed.map.depth, device);
-  if (!options.fill_before_regions) {
-    FillHoles(views.Color(),
-              views.MapIntrinsics(),
-              options,
-              options.num_iterations,
-              &composed,
-              device);
-  }
+  FillHoles(views.Color(),
+            views.MapIntrinsics(),
+            options,
+            options.num_iterations,
+            &composed,
+            device);
   DeviceImage<float> confidence = ComputeComposedConfidence(
-      composed, std::as_const(surfaces.score).View(), device);
+      composed, surfaces.score.View(), device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
@@ -162,7 +154,7 @@ RefineResult MeasureImage(
   timer.Finish("upload");
   const Surfaces surfaces = FindSurfaces(reference,
                                          image_id,
-                                         MeasuringOptions(options),
+                                         options,
                                          &views,
                                          device,
                                          &timer,

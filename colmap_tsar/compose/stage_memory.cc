@@ -51,9 +51,7 @@ int64_t SingleViewBytes(const RefineOptions& options,
 
 int64_t RefineImageWorkingBytes(const RefineOptions& options,
                                 int64_t num_pixels) {
-  const bool has_more_maps =
-      options.fill_before_regions || options.spread_medians;
-  return SingleViewBytes(options, has_more_maps ? 73 : 44, num_pixels);
+  return SingleViewBytes(options, 44, num_pixels);
 }
 
 int64_t MeasureImageWorkingBytes(const RefineOptions& options,

@@ -32,13 +32,6 @@ struct FoundRegions {
   Regions segments;
 };
 
-// The depths to which the planes of regions are fitted, and the mask of usable
-// pixels.
-struct RegionEvidence {
-  ImageView<const float> depth;
-  ImageView<const uint8_t> reliable;
-};
-
 // FindSurfaces() with its arguments.
 class SurfaceFinder {
  public:
@@ -72,19 +65,8 @@ class SurfaceFinder {
     timer_.Finish("filtering");  // Waits for the device: the sources can go.
     views_.ReleaseSources();
     RefineReliability(std::move(reliable));
-    if (options_.fill_before_regions) {
-      surfaces_.filled =
-          ComposeSurfaces({}, options_, &surfaces_, &views_, device_);
-      FillHoles(views_.Color(),
-                views_.MapIntrinsics(),
-                options_,
-                options_.num_iterations,
-                &surfaces_.filled,
-                device_);
-      timer_.Finish("composition");
-    }
     if (options_.segment) {
-      surfaces_.region_planes = FindRegionPlanes(EvidenceOfRegions());
+      surfaces_.region_planes = FindRegionPlanes();
     }
     return std::move(surfaces_);
   }
@@ -107,8 +89,7 @@ class SurfaceFinder {
       costs.min_cost = DeviceImage<float>(device_, reference_.min_cost);
       costs.second_cost = DeviceImage<float>(device_, reference_.second_cost);
     }
-    DeviceImage<float> confidence =
-        ComputeConfidence(costs, MakeConfidenceOptions(options_), device_);
+    DeviceImage<float> confidence = ComputeConfidence(costs, device_);
     Show(RefineStage::kCost, costs.min_cost);
     Show(RefineStage::kMatchConfidence, confidence);
     return confidence;
@@ -187,7 +168,6 @@ class SurfaceFinder {
                             device_);
     surfaces_.superpixel_planes = std::move(correlation.planes);
     surfaces_.trusted = std::move(correlation.trusted);
-    surfaces_.spread = std::move(correlation.spread);
     ShowDepthWhere(RefineStage::kDepthTrusted, surfaces_.trusted);
     if (observer_ != nullptr && surfaces_.superpixel_planes.Size() > 0) {
       Show(RefineStage::kSuperpixelPlanes,
@@ -201,9 +181,7 @@ class SurfaceFinder {
   FoundRegions SegmentTexturelessRegions() const {
     const float threshold = static_cast<float>(options_.edge_threshold);
     const DeviceImage<uint8_t> edges =
-        options_.edges_of_roots
-            ? DetectEdgesOfRoots(views_.RasterColor(), threshold, device_)
-            : DetectRobertsEdges(views_.RasterColor(), threshold, device_);
+        DetectRobertsEdges(views_.RasterColor(), threshold, device_);
     const DeviceImage<uint8_t> borders =
         DrawLineSegments(edges.View(),
                          MakeHoughOptions(options_, views_.RasterScale()),
@@ -226,31 +204,13 @@ class SurfaceFinder {
     return found;
   }
 
-  RegionEvidence EvidenceOfRegions() const {
-    if (!surfaces_.filled.map.depth.Empty()) {
-      return {surfaces_.filled.map.depth.View(),
-              surfaces_.filled.provenance.View()};
-    }
-    return {surfaces_.spread.depth.Empty() ? views_.Hypotheses().depth
-                                           : surfaces_.spread.depth.View(),
-            surfaces_.trusted.View()};
-  }
-
   // Fits the planes of regions to the samples and assigns them to pixels.
   DeviceImage<Plane> FitAndAssignPlanes(
       const Regions& regions,
       ImageView<const RayDepth> samples,
       const RegionPlaneOptions& plane_options) const {
-    RegionPlanes fits = FitRegionPlanes(
+    const RegionPlanes fits = FitRegionPlanes(
         regions, samples, views_.Scale(), plane_options, device_);
-    if (options_.max_boundary_gap > 0.0) {
-      RejectByBoundary(regions,
-                       samples,
-                       views_.RasterIntrinsics(),
-                       static_cast<float>(options_.max_boundary_gap),
-                       device_,
-                       &fits);
-    }
     return AssignRegionPlanes(regions,
                               fits,
                               samples,
@@ -260,15 +220,15 @@ class SurfaceFinder {
                               device_);
   }
 
-  DeviceImage<Plane> FindRegionPlanes(const RegionEvidence& evidence) {
+  DeviceImage<Plane> FindRegionPlanes() {
     const FoundRegions found = SegmentTexturelessRegions();
     timer_.Finish("segmentation");
     const RegionPlaneOptions plane_options =
         MakeRegionPlaneOptions(options_, views_.RasterScale(), image_id_);
     const DeviceImage<RayDepth> samples =
-        SampleMeasurements(evidence.depth,
+        SampleMeasurements(views_.Hypotheses().depth,
                            surfaces_.score.View(),
-                           evidence.reliable,
+                           surfaces_.trusted.View(),
                            views_.MapIntrinsics(),
                            views_.Raster(),
                            device_);
@@ -315,27 +275,23 @@ Surfaces FindSurfaces(const ViewData& reference,
 
 ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
                             const RefineOptions& options,
-                            Surfaces* surfaces,
+                            const Surfaces& surfaces,
                             DeviceViews* views,
                             Device& device) {
-  const bool is_spread = !surfaces->spread.depth.Empty();
   DeviceImage<Plane> superpixel_planes;
-  if (options.superpixel_planes && surfaces->superpixels.count > 0 &&
-      !is_spread) {
-    superpixel_planes =
-        PlanesOfLabels(std::as_const(surfaces->superpixels.labels).View(),
-                       surfaces->superpixel_planes,
-                       device);
+  if (options.superpixel_planes && surfaces.superpixels.count > 0) {
+    superpixel_planes = PlanesOfLabels(surfaces.superpixels.labels.View(),
+                                       surfaces.superpixel_planes,
+                                       device);
   }
-  return ComposeMap(
-      is_spread ? std::move(surfaces->spread) : views->TakeHypotheses(),
-      {std::as_const(surfaces->trusted).View(),
-       views->OnMap(superpixel_planes),
-       region_planes,
-       std::as_const(surfaces->confirmations).View()},
-      views->Scale(),
-      {},
-      device);
+  return ComposeMap(views->TakeHypotheses(),
+                    {surfaces.trusted.View(),
+                     views->OnMap(superpixel_planes),
+                     region_planes,
+                     surfaces.confirmations.View()},
+                    views->Scale(),
+                    {},
+                    device);
 }
 
 }  // namespace tsar

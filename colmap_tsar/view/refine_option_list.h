@@ -24,11 +24,9 @@ struct RefineField {
   // Whether it is an option of the command for users; all others are set by its
   // option "experiment".
   bool is_option = false;
-  // The values of the presets where they differ from the default: `paper` is
-  // the published method as this project interprets it; `paper_strict` its
-  // equations as printed, which defaults to `paper`.
+  // The value of the preset `paper`, the published method as this project
+  // interprets it, where that differs from the default.
   std::optional<double> paper = std::nullopt;
-  std::optional<double> paper_strict = std::nullopt;
 
   // The member's present value, as text that keeps every bit.
   std::string Text() const;
@@ -40,10 +38,9 @@ struct RefineField {
 std::vector<RefineField> ListRefineFields(RefineOptions* options);
 
 // The presets, which are the columns of that list.
-enum class RefinePreset { kDefault, kPaper, kPaperStrict };
+enum class RefinePreset { kDefault, kPaper };
 
-// All members with the values of a preset. Lengths of kPaperStrict are meters,
-// as on ETH3D; docs/method.md lists where it follows the print.
+// All members with the values of a preset.
 RefineOptions PresetOptions(RefinePreset preset);
 
 // Name and value of every member.

@@ -17,14 +17,6 @@ DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
                                         float threshold,
                                         Device& device);
 
-// Edge pixels by Eq. 10 as printed, which takes the root of each gray level
-// before the differences: their summed squares exceed threshold. With a
-// threshold of 4, a step of 34 levels is needed at gray 128, and white walls
-// have few edges.
-DeviceImage<uint8_t> DetectEdgesOfRoots(ImageView<const Rgb> color,
-                                        float threshold,
-                                        Device& device);
-
 struct HoughOptions {
   // epsilon: the least number of edge pixels that vote for a line.
   int min_votes = 5;
