@@ -66,15 +66,6 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
               options);
   AddPriorOptions(
       "", &command->workspace.prior_path, &command->prior_type, options);
-  options->Add("region_path",
-               &command->workspace.region_path,
-               "The folder with label images of the undistorted images, "
-               "a.jpg.png or a.png for a.jpg, of any program for segmentation: "
-               "PNG files of one channel with 8 or 16 bits, a number for each "
-               "segment, which is one face or one object, and 0 for none. "
-               "The planes of a segment replace those of the regions between "
-               "image edges where most depths measured in it contradict these "
-               "and confirm its own. Images may be without one.");
   options->Add("output_path",
                &command->workspace.output_path,
                "Write a second workspace here, with links to the images, and "
@@ -185,7 +176,6 @@ int RestoreWorkspace(const RefineCommand& command) {
          "puts the maps of all images back");
   refuse(given.mask_path, "--mask_path", "puts whole maps back");
   refuse(given.prior_path, "--prior_path", "puts maps back as they were");
-  refuse(given.region_path, "--region_path", "looks at no regions");
   const WorkspaceLock lock(given.workspace_path);
   const RestoreResult result = Restore(
       given.workspace_path, ParseRestoreConflicts(command.restore_conflicts));

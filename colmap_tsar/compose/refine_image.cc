@@ -123,8 +123,8 @@ RefineResult RefineImage(
             options.num_iterations,
             &composed,
             device);
-  DeviceImage<float> confidence = ComputeComposedConfidence(
-      composed, surfaces.score.View(), device);
+  DeviceImage<float> confidence =
+      ComputeComposedConfidence(composed, surfaces.score.View(), device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
@@ -152,13 +152,8 @@ RefineResult MeasureImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  const Surfaces surfaces = FindSurfaces(reference,
-                                         image_id,
-                                         options,
-                                         &views,
-                                         device,
-                                         &timer,
-                                         observer);
+  const Surfaces surfaces = FindSurfaces(
+      reference, image_id, options, &views, device, &timer, observer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),

@@ -59,13 +59,6 @@ int64_t MeasureImageWorkingBytes(const RefineOptions& options,
   return SingleViewBytes(options, 44, num_pixels);
 }
 
-int64_t SegmentsWorkingBytes(int64_t num_pixels) {
-  // The regions between edges and the planes of their pixels, while planes of
-  // segments are found.
-  return static_cast<int64_t>(sizeof(int) + sizeof(Plane)) *
-         MaxRasterPixels(num_pixels);
-}
-
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels,
                                  int64_t num_judged_pixels) {

@@ -20,8 +20,6 @@ int64_t RefineImageWorkingBytes(const RefineOptions& options,
                                 int64_t num_pixels);
 int64_t MeasureImageWorkingBytes(const RefineOptions& options,
                                  int64_t num_pixels);
-// The additional memory of both where the image has a label image.
-int64_t SegmentsWorkingBytes(int64_t num_pixels);
 // num_judged_pixels: of the map from which the evidence was made; num_pixels
 // where it was not reduced.
 int64_t ComposeImageWorkingBytes(const RefineOptions& options,

@@ -30,7 +30,7 @@ struct FuseWorkspaceOptions {
   std::filesystem::path image_list_path;
   // Fuses the maps as they were before refinement.
   bool originals = false;
-  // See io/masks_and_labels.h; empty: none.
+  // See io/image_masks.h; empty: none.
   std::filesystem::path mask_path;
   // A box in the world frame; points outside of it are left out.
   std::optional<Eigen::AlignedBox3d> bounding_box;

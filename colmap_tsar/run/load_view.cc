@@ -333,7 +333,6 @@ ViewData LoadView(const Workspace& workspace, int image) {
   view.color = workspace.ReadImage(image, width, height);
   view.camera = workspace.CameraOf(image).Resized(width, height);
   view.prior = LoadPrior(workspace, image, reader.Mask());
-  view.segments = workspace.ReadLabels(image);
   return view;
 }
 
@@ -361,7 +360,6 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));
   reduced.num_not_finite = reader.NumNotFinite();
   reduced.prior = LoadPrior(workspace, image, reader.Mask());
-  reduced.segments = workspace.ReadLabels(image);
   return reduced;
 }
 

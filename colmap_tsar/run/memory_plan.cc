@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/compose/stage_memory.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/io/masks_and_labels.h"
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/scene/model_scene.h"
 #include "colmap_tsar/view/reduce_view.h"
@@ -52,13 +51,6 @@ int64_t NumJudgedPixels(const WorkspaceOverview& overview) {
              : overview.max_num_pixels;
 }
 
-// The size of the part of a label image that is kept.
-int64_t SegmentsBytes(const WorkspaceOverview& overview) {
-  return BytesOf<uint16_t>(
-      std::min(overview.max_num_label_pixels,
-               int64_t{kMaxLabelImageSide} * kMaxLabelImageSide));
-}
-
 }  // namespace
 
 MemoryPlan PlanRefinement(const RefineOptions& options,
@@ -78,17 +70,15 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   plan.result =
       RefinedMapsBytes(num_pixels) +
       std::max(kEncodingBytesPerPixel * num_pixels, ReadMaskBytes(overview));
-  const int64_t segments_work =
-      overview.max_num_label_pixels > 0 ? SegmentsWorkingBytes(num_pixels) : 0;
   if (!NeedsEvidence(options)) {
-    plan.work = RefineImageWorkingBytes(options, num_pixels) + segments_work;
+    plan.work = RefineImageWorkingBytes(options, num_pixels);
     return plan;
   }
   const int64_t num_judged_pixels = NumJudgedPixels(overview);
   plan.uploaded_view = UploadedViewBytes(num_judged_pixels);
   plan.label_work = LabelViewWorkingBytes(options, num_pixels, num_sources + 1);
   plan.work = std::max(
-      {MeasureImageWorkingBytes(options, num_judged_pixels) + segments_work,
+      {MeasureImageWorkingBytes(options, num_judged_pixels),
        plan.label_work,
        ComposeImageWorkingBytes(options, num_pixels, num_judged_pixels)});
   plan.result =
@@ -117,17 +107,16 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
 
 int64_t ViewBytes(const WorkspaceOverview& overview) {
   return ViewDataBytes(overview.max_num_pixels, overview.has_costs) +
-         overview.prior_memory.prior + SegmentsBytes(overview);
+         overview.prior_memory.prior;
 }
 
 int64_t LoadBytes(const WorkspaceOverview& overview) {
   // The photo as decoded and as scaled; maps are read in small pieces. The mask
   // has been read before, and only its pixels of the map are left. The depth
-  // prior and the label image are read after the photo.
-  return std::max({BytesOf<Rgb>(overview.max_num_image_pixels) +
-                       BytesOf<Rgb>(overview.max_num_pixels),
-                   overview.prior_memory.to_read,
-                   BytesOf<uint16_t>(overview.max_num_label_pixels)}) +
+  // prior is read after the photo.
+  return std::max(BytesOf<Rgb>(overview.max_num_image_pixels) +
+                      BytesOf<Rgb>(overview.max_num_pixels),
+                  overview.prior_memory.to_read) +
          (overview.has_masks ? BytesOf<uint8_t>(overview.max_num_pixels) : 0);
 }
 
@@ -145,7 +134,7 @@ bool HasReducedViews(const WorkspaceOverview& overview) {
 
 int64_t ReducedViewBytes(const WorkspaceOverview& overview) {
   return ViewDataBytes(NumJudgedPixels(overview), overview.has_costs) +
-         overview.prior_memory.prior + SegmentsBytes(overview);
+         overview.prior_memory.prior;
 }
 
 int64_t BytesForViews(const MemoryPlan& plan) {

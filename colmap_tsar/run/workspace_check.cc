@@ -169,8 +169,6 @@ bool CheckImage(const Workspace& workspace,
   workspace.CheckMask(image, {size->width, size->height});
   overview->has_masks = overview->has_masks || workspace.HasMask(image);
   overview->AddPrior(workspace.CheckPrior(image));
-  overview->max_num_label_pixels =
-      std::max(overview->max_num_label_pixels, workspace.CheckLabels(image));
   CheckCosts(workspace, image, type, *size, overview);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
@@ -324,7 +322,6 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   workspace.UseMasks(options.mask_path);
   workspace.UsePriors(options.prior_path, options.prior_type);
   workspace.Priors().WarnOfStrayFiles();
-  workspace.UseLabelImages(options.region_path);
   return workspace;
 }
 

@@ -26,7 +26,6 @@ struct WorkspaceOverview {
   int num_with_alpha = 0;    // Images with an alpha channel.
   bool has_masks = false;    // Whether some image has a mask.
   PriorMemory prior_memory;  // The maximum over the images' depth priors.
-  int64_t max_num_label_pixels = 0;  // Of the largest label image; 0: none.
 
   // Includes an image's depth prior in the maximum.
   void AddPrior(const PriorMemory& memory) {
@@ -41,8 +40,8 @@ struct WorkspaceOverview {
 // (no image in patch-match.cfg has maps; an image file is missing; one of depth
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is
-// not of its image's shape), and what Workspace::CheckMask, CheckPrior and
-// CheckLabels throw. Depth priors are read.
+// not of its image's shape), and what Workspace::CheckMask and CheckPrior
+// throw. Depth priors are read.
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
 // Finds the originals of all images with stored ones, so that the errors of

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/view/find_surfaces.h"
 
-#include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/compose.h"
@@ -25,12 +24,6 @@ namespace {
 
 // A threshold below every score.
 constexpr float kAnyScore = -1.f;
-
-struct FoundRegions {
-  Regions between_edges;
-  // The segments of the label image; no labels without a label image.
-  Regions segments;
-};
 
 // FindSurfaces() with its arguments.
 class SurfaceFinder {
@@ -178,7 +171,7 @@ class SurfaceFinder {
     timer_.Finish("refinement");
   }
 
-  FoundRegions SegmentTexturelessRegions() const {
+  Regions SegmentTexturelessRegions() const {
     const float threshold = static_cast<float>(options_.edge_threshold);
     const DeviceImage<uint8_t> edges =
         DetectRobertsEdges(views_.RasterColor(), threshold, device_);
@@ -186,42 +179,16 @@ class SurfaceFinder {
         DrawLineSegments(edges.View(),
                          MakeHoughOptions(options_, views_.RasterScale()),
                          device_);
-    const int min_size = MinRegionSize(options_, views_.RasterScale());
-    FoundRegions found;
-    found.between_edges = FindRegions(borders.View(), min_size, device_);
-    if (!reference_.segments.Empty()) {
-      const DeviceImage<uint16_t> on_raster(
-          device_,
-          ResizeNearest<uint16_t>(reference_.segments,
-                                  views_.Raster().width,
-                                  views_.Raster().height));
-      found.segments =
-          FindSegments(on_raster.View(), borders.View(), min_size, device_);
-    }
+    Regions regions = FindRegions(
+        borders.View(), MinRegionSize(options_, views_.RasterScale()), device_);
     Show(RefineStage::kEdges, edges);
     Show(RefineStage::kLines, borders);
-    Show(RefineStage::kRegions, found.between_edges.labels);
-    return found;
-  }
-
-  // Fits the planes of regions to the samples and assigns them to pixels.
-  DeviceImage<Plane> FitAndAssignPlanes(
-      const Regions& regions,
-      ImageView<const RayDepth> samples,
-      const RegionPlaneOptions& plane_options) const {
-    const RegionPlanes fits = FitRegionPlanes(
-        regions, samples, views_.Scale(), plane_options, device_);
-    return AssignRegionPlanes(regions,
-                              fits,
-                              samples,
-                              views_.RasterIntrinsics(),
-                              views_.Scale(),
-                              plane_options,
-                              device_);
+    Show(RefineStage::kRegions, regions.labels);
+    return regions;
   }
 
   DeviceImage<Plane> FindRegionPlanes() {
-    const FoundRegions found = SegmentTexturelessRegions();
+    const Regions regions = SegmentTexturelessRegions();
     timer_.Finish("segmentation");
     const RegionPlaneOptions plane_options =
         MakeRegionPlaneOptions(options_, views_.RasterScale(), image_id_);
@@ -232,18 +199,15 @@ class SurfaceFinder {
                            views_.MapIntrinsics(),
                            views_.Raster(),
                            device_);
-    DeviceImage<Plane> planes =
-        FitAndAssignPlanes(found.between_edges, samples.View(), plane_options);
-    if (found.segments.count > 0) {
-      const DeviceImage<Plane> segment_planes =
-          FitAndAssignPlanes(found.segments, samples.View(), plane_options);
-      TakePlanesOfSegments(found.segments,
-                           samples.View(),
-                           segment_planes.View(),
-                           plane_options.max_boundary_error,
-                           planes.View(),
-                           device_);
-    }
+    const RegionPlanes fits = FitRegionPlanes(
+        regions, samples.View(), views_.Scale(), plane_options, device_);
+    DeviceImage<Plane> planes = AssignRegionPlanes(regions,
+                                                   fits,
+                                                   samples.View(),
+                                                   views_.RasterIntrinsics(),
+                                                   views_.Scale(),
+                                                   plane_options,
+                                                   device_);
     Show(RefineStage::kRegionPlanes, planes);
     timer_.Finish("region planes");
     return planes;
@@ -280,9 +244,8 @@ ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
                             Device& device) {
   DeviceImage<Plane> superpixel_planes;
   if (options.superpixel_planes && surfaces.superpixels.count > 0) {
-    superpixel_planes = PlanesOfLabels(surfaces.superpixels.labels.View(),
-                                       surfaces.superpixel_planes,
-                                       device);
+    superpixel_planes = PlanesOfLabels(
+        surfaces.superpixels.labels.View(), surfaces.superpixel_planes, device);
   }
   return ComposeMap(views->TakeHypotheses(),
                     {surfaces.trusted.View(),

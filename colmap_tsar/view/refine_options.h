@@ -28,9 +28,9 @@ struct RefineOptions {
   bool superpixel_planes = true;
   bool weighted_median = true;
   bool readmit_filtered = false;
-  int num_iterations = 4;          // N_t
-  int superpixel_size = 400;       // S_sp
-  double min_plane_support = 0.3;  // sigma
+  int num_iterations = 4;             // N_t
+  int superpixel_size = 400;          // S_sp
+  double min_plane_support = 0.3;     // sigma
   int window_radius = 5;              // delta
   double spatial_sigma = 2.0;         // alpha
   double color_sigma = 3.0;           // beta

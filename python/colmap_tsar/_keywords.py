@@ -9,9 +9,8 @@ class RefineKeywords(typing.TypedDict, total=False):
     mask_path: typing.Union[str, os.PathLike[str], None]
     prior_path: typing.Union[str, os.PathLike[str], None]
     prior_type: typing.Literal['auto', 'metric', 'relative', 'inverse']
-    region_path: typing.Union[str, os.PathLike[str], None]
     output_path: typing.Union[str, os.PathLike[str], None]
-    preset: typing.Literal['default', 'paper', 'paper_strict']
+    preset: typing.Literal['default', 'paper']
     device: typing.Literal['auto', 'cuda', 'cpu']
     gpu_index: typing.Union[str, float, typing.Sequence[float]]
     cache_size: float

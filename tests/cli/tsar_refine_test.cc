@@ -123,18 +123,6 @@ TEST_F(TsarRefineTest, TellsOfHowManyImagesThereArePriors) {
                 {"--prior_type", "auto, metric, relative, inverse"});
 }
 
-TEST_F(TsarRefineTest, TakesLabelImages) {
-  const std::filesystem::path regions = folder_.Path() / "regions";
-  ExpectFailure({"--region_path", regions.string()},
-                {"ERROR: " + regions.string() + ": there is no such folder",
-                 "check --region_path"});
-  WriteMask(regions / "left/v2.png", 48, 36, [](int x, int) { return x < 9; });
-  const Outcome outcome = Run({"--region_path", regions.string()});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  ExpectFailure({"--region_path", regions.string(), "--restore", "1"},
-                {"leave --region_path out"});
-}
-
 TEST_F(TsarRefineTest, RefinesListedImagesAlone) {
   const std::string list = (folder_.Path() / "list.txt").string();
   WriteText(list, "v1.png\nv9.png\n");
@@ -187,15 +175,6 @@ TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
               : name == "seed"         ? "3"
                                        : value)
         << name;
-  }
-}
-
-TEST_F(TsarRefineTest, TakesThePaperAsPrinted) {
-  const Outcome outcome = Run({"--TsarRefine.preset", "paper_strict"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  for (const auto& [name, value] :
-       RefineOptionsText(PresetOptions(RefinePreset::kPaperStrict))) {
-    EXPECT_EQ(UsedOptions()[name], value) << name;
   }
 }
 
@@ -276,7 +255,7 @@ TEST(TsarRefine, HelpTeaches) {
   for (const char* text : {"after patch_match_stereo",
                            "--restore 1",
                            "colmap tsar_refine --workspace_path dense",
-                           "--TsarRefine.preset default|paper|paper_strict",
+                           "--TsarRefine.preset default|paper",
                            "manifest.json"}) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(text));
   }
@@ -291,9 +270,8 @@ TEST(TsarRefine, HelpTeaches) {
     EXPECT_THAT(field.is_option ? outcome.out : experiments.out,
                 testing::HasSubstr(name));
   }
-  EXPECT_THAT(
-      experiments.out,
-      testing::HasSubstr("cost_ratio 0|1 (default: 0; paper_strict: 1)"));
+  EXPECT_THAT(experiments.out,
+              testing::HasSubstr("readmit_filtered 0|1 (default: 0; paper: 1)"));
 }
 
 }  // namespace

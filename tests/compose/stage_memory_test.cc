@@ -178,28 +178,6 @@ TEST_F(StageMemoryTest, HoldsForMapsOfAllShapes) {
   }
 }
 
-TEST_F(StageMemoryTest, HoldsForImagesWithSegments) {
-  for (const MapSize& size : {kSmall, kLong}) {
-    SCOPED_TRACE(std::to_string(size.width));
-    Draw(size);
-    drawn_.views[0].segments = Image<uint16_t>(size.width, size.height, 1);
-    const int64_t segments = SegmentsWorkingBytes(num_pixels_);
-    const RefineOptions options;
-    ExpectPlanned(
-        "measure with segments",
-        MeasureImageWorkingBytes(options, num_pixels_) + segments,
-        PeakBesideSources([&](auto sources, Device& device) {
-          MeasureImage(drawn_.views[0], std::move(sources), 1, options, device);
-        }));
-    ExpectPlanned(
-        "refine with segments",
-        RefineImageWorkingBytes(options, num_pixels_) + segments,
-        PeakBesideSources([&](auto sources, Device& device) {
-          RefineImage(drawn_.views[0], std::move(sources), 1, options, device);
-        }));
-  }
-}
-
 TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
   Draw({480, 360});
   const SyntheticViews whole = drawn_;
@@ -229,23 +207,17 @@ TEST_F(StageMemoryTest, HoldsForMapsThatAreJudgedAtASmallerSize) {
   }
 }
 
-TEST_F(StageMemoryTest, HoldsForThePaperAsPrinted) {
+TEST_F(StageMemoryTest, HoldsForThePaper) {
   max_ratio_ = kMaxRatioOfOthers;
   for (const MapSize& size : {kSmall, kLarge, kLong}) {
     SCOPED_TRACE(std::to_string(size.width));
     Draw(size);
-    ExpectSingleViewPlanned(PresetOptions(RefinePreset::kPaperStrict));
+    ExpectSingleViewPlanned(PresetOptions(RefinePreset::kPaper));
   }
   Draw(kSmall);
-  RefineOptions options = PresetOptions(RefinePreset::kPaperStrict);
+  RefineOptions options = PresetOptions(RefinePreset::kPaper);
   options.scene_planes = true;
   ExpectScenePlanned(options);
-  options = RefineOptions();
-  options.fill_before_regions = true;
-  ExpectSingleViewPlanned(options);
-  options.fill_before_regions = false;
-  options.spread_medians = true;
-  ExpectSingleViewPlanned(options);
 }
 
 TEST_F(StageMemoryTest, HoldsForSuperpixelsOfAllSizes) {

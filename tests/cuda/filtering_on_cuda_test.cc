@@ -49,10 +49,7 @@ TEST_F(CudaTest, ComputeConfidence) {
         };
         const MatchingCosts costs{
             random(1.f, 1), random(2.f, 2), random(1.f, 3)};
-        for (const bool use_ratio : {false, true}) {
-          result->Add("confidence",
-                      ComputeConfidence(costs, {use_ratio, true}, device));
-        }
+        result->Add("confidence", ComputeConfidence(costs, device));
       });
 }
 

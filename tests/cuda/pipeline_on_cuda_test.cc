@@ -407,8 +407,7 @@ TEST_F(CudaTest, RefineImage) {
   scenes.push_back({SceneKind::kWall, 223, 811});
   const std::vector<std::pair<std::string, RefineOptions>> presets = {
       {"default", RefineOptions()},
-      {"paper", PresetOptions(RefinePreset::kPaper)},
-      {"paper_strict", PresetOptions(RefinePreset::kPaperStrict)}};
+      {"paper", PresetOptions(RefinePreset::kPaper)}};
   for (const auto& [name, options] : presets) {
     ExpectAlike("RefineImage, " + name,
                 scenes,

@@ -246,15 +246,12 @@ TEST_F(CudaTest, RefineByCorrelation) {
     bool readmit_filtered;
     bool use_superpixel_planes;
     bool use_weighted_median;
-    bool spread_medians;
   };
-  for (const Variant& variant :
-       {Variant{"as usual", false, true, true, false},
-        Variant{"readmitting", true, true, true, false},
-        Variant{"no planes", true, false, true, false},
-        Variant{"no median", false, true, false, false},
-        Variant{"neither", true, false, false, false},
-        Variant{"spreading", true, true, true, true}}) {
+  for (const Variant& variant : {Variant{"as usual", false, true, true},
+                                 Variant{"readmitting", true, true, true},
+                                 Variant{"no planes", true, false, true},
+                                 Variant{"no median", false, true, false},
+                                 Variant{"neither", true, false, false}}) {
     ExpectAlike("RefineByCorrelation, " + variant.name,
                 AllScenes(),
                 [&](StageInputs& inputs, Device& device, StageResult* result) {
@@ -262,7 +259,6 @@ TEST_F(CudaTest, RefineByCorrelation) {
                   options.readmit_filtered = variant.readmit_filtered;
                   options.use_superpixel_planes = variant.use_superpixel_planes;
                   options.use_weighted_median = variant.use_weighted_median;
-                  options.spread_medians = variant.spread_medians;
                   const CorrelationResult refined =
                       RefineByCorrelation(inputs.views.Hypotheses(),
                                           inputs.score.View(),

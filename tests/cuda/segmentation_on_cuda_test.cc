@@ -22,15 +22,13 @@ Regions FindFields(int width, int height, Device& device) {
 }
 
 TEST_F(CudaTest, DetectRobertsEdges) {
-  ExpectAlike(
-      "DetectRobertsEdges",
-      AllScenesAndWide(),
-      [](StageInputs& inputs, Device& device, StageResult* result) {
-        result->Add("edges",
+  ExpectAlike("DetectRobertsEdges",
+              AllScenesAndWide(),
+              [](StageInputs& inputs, Device& device, StageResult* result) {
+                result->Add(
+                    "edges",
                     DetectRobertsEdges(inputs.views.Color(), 4.f, device));
-        result->Add("edges of roots",
-                    DetectEdgesOfRoots(inputs.views.Color(), 4.f, device));
-      });
+              });
 }
 
 TEST_F(CudaTest, DrawLineSegments) {
@@ -69,55 +67,6 @@ TEST_F(CudaTest, GrowAndShrinkLabels) {
             FindFields(inputs.views.Width(), inputs.views.Height(), device);
         result->Add("grown", GrowLabels(regions.labels.View(), 5, device));
         result->Add("shrunk", ShrinkLabels(regions.labels.View(), 5, device));
-      });
-}
-
-TEST_F(CudaTest, TakePlanesOfSegments) {
-  ExpectAlike(
-      "FindSegments, TakePlanesOfSegments",
-      AllScenes(),
-      [](StageInputs& inputs, Device& device, StageResult* result) {
-        const ReducedRaster& raster = inputs.views.Raster();
-        Image<uint16_t> numbers(raster.width, raster.height);
-        Image<uint8_t> edges(raster.width, raster.height);
-        for (int y = 0; y < raster.height; ++y) {
-          for (int x = 0; x < raster.width; ++x) {
-            numbers(x, y) = static_cast<uint16_t>((x / 13 + x * y / 97) % 4);
-            edges(x, y) = (x + y) % 17 == 0 ? 1 : 0;
-          }
-        }
-        const Regions segments =
-            FindSegments(DeviceImage<uint16_t>(device, numbers).View(),
-                         DeviceImage<uint8_t>(device, edges).View(),
-                         20,
-                         device);
-        result->Add("labels", segments.labels);
-        result->Add("count", std::vector<int>{segments.count});
-        RegionPlaneOptions options;
-        options.min_samples = 20;
-        const auto planes_of = [&](const Regions& regions) {
-          return AssignRegionPlanes(regions,
-                                    FitRegionPlanes(regions,
-                                                    inputs.samples.View(),
-                                                    inputs.views.Scale(),
-                                                    options,
-                                                    device),
-                                    inputs.samples.View(),
-                                    inputs.views.RasterIntrinsics(),
-                                    inputs.views.Scale(),
-                                    options,
-                                    device);
-        };
-        const DeviceImage<Plane> of_segments = planes_of(segments);
-        DeviceImage<Plane> planes =
-            planes_of(FindFields(raster.width, raster.height, device));
-        TakePlanesOfSegments(segments,
-                             inputs.samples.View(),
-                             of_segments.View(),
-                             0.002f,
-                             planes.View(),
-                             device);
-        result->Add("planes", planes);
       });
 }
 

@@ -99,11 +99,11 @@ class Eth3dTest(DatasetTest):
         """Another preset and fusion repeat what follows from them, on a copy."""
         copy = self.folder / "paper"
         shutil.copytree(self.output / "room", copy / "room", symlinks=True)
-        text = self.run_well(self.scenes, "--output_path", copy, "--preset", "paper_strict",
+        text = self.run_well(self.scenes, "--output_path", copy, "--preset", "paper",
                              "--fusion", "paper", "--min_num_pixels", 2)
         self.assertEqual(text.count("done before"), 2)  # The workspace and stereo.
         logs = copy / "room" / "logs"
-        self.assertIn("--TsarRefine.preset paper_strict",
+        self.assertIn("--TsarRefine.preset paper",
                       (logs / "refinement.log").read_text())
         self.assertIn("--StereoFusion.min_num_pixels 2", (logs / "fusion_before.log").read_text())
         self.assertIn("--TsarFuse.preset paper --TsarFuse.min_num_views 2",

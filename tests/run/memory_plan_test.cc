@@ -58,29 +58,6 @@ TEST(PlanRefinement, CountsPriors) {
   }
 }
 
-TEST(PlanRefinement, CountsLabelImages) {
-  RefineOptions alone;
-  alone.scene_planes = false;
-  WorkspaceOverview overview = OverviewOf(1000000, 2);
-  const MemoryPlan plan = PlanRefinement(alone, overview);
-  overview.max_num_label_pixels = 500000;
-  const MemoryPlan small = PlanRefinement(alone, overview);
-  EXPECT_EQ(small.view, plan.view + 2 * 500000);
-  EXPECT_EQ(small.work, plan.work + SegmentsWorkingBytes(1000000));
-  // They are read once the photo has been scaled.
-  EXPECT_EQ(small.load, plan.load);
-  // Large ones are decoded as a whole, and then reduced.
-  overview.max_num_label_pixels = 4000000;
-  const MemoryPlan large = PlanRefinement(alone, overview);
-  EXPECT_EQ(large.view, plan.view + 2 * 1024 * 1024);
-  EXPECT_EQ(large.load, 2 * 4000000);
-  // Views that are reduced keep theirs.
-  overview.max_num_pixels = 4000000;
-  const MemoryPlan reduced = PlanRefinement({}, overview);
-  overview.max_num_label_pixels = 0;
-  EXPECT_EQ(reduced.view, PlanRefinement({}, overview).view + 2 * 1024 * 1024);
-}
-
 TEST(PlanRefinement, CountsEvidenceOfTheNeighborhoodsAtWork) {
   WorkspaceOverview overview = OverviewOf(1000000, 10);
   EXPECT_EQ(NumEvidenceViews(overview, 2), 33u);

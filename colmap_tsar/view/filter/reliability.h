@@ -41,9 +41,9 @@ DeviceImage<uint8_t> SelectReliable(ImageView<const float> score,
 // n_cost of Eq. 1 without its ratio c_min / c_sec, divided by its number of
 // terms so that it lies in [0, 1]: the mean of (2 - c_min) / 2 and 1 - LRD. The
 // ratio is high where two views agree; it compares two views at one plane, not
-// two hypotheses, and without it the sum ranks pixels better on every scene. The
-// LRD is left out where it is undefined; 0 where the cost is undefined, since
-// the LRD of textureless windows is perfect but meaningless.
+// two hypotheses, and without it the sum ranks pixels better on every scene.
+// The LRD is left out where it is undefined; 0 where the cost is undefined,
+// since the LRD of textureless windows is perfect but meaningless.
 DeviceImage<float> ComputeConfidence(const MatchingCosts& costs,
                                      Device& device);
 

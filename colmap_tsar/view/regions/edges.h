@@ -10,9 +10,9 @@
 
 namespace tsar {
 
-// Edge pixels (1, others 0) of Roberts' operator: the root of the summed
-// squares of the two diagonal differences exceeds threshold, in gray levels on
-// 0-255.
+// Edge pixels (1, others 0) of Roberts' operator (Eq. 10 without the roots of
+// gray levels): the root of the summed squares of the two diagonal differences
+// exceeds threshold, in gray levels on 0-255.
 DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
                                         float threshold,
                                         Device& device);

@@ -59,10 +59,9 @@ class BilateralKernelTable {
     const float sigma = options.spatial_sigma;
     for (int row = 0; row <= kTapRadius; ++row) {
       for (int column = 0; column <= kTapRadius; ++column) {
-        taps_.spatial[row][column] =
-            std::exp(-std::sqrt(static_cast<float>(row * row +
-                                                   column * column)) /
-                     (sigma * sigma));
+        taps_.spatial[row][column] = std::exp(
+            -std::sqrt(static_cast<float>(row * row + column * column)) /
+            (sigma * sigma));
       }
     }
     taps_.color = color_.Data();

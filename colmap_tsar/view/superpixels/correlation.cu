@@ -78,13 +78,8 @@ CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
   for (int round = 1; round <= options.num_iterations; ++round) {
     DeviceImage<Plane> planes;
     if (options.use_superpixel_planes) {
-      const DeviceImage<RayDepth> samples =
-          SampleMeasurements(own.depth,
-                             score,
-                             result.trusted.View(),
-                             intrinsics,
-                             raster,
-                             device);
+      const DeviceImage<RayDepth> samples = SampleMeasurements(
+          own.depth, score, result.trusted.View(), intrinsics, raster, device);
       SuperpixelPlaneOptions plane_options = options.planes;
       plane_options.ransac.iteration = round;
       result.planes = FitSuperpixelPlanes(groups,

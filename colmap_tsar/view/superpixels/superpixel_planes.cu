@@ -30,9 +30,9 @@ struct AcceptKernel {
   template <typename Team>
   TSAR_HD void operator()(const Team& team, int64_t k) const {
     const GroupPlane& fit = fits[k];
-    const bool is_supported =
-        fit.plane.Valid() && fit.num_samples > min_support * fit.num_pixels &&
-        fit.num_inliers >= min_support * fit.num_samples;
+    const bool is_supported = fit.plane.Valid() &&
+                              fit.num_samples > min_support * fit.num_pixels &&
+                              fit.num_inliers >= min_support * fit.num_samples;
     const bool is_acceptable = is_supported && IsInRange(team, fit, k);
     if (team.IsLeader()) {
       planes[k] = is_acceptable ? fit.plane : Plane{};

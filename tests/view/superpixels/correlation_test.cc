@@ -115,24 +115,5 @@ TEST_F(CorrelationTest, GivesTheSameBytesAgain) {
   EXPECT_TRUE(std::equal(first.begin(), first.end(), second.begin()));
 }
 
-TEST_F(CorrelationTest, SmallWindowsConfirmAnIslandThatLargeOnesReject) {
-  // 11 x 11 pixels, the size of the smaller window.
-  const float island = 4.f;
-  plane_ = DrawnPlane({0.f, 0.f, -1.f}, 1.2f * island);
-  depth_ = DrawDepth(plane_, camera_);
-  for (int y = 35; y <= 45; ++y) {
-    for (int x = 55; x <= 65; ++x) {
-      depth_(x, y) = island;
-    }
-  }
-  CorrelationOptions options;
-  options.use_superpixel_planes = false;
-  options.num_iterations = 1;
-  options.window_radius = 5.f * kPaperSize / kWidth;
-  EXPECT_EQ(Refine(options)(60, 40), 0);
-  options.small_windows = true;
-  EXPECT_EQ(Refine(options)(60, 40), 1);
-}
-
 }  // namespace
 }  // namespace tsar

@@ -203,19 +203,5 @@ TEST_F(WeightedMedianTest, GivesUnitNormalsTowardsTheCamera) {
   }
 }
 
-TEST_F(WeightedMedianTest, DistancesInPixelsLetTheNearestTapsDecide) {
-  // Three of eleven columns of taps around column 24, four pixels apart.
-  const float near = 4.f;
-  const float beside = 5.f;
-  Draw(DrawnPlane({0.f, 0.f, -1.f}, beside), 0, kWidth);
-  Draw(DrawnPlane({0.f, 0.f, -1.f}, near), 20, 29);
-  options_.radius = 20.f;
-  Filter();
-  EXPECT_FLOAT_EQ(filtered_(24, 18), beside);
-  options_.distance_unit = 1.f;
-  Filter();
-  EXPECT_FLOAT_EQ(filtered_(24, 18), near);
-}
-
 }  // namespace
 }  // namespace tsar
