@@ -20,7 +20,7 @@ target_link_libraries(colmap_tsar
   PUBLIC Eigen3::Eigen
   PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
           TIFF::TIFF JPEG::JPEG PNG::PNG ZLIB::ZLIB
-          $<BUILD_INTERFACE:Boost::headers> Ceres::ceres ColmapTsar::glog
+          $<BUILD_INTERFACE:Boost::headers> $<LINK_ONLY:Boost::program_options> Ceres::ceres ColmapTsar::glog
           ColmapTsar::xxhash
           $<$<BOOL:${TSAR_CLOUD_EVALUATION}>:ColmapTsar::lz4>
           $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>

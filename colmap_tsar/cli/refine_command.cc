@@ -33,15 +33,14 @@ constexpr const char* kSummary =
     "Completes the depth and normal maps of a dense workspace where surfaces "
     "have no texture: it removes wrong depths, spreads right ones and fits "
     "planes to walls, floors and facades. Run it after patch_match_stereo and "
-    "before stereo_fusion. The refined maps take the names of the originals, "
-    "so that stereo_fusion needs no other options; the originals are kept in "
-    "stereo/tsar and --restore 1 puts them back. Beside the maps it writes how "
-    "sure each depth is (stereo/confidence_maps, stereo/sigma_maps), where it "
-    "comes from (stereo/provenance_maps), which plane it lies on "
+    "before stereo_fusion, which needs no other options: refined maps take the "
+    "names of the originals, and --restore 1 puts these back. Beside them it "
+    "writes how sure each depth is (stereo/confidence_maps, "
+    "stereo/sigma_maps), "
+    "where it comes from (stereo/provenance_maps), its plane "
     "(stereo/plane_maps) and an account of the run "
     "(stereo/tsar/manifest.json). It can be interrupted at any time: the same "
-    "command goes on where it stopped. A run with other options begins from "
-    "the originals again.";
+    "command goes on where it stopped.";
 
 void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
   options->AddRequired("workspace_path",
@@ -50,19 +49,16 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                        "patch_match_stereo fills it.");
   AddMapType("input_type",
              &command->input_type,
-             "Which maps to refine; the others serve as evidence where "
-             "they exist. If not given: geometric, or photometric where "
-             "there are no geometric ones.",
+             "The maps to refine; the others serve as evidence. If not given: "
+             "geometric, or photometric where there are no others.",
              options);
   options->Add("image_list_path",
                &command->workspace.image_list_path,
                "A text file with one image name per line: refine these alone, "
-               "to the same maps as among all. The others serve as sources, "
-               "and stay as they are. If empty, refine all.");
+               "to the same maps as among all. If empty, all.");
   AddMaskPath(&command->workspace.mask_path,
-              "Where a mask is black (0), what the maps hold is no evidence "
-              "for anything, and the refined maps have no depth. Images "
-              "without a mask are used as a whole.",
+              "Where a mask is black (0), what the maps hold is no evidence, "
+              "and the refined maps have no depth.",
               options);
   AddPriorOptions(
       "", &command->workspace.prior_path, &command->prior_type, options);
@@ -83,81 +79,46 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
   options->AddChoice(group + "preset",
                      &command->preset,
                      {"default", "paper"},
-                     "The method of this project, or the published one as "
-                     "this project reads it. Options that are given come on "
-                     "top.");
-  AddDeviceArguments(
-      group,
-      &command->devices,
-      options,
-      " On the CPU, those that compute; a few more read and write files. With "
-      "GPUs, two fifths of them read files and as many write, at most ten per "
-      "GPU.");
+                     "The method of this project, or the published one. "
+                     "Options that are given come on top.");
+  AddDeviceArguments(group, &command->devices, options);
 #if TSAR_TOOL_REPORT
   options->Add(
       group + "debug_path",
       &command->debug_path,
       "Write a picture (PNG) of every intermediate result here, in a "
-      "folder for each image; nothing but such pictures may be there. The maps "
-      "stay the same; it takes longer, "
-      "and images that were done before are done again. Depth is red "
-      "near and blue far; normals as tsar_report shows them; values "
-      "dark violet where they are 0 and yellow where they are largest; "
-      "labels a color each; black is none. The pictures: " +
-          DebugPicturesText() + ".");
+      "folder for each image; nothing but such pictures may be there.");
 #endif
   options->Add(group + "shard",
                &command->shard,
-               "For several machines with one file system: the part of the "
-               "images to work on, i/n with i from 0 to n - 1; docs/cluster.md "
-               "tells how. If empty, all of them.");
+               "For several machines: the part of the images to work on, i/n "
+               "with i from 0 to n - 1 (docs/cluster.md). If empty, all.");
   options->AddChoice(group + "pass",
                      &command->pass,
                      {"all", "observe", "model", "compose", "merge"},
-                     "What to do of it. A shard is observed; once all are, one "
-                     "program finds the planes of the scene (model), then each "
-                     "shard is composed; merge ends the work of all shards.");
+                     "What to do of it: observe each shard, then model once, "
+                     "compose each shard, and merge once.");
 }
 
-OptionRange RangeOf(const RefineField& field) {
-  return std::holds_alternative<bool*>(field.value)
-             ? OptionRange{}
-             : OptionRange{field.min, field.max};
-}
-
-OptionTarget TargetOf(const RefineField& field) {
-  return std::visit([](auto* value) { return OptionTarget(value); },
-                    field.value);
-}
-
-void AddRefineOptions(RefineCommand* command, OptionSet* options) {
+// The members of RefineOptions. Most are for experiments: we know their values
+// better than users can.
+void AddRefineOptions(RefineOptions* refine, OptionSet* options) {
   RefineOptions paper = PresetOptions(RefinePreset::kPaper);
   const std::vector<RefineField> of_paper = ListRefineFields(&paper);
-  const std::vector<RefineField> fields = ListRefineFields(&command->refine);
-  std::vector<Option> settings;
+  const std::vector<RefineField> fields = ListRefineFields(refine);
   for (size_t i = 0; i < fields.size(); ++i) {
     const RefineField& field = fields[i];
-    if (field.is_option) {
-      options->Add(kGroup + field.name,
-                   TargetOf(field),
-                   field.description,
-                   RangeOf(field));
-      continue;
-    }
-    Option setting{
-        field.name, field.description, TargetOf(field), RangeOf(field)};
-    if (of_paper[i].Text() != field.Text()) {
-      setting.presets["paper"] = of_paper[i].Text();
-    }
-    settings.push_back(std::move(setting));
+    const std::string value = of_paper[i].Text();
+    Option& option = options->Add(
+        kGroup + field.name,
+        std::visit([](auto* member) { return OptionTarget(member); },
+                   field.value),
+        field.description + (value == field.Text()
+                                 ? ""
+                                 : " In the preset paper: " + value + "."),
+        {field.min, field.max});
+    option.is_advanced = !field.is_option;
   }
-  options->AddSettings(
-      std::string(kGroup) + "experiment",
-      &command->experiment,
-      std::move(settings),
-      "Changes of the method, for experiments: values whose defaults we know "
-      "better than users can, such as segment=0,edge_threshold=8. help lists "
-      "all, with their meaning and values in the presets.");
 }
 
 int RestoreWorkspace(const RefineCommand& command) {
@@ -195,7 +156,7 @@ int RestoreWorkspace(const RefineCommand& command) {
 void RefineCommand::AddTo(OptionSet* options) {
   AddWorkspaceOptions(this, options);
   AddRunOptions(this, options);
-  AddRefineOptions(this, options);
+  AddRefineOptions(&refine, options);
 }
 
 void RefineCommand::UsePreset() {
@@ -238,10 +199,12 @@ int RunTsarRefine(int argc, char** argv) {
   OptionSet options(
       "tsar_refine", kSummary, "tsar_refine --workspace_path dense");
   command.AddTo(&options);
-  options.Add("random_seed",
-              &command.refine.seed,
-              "The name that COLMAP's commands have for --TsarRefine.seed.",
-              {0, std::numeric_limits<int>::max()});
+  options
+      .Add("random_seed",
+           &command.refine.seed,
+           "The name that COLMAP's commands have for --TsarRefine.seed.",
+           {0, std::numeric_limits<int>::max()})
+      .is_advanced = true;
   if (!options.Parse(argc, argv)) {
     return 0;
   }

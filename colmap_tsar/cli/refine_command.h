@@ -27,7 +27,6 @@ struct RefineCommand {
   std::filesystem::path debug_path;
   std::string shard;
   std::string pass = "all";
-  std::string experiment;
   // The options that the members above do not hold.
   WorkspaceRefineOptions workspace;
   RefineOptions refine;

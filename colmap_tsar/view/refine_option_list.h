@@ -21,8 +21,7 @@ struct RefineField {
   // The range of valid values, both ends included; unused for bools.
   double min = 0.0;
   double max = 1.0;
-  // Whether it is an option of the command for users; all others are set by its
-  // option "experiment".
+  // Whether --help tells users of it; all others are for experiments.
   bool is_option = false;
   // The value of the preset `paper`, the published method as this project
   // interprets it, where that differs from the default.

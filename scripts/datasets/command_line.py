@@ -44,7 +44,7 @@ def new_parser(script, description, epilog=None):
 
 EPILOG = """\
 Options with a dot go to the command that has them, such as --TsarRefine.min_confidence
-0.3, --TsarRefine.experiment filter=0 or --TsarStereo.num_levels 3 (colmap COMMAND -h,
+0.3, --TsarRefine.filter 0 or --TsarStereo.num_levels 3 (colmap COMMAND -h,
 colmap_tsar COMMAND --help)."""
 
 

@@ -47,7 +47,7 @@ ABLATION = {
 }
 
 # F1 at 2 cm of the training set of ETH3D with the prior gp, by a parameter's value: the paper's symbol, the option of
-# --TsarRefine.experiment (None: it has none), what a value of the paper is multiplied by for it, and values with F1.
+# tsar_refine (None: it has none), what a value of the paper is multiplied by for it, and values with F1.
 PARAMETERS = (
     ("eta", "min_aggregated_score", 1, {0.4: 82.85, 0.6: 83.43, 0.8: 83.69, 1.0: 83.35, 1.2: 82.67}),
     ("tau", "confidence_weight", 1, {0.1: 82.67, 0.3: 83.12, 0.5: 83.44, 0.7: 83.69, 0.9: 82.45}),

@@ -15,7 +15,6 @@ from programs import as_words
 from steps import remove
 from workspace import map_size, maps_of
 
-EXPERIMENT = "TsarRefine.experiment"
 TOLERANCES = "0.02,0.1"
 FULL, BEFORE = "TSAR-MVS", "prior"
 ABLATION = {"w/o JHF": "filter=0", "w/o DD": "filter_discontinuity=0",
@@ -56,7 +55,7 @@ def parameter_variant(option, factor, value, printed):
 
 
 def variants(tables):
-    """Name -> (values of --TsarRefine.experiment, or None for the maps before
+    """Name -> (an option of tsar_refine with its value, empty, or None for the maps before
     refinement; what is measured), for the scenes of ETH3D."""
     result = {}
 
@@ -85,8 +84,9 @@ def measure_variant(scene, args, programs, name, experiment, measures, truth):
     plain = "".join(c if c.isalnum() or c in "=._-" else "_" for c in name)
     folder = scene.folder / "variants"
     refine = {"TsarRefine.preset": args.preset, **args.passed.get("tsar_refine", {})}
-    joined = ",".join(filter(None, [refine.pop(EXPERIMENT, ""), experiment]))
-    refine = {**refine, **({EXPERIMENT: joined} if joined else {})}
+    if experiment:
+        option, value = experiment.split("=")
+        refine[f"TsarRefine.{option}"] = value
     command, fusion = dense.fusion_command(
         args, None, dense.FUSIONS[args.fusion] if experiment is not None else None)
     fuser = programs.tsar if command == "tsar_fuse" else programs.colmap

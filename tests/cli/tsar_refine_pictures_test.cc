@@ -51,8 +51,8 @@ TEST_F(TsarRefineTest, StagesThatAreOffHaveNoPictures) {
                              debug.string(),
                              "--TsarRefine.scene_planes",
                              "0",
-                             "--TsarRefine.experiment",
-                             "view_agreement=0"});
+                             "--TsarRefine.view_agreement",
+                             "0"});
   EXPECT_EQ(drawn.exit_code, 0) << drawn.err;
   for (const RefineStageInfo& info : RefineStages()) {
     const bool is_off = info.stage == RefineStage::kAgreement ||

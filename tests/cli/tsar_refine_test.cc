@@ -4,6 +4,7 @@
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <map>
+#include <utility>
 
 #include "tests/cli/tsar_refine_fixture.h"
 #include "tests/support/external_writers.h"
@@ -40,7 +41,6 @@ TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
   EXPECT_EQ(restored.exit_code, 0) << restored.err;
   EXPECT_EQ(restored.out, "Put the original maps of 4 images back.\n");
   EXPECT_TRUE(ReadTree(root_) == before);
-  ExpectFailure({"--restore", "1"}, {"nothing to restore"});
 }
 
 // As the programs leave it that train on the undistorted images.
@@ -85,42 +85,26 @@ TEST_F(TsarRefineTest, TakesAModelInTheFolder0) {
   EXPECT_THAT(again.out, testing::Not(testing::HasSubstr("first copy")));
 }
 
-TEST_F(TsarRefineTest, TellsOfHowManyImagesThereAreMasks) {
+TEST_F(TsarRefineTest, TellsOfHowManyImagesThereAreMasksAndPriors) {
   const std::filesystem::path masks = folder_.Path() / "masks";
-  ExpectFailure({"--mask_path", masks.string()},
-                {"ERROR: " + masks.string() + ": there is no such folder",
-                 "check --mask_path"});
+  const std::filesystem::path priors = folder_.Path() / "priors";
   WriteMask(
       masks / "left/v2.png.png", 96, 72, [](int x, int) { return x < 9; });
-  const Outcome outcome = Run({"--mask_path", masks.string()});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(
-      outcome.out,
-      testing::HasSubstr("4 images: 4 refined\n  masks for 1 of 4 images\n"));
-  ExpectFailure({"--mask_path", masks.string(), "--restore", "1"},
-                {"leave --mask_path out"});
-}
-
-TEST_F(TsarRefineTest, TellsOfHowManyImagesThereArePriors) {
-  const std::filesystem::path priors = folder_.Path() / "priors";
-  ExpectFailure({"--prior_path", priors.string()},
-                {"ERROR: " + priors.string() + ": there is no such folder",
-                 "check --prior_path"});
   std::filesystem::create_directories(priors / "left");
   WriteText(priors / "left/v2.pfm",
             PfmBytes(4, 3, 1, std::vector<float>(12, 2.f), true));
-  const Outcome outcome =
-      Run({"--prior_path", priors.string(), "--prior_type", "metric"});
+  const Outcome outcome = Run({"--mask_path",
+                               masks.string(),
+                               "--prior_path",
+                               priors.string(),
+                               "--prior_type",
+                               "metric"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out,
               testing::HasSubstr(
-                  "4 images: 4 refined\n  depth priors for 1 of 4 images, 1 of "
-                  "them not used (stereo/tsar/manifest.json says why)\n"));
-  ExpectFailure({"--prior_path", priors.string(), "--restore", "1"},
-                {"leave --prior_path out"});
-  ExpectFailure({"--prior_type", "metric"}, {"--prior_type", "--prior_path"});
-  ExpectFailure({"--prior_path", priors.string(), "--prior_type", "depth"},
-                {"--prior_type", "auto, metric, relative, inverse"});
+                  "4 images: 4 refined\n  masks for 1 of 4 images\n  depth "
+                  "priors for 1 of 4 images, 1 of them not used "
+                  "(stereo/tsar/manifest.json says why)\n"));
 }
 
 TEST_F(TsarRefineTest, RefinesListedImagesAlone) {
@@ -163,8 +147,7 @@ TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   ASSERT_EQ(paper.at("view_agreement"), "0");
   ASSERT_NE(paper.at("num_iterations"), "2");
   WriteText(folder_.Path() / "project.ini",
-            "[TsarRefine]\npreset = paper\nseed = 2\n"
-            "experiment = num_iterations=2\n");
+            "[TsarRefine]\npreset = paper\nseed = 2\nnum_iterations = 2\n");
   const Outcome outcome = Run({"--project_path",
                                (folder_.Path() / "project.ini").string(),
                                "--TsarRefine.seed=3"});
@@ -179,36 +162,54 @@ TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
 }
 
 TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
-  ExpectFailure({"--TsarRefine.num_thread", "3"},
-                {"--TsarRefine.num_thread", "num_threads"});
-  ExpectFailure({"--TsarRefine.experiment", "num_iteration=3"},
-                {"--TsarRefine.experiment", "num_iterations"});
-  ExpectFailure({"--TsarRefine.experiment",
-                 "filter_confidence=0,filter_discontinuity=0,view_agreement=0"},
-                {"--TsarRefine.experiment filter: nothing is left"});
-  ExpectFailure({"--TsarRefine.num_threads", "0"}, {"num_threads"});
-  ExpectFailure({"--TsarRefine.gpu_index", "0,-3"}, {"gpu_index", "-3"});
-  ExpectFailure({"--TsarRefine.gpu_index", "first"}, {"gpu_index", "first"});
-  ExpectFailure({"--TsarRefine.preset", "best"}, {"preset", "paper"});
-  ExpectFailure({"--input_type", "normal"}, {"input_type", "photometric"});
-  ExpectFailure({"--restore", "1", "--output_path", "out"}, {"--output_path"});
-  ExpectFailure({"--output_path", root_.string()}, {"--output_path"});
-  EXPECT_THAT(RunCommandWith<&RunTsarRefine>({}).err,
-              testing::HasSubstr("--workspace_path"));
-}
-
-TEST_F(TsarRefineTest, WrongShardsAreOneLine) {
+  const std::string here = root_.string();
+  const std::string nowhere = (folder_.Path() / "nowhere").string();
+  const std::pair<Words, Words> failures[] = {
+      {{"--TsarRefine.num_thread", "3"},
+       {"--TsarRefine.num_thread", "num_threads"}},
+      {{"--TsarRefine.num_iterations", "0"},
+       {"--TsarRefine.num_iterations", "'0'", "from 1 to 10"}},
+      {{"--TsarRefine.filter_confidence=0",
+        "--TsarRefine.filter_discontinuity=0",
+        "--TsarRefine.view_agreement=0"},
+       {"--TsarRefine.filter: nothing is left"}},
+      {{"--TsarRefine.num_threads", "0"}, {"num_threads"}},
+      {{"--TsarRefine.gpu_index", "0,-3"}, {"gpu_index", "-3"}},
+      {{"--TsarRefine.gpu_index", "first"}, {"gpu_index", "first"}},
+      {{"--TsarRefine.preset", "best"}, {"preset", "paper"}},
+      {{"--input_type", "normal"}, {"input_type", "photometric"}},
+      {{"--prior_type", "metric"}, {"--prior_type", "--prior_path"}},
+      {{"--prior_path", nowhere, "--prior_type", "depth"},
+       {"--prior_type", "auto, metric, relative, inverse"}},
+      {{"--prior_path", nowhere},
+       {"ERROR: " + nowhere + ": there is no such folder",
+        "check --prior_path"}},
+      {{"--mask_path", nowhere},
+       {"ERROR: " + nowhere + ": there is no such folder",
+        "check --mask_path"}},
+      {{"--output_path", here}, {"--output_path"}},
+      {{"--restore", "1", "--output_path", "out"}, {"--output_path"}},
+      {{"--restore", "1", "--mask_path", here}, {"leave --mask_path out"}},
+      {{"--restore", "1", "--prior_path", here}, {"leave --prior_path out"}},
+      {{"--restore", "1"}, {"nothing to restore"}},
+      {{"--TsarRefine.shard", "0/2"}, {"TsarRefine.pass observe"}},
+      {{"--TsarRefine.pass", "half"}, {"pass", "compose"}},
+      {{"--TsarRefine.pass", "compose", "--TsarRefine.shard", "1/2"},
+       {"0, 1 have not", "pass observe"}},
+      {{"--TsarRefine.pass", "merge"}, {"4 of 4 images"}},
+  };
+  for (const auto& [arguments, texts] : failures) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    ExpectFailure(arguments, texts);
+  }
   for (const char* shard : {"3/", "0/0", "-1/2", "1/2x", "2/2"}) {
     ExpectFailure({"--TsarRefine.pass",
                    "observe",
                    std::string("--TsarRefine.shard=") + shard},
                   {"TsarRefine.shard", "i/n"});
   }
-  ExpectFailure({"--TsarRefine.shard", "0/2"}, {"TsarRefine.pass observe"});
-  ExpectFailure({"--TsarRefine.pass", "half"}, {"pass", "compose"});
-  ExpectFailure({"--TsarRefine.pass", "compose", "--TsarRefine.shard", "1/2"},
-                {"0, 1 have not", "pass observe"});
-  ExpectFailure({"--TsarRefine.pass", "merge"}, {"4 of 4 images"});
+  EXPECT_THAT(RunCommandWith<&RunTsarRefine>({}).err,
+              testing::HasSubstr("--workspace_path"));
 }
 
 TEST_F(TsarRefineTest, RefinesInShards) {
@@ -251,27 +252,20 @@ TEST_F(TsarRefineTest, TakesListsOfGpus) {
 
 TEST(TsarRefine, HelpTeaches) {
   const Outcome outcome = RunCommandWith<&RunTsarRefine>({"--help"});
-  EXPECT_EQ(outcome.exit_code, 0);
   for (const char* text : {"after patch_match_stereo",
                            "--restore 1",
                            "colmap tsar_refine --workspace_path dense",
-                           "--TsarRefine.preset default|paper",
+                           "--TsarRefine.preset default|paper (=default)",
                            "manifest.json"}) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(text));
   }
-  const Outcome experiments =
-      RunCommandWith<&RunTsarRefine>({"--TsarRefine.experiment", "help"});
-  EXPECT_EQ(experiments.exit_code, 0);
+  const Outcome all = RunCommandWith<&RunTsarRefine>({"--help_all"});
   RefineOptions options;
   for (const RefineField& field : ListRefineFields(&options)) {
-    const std::string name = field.is_option
-                                 ? "\n  --TsarRefine." + field.name + " "
-                                 : "\n  " + field.name + " ";
-    EXPECT_THAT(field.is_option ? outcome.out : experiments.out,
-                testing::HasSubstr(name));
+    EXPECT_THAT(all.out,
+                testing::HasSubstr("\n  --TsarRefine." + field.name + " "));
   }
-  EXPECT_THAT(experiments.out,
-              testing::HasSubstr("readmit_filtered 0|1 (default: 0; paper: 1)"));
+  EXPECT_THAT(all.out, testing::HasSubstr("In the preset paper: 1."));
 }
 
 }  // namespace

@@ -117,8 +117,8 @@ def test_planes_of_the_scene(scene):
     )
     expect_refusal(
         workspace,
-        ["TsarRefine.experiment segment"],
-        scene.shard(workspace, "observe", 1, "--TsarRefine.experiment", "segment=0"),
+        ["TsarRefine.segment"],
+        scene.shard(workspace, "observe", 1, "--TsarRefine.segment", "0"),
         "a shard with other options",
     )
     check_restore(scene, workspace, "after a shard was killed while it observed")
@@ -167,7 +167,7 @@ def test_planes_of_the_scene(scene):
 
 def test_images_by_themselves(scene):
     """Where shards read the originals of images that others are refining."""
-    options = ["--TsarRefine.scene_planes", "0", "--TsarRefine.experiment", "segment=0"]
+    options = ["--TsarRefine.scene_planes", "0", "--TsarRefine.segment", "0"]
     expected = scene.whole("whole_by_themselves", *options)
     workspace = scene.copy("by_themselves")
     for pass_name in ("observe", "compose"):

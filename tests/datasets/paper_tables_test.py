@@ -114,7 +114,7 @@ class PaperTablesTest(DatasetTest):
             [f"w_o_{name}.json" for name in "JHF DD CE ICR SP WMF TS".split()]
             + ["prior.json", "TSAR-MVS.json"]))
         log = (output / "gp" / "pipes" / "logs" / "variant_w_o_TS.log").read_text()
-        self.assertIn("--TsarRefine.preset paper --TsarRefine.experiment segment=0", log)
+        self.assertIn("--TsarRefine.preset paper --TsarRefine.segment 0", log)
         full = json.loads((variants / "TSAR-MVS.json").read_text())
         self.assertIn(f"{100 * full['cloud']['scores'][0]['f1']:.2f}", text)
         self.assertIn(f"{100 * full['fused_pixels']['scores'][1]['right']:.2f}", text)

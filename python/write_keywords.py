@@ -2,12 +2,11 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes the types of the keywords that come from the options of the program, so that
-type checkers and editors know them. To be run after an option has changed, with the
-built package on the path:
+type checkers and editors know them. The build runs it, with the built package on the
+path:
 
-    PYTHONPATH=build/python python3 scripts/write_python_stubs.py [FILE]
-
-FILE: where to, by default the package's _keywords.py in python/."""
+    write_keywords.py FILE
+"""
 import inspect
 import pathlib
 import re
@@ -18,12 +17,11 @@ from colmap_tsar import _command_options as commands
 HEADER = """\
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-# Written by scripts/write_python_stubs.py.
 import os
 import typing
 """
 
-OF_TYPING = "Literal|Mapping|Optional|Sequence|Union"
+OF_TYPING = "Literal|Optional|Sequence|Union"
 
 # What the methods have as parameters of their own.
 OWN = {
@@ -55,5 +53,4 @@ def main(path):
 
 
 if __name__ == "__main__":
-    package = pathlib.Path(__file__).parents[1] / "python" / "colmap_tsar"
-    main(pathlib.Path(sys.argv[1]) if sys.argv[1:] else package / "_keywords.py")
+    main(pathlib.Path(sys.argv[1]))
