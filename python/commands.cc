@@ -89,6 +89,10 @@ template <typename Command>
 Command ToCommand(const py::dict& values) {
   Command command;
   SetGiven(values, &command);
+  if constexpr (requires { command.UsePreset(); }) {
+    command.UsePreset();
+    SetGiven(values, &command);
+  }
   return command;
 }
 
@@ -176,9 +180,7 @@ auto Run(const std::string& name,
 }
 
 py::dict Refine(const py::dict& options, const py::tuple& listeners) {
-  auto command = ToCommand<RefineCommand>(options);
-  command.UsePreset();
-  SetGiven(options, &command);
+  const auto command = ToCommand<RefineCommand>(options);
   return ToDict(Run("refine", command, listeners));
 }
 

@@ -88,7 +88,8 @@ int TellAboutProgram(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "help";
   if (name == "help" && argc > 2) {
     ThrowUnknownCommand(argv[2]);
-  } else if (name == "help" || name == "-h" || name == "--help") {
+  } else if (name == "help" || name == "-h" || name == "--help" ||
+             name == "--help_all") {
     PrintProgramHelp();
   } else if (name == "--help_json") {
     PrintProgramHelpJson();

@@ -62,32 +62,35 @@ std::string GroupOf(const std::string& name) {
   return name.substr(0, name.find('.') + 1);
 }
 
-// "; did you mean --TsarRefine.device?" where keys contain each other.
+// " (did you mean --TsarRefine.device?)" where keys contain each other.
 std::string Suggestion(const std::vector<Option>& options,
                        const std::string& written) {
-  const std::string key = KeyOf(written.substr(written.find_first_not_of('-')));
+  const std::string key = KeyOf(
+      written.substr(std::min(written.find_first_not_of('-'), written.size())));
   std::vector<std::string> similar;
   for (const Option& option : options) {
     const std::string other = KeyOf(option.name);
-    if (other.find(key) != std::string::npos ||
-        key.find(other) != std::string::npos) {
+    if (key.size() > 2 && (other.find(key) != std::string::npos ||
+                           key.find(other) != std::string::npos)) {
       similar.push_back("--" + option.name);
     }
   }
-  return similar.empty() ? "" : "; did you mean " + Joined(similar, ", ") + "?";
+  return similar.empty() ? ""
+                         : " (did you mean " + Joined(similar, ", ") + "?)";
 }
 
 po::options_description Describe(const std::vector<Option>& options, bool all) {
   po::options_description described("Options", kLineLength, 60);
   for (const Option& option : options) {
+    if (option.is_advanced && !all) {
+      continue;
+    }
     auto* value = po::value<std::string>()->value_name(option.ValueHint());
     if (const std::string text = option.Text(); !text.empty()) {
       value->default_value(text);
     }
-    if (all || !option.is_advanced) {
-      described.add_options()(
-          option.name.c_str(), value, option.description.c_str());
-    }
+    described.add_options()(
+        option.name.c_str(), value, option.description.c_str());
   }
   return described;
 }
@@ -329,7 +332,7 @@ void OptionSet::PrintHelp(const std::string& program_name, bool all) const {
       std::ranges::count(options_, true, &Option::is_advanced);
   if (!all) {
     std::cout << program << command_ << " --help_all lists " << num_advanced
-              << " more, --help_json all of them for programs.\n";
+              << " more options.\n";
   }
 }
 

@@ -31,17 +31,21 @@ double ShareOf(int64_t part, int64_t all) {
          static_cast<double>(std::max<int64_t>(all, 1));
 }
 
-// Prints the evaluation as JSON, or the title and its "scores", which are at
-// least one, as a table: a row for each.
-void PrintEvaluation(const Json& evaluation,
-                     const std::string& title,
-                     bool as_json) {
+// Prints the evaluation as JSON, or its numbers ("images: 8" for num_images)
+// and its "scores", which are at least one, as a table: a row for each.
+void PrintEvaluation(const Json& evaluation, bool as_json) {
   if (as_json) {
     std::cout << evaluation.dump(2) << "\n";
     return;
   }
   TextStream table;
-  table << title << "\n";
+  for (const auto& [key, value] : evaluation.items()) {
+    if (value.is_number()) {
+      std::string name = key.substr(key.find('_') + 1);
+      std::ranges::replace(name, '_', ' ');
+      table << name << ": " << value << "\n";
+    }
+  }
   const auto print = [&](const std::string& column, const Json& value) {
     if (value.is_number() && column != "tolerance") {
       table << std::fixed << std::setprecision(4);
@@ -82,19 +86,6 @@ Json ToJson(const DepthEvaluation& evaluation) {
                               {"f1", score.F1()}});
   }
   return json;
-}
-
-std::string TitleOf(const DepthEvaluation& evaluation) {
-  TextStream title;
-  title << evaluation.num_images << " images";
-  if (evaluation.num_images_without_map > 0) {
-    title << " (" << evaluation.num_images_without_map
-          << " more have ground truth but no map)";
-  }
-  if (evaluation.num_masks) {
-    title << ", masks for " << *evaluation.num_masks << " of them";
-  }
-  return title.str();
 }
 
 // Arguments of both evaluations of maps.
@@ -153,7 +144,7 @@ int EvaluateDepth(int argc, char** argv) {
   evaluation_options.tolerances = ParseTolerances(arguments.tolerances);
   const DepthEvaluation evaluation =
       EvaluateDepthMaps(arguments.workspace_path, evaluation_options);
-  PrintEvaluation(ToJson(evaluation), TitleOf(evaluation), arguments.json);
+  PrintEvaluation(ToJson(evaluation), arguments.json);
   return 0;
 }
 
@@ -170,25 +161,7 @@ Json ToJson(const CloudEvaluation& evaluation) {
   return json;
 }
 
-std::string TitleOf(const CloudEvaluation& evaluation) {
-  return std::to_string(evaluation.num_points) + " points, " +
-         std::to_string(evaluation.num_scan_points) + " scan points";
-}
-
-// Masks apply to images, but a user may give them for a point cloud.
-void RequireNoMasks(int argc, char** argv) {
-  if (std::any_of(argv, argv + argc, [](const std::string& argument) {
-        return argument == "--mask_path" ||
-               argument.starts_with("--mask_path=");
-      })) {
-    throw Error(ErrorCode::kBadOption,
-                "--mask_path: masks are of images, and a cloud is scored as a "
-                "whole; leave it out, or see tsar_evaluate depth --help");
-  }
-}
-
 int EvaluateCloud(int argc, char** argv) {
-  RequireNoMasks(argc, argv);
   CloudEvaluationOptions evaluation_options;
   std::filesystem::path input_path;
   std::filesystem::path ground_truth_path;
@@ -231,7 +204,7 @@ int EvaluateCloud(int argc, char** argv) {
   evaluation_options.tolerances = ParseTolerances(tolerances);
   const CloudEvaluation evaluation =
       EvaluateCloudFile(input_path, ground_truth_path, evaluation_options);
-  PrintEvaluation(ToJson(evaluation), TitleOf(evaluation), json);
+  PrintEvaluation(ToJson(evaluation), json);
   return 0;
 }
 
@@ -247,14 +220,6 @@ Json ToJson(const FusedPixelEvaluation& evaluation,
          {"right", ShareOf(evaluation.num_right[t], evaluation.num_fused)}});
   }
   return json;
-}
-
-std::string TitleOf(const FusedPixelEvaluation& evaluation) {
-  TextStream title;
-  title << evaluation.num_images << " images, " << evaluation.num_fused
-        << " of " << evaluation.num_known
-        << " pixels with ground truth became a point";
-  return title.str();
 }
 
 int RunEvaluateFusedPixels(int argc, char** argv) {
@@ -290,7 +255,6 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
             workspace, evaluation_options, progress, should_stop);
       });
   PrintEvaluation(ToJson(evaluation, evaluation_options.tolerances),
-                  TitleOf(evaluation),
                   arguments.json);
   return 0;
 }

@@ -80,7 +80,6 @@ class SurfaceFinder {
         ComputeMatchingCosts(views_.Reference(), views_.Sources(), device_);
     if (!reference_.min_cost.Empty()) {
       costs.min_cost = DeviceImage<float>(device_, reference_.min_cost);
-      costs.second_cost = DeviceImage<float>(device_, reference_.second_cost);
     }
     DeviceImage<float> confidence = ComputeConfidence(costs, device_);
     Show(RefineStage::kCost, costs.min_cost);

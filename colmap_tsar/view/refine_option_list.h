@@ -21,7 +21,8 @@ struct RefineField {
   // The range of valid values, both ends included; unused for bools.
   double min = 0.0;
   double max = 1.0;
-  // Whether --help tells users of it; all others are for experiments.
+  // Whether users can choose it better than we, so that --help tells of it; all
+  // others are for experiments.
   bool is_option = false;
   // The value of the preset `paper`, the published method as this project
   // interprets it, where that differs from the default.

@@ -104,10 +104,10 @@ TEST_F(OptionSetTest, ReadsEveryTypeInBothSpellingsAndKeepsOtherDefaults) {
 TEST_F(OptionSetTest, WrongArgumentsAreOneLineThatNamesThem) {
   const std::pair<Words, std::string> failures[] = {
       {{"--TsarTest.iteration", "3"},
-       "unknown option --TsarTest.iteration; did you mean "
-       "--TsarTest.iterations?; see tsar_test --help"},
+       "unknown option --TsarTest.iteration (did you mean "
+       "--TsarTest.iterations?); see tsar_test --help"},
       {{"--iterations=3"},
-       "unknown option --iterations; did you mean --TsarTest.iterations?"},
+       "unknown option --iterations (did you mean --TsarTest.iterations?"},
       {{"--zzzzzzzz", "3"}, "unknown option --zzzzzzzz; see tsar_test --help"},
       {{"--TsarTest.dev", "cpu"}, "unknown option --TsarTest.dev;"},
       {{"--TsarTest.device"}, "'--TsarTest.device' is missing"},
@@ -211,7 +211,7 @@ TEST_F(OptionSetTest, IniOfColmapFillsInWhatTheCommandLineLeavesOut) {
 TEST_F(OptionSetTest, WrongInisAreOneLineThatNamesTheFile) {
   const std::pair<const char*, std::string> failures[] = {
       {"[TsarTest]\niteration = 6\n",
-       "unknown option TsarTest.iteration; did you mean "
+       "unknown option TsarTest.iteration (did you mean "
        "--TsarTest.iterations?"},
       {"[TsarTest]\nscore = much\n",
        "TsarTest.score: 'much' is not a number from 0 to 1"},
