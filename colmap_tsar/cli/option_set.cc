@@ -95,8 +95,10 @@ po::options_description Describe(const std::vector<Option>& options, bool all) {
   return described;
 }
 
+// described: of the options; the result refers to it.
 po::parsed_options ReadIni(const std::string& path,
-                           const std::vector<Option>& options) {
+                           const std::vector<Option>& options,
+                           const po::options_description& described) {
   std::error_code ignored;
   std::ifstream file(path);
   if (!file || !std::filesystem::is_regular_file(path, ignored)) {
@@ -105,8 +107,7 @@ po::parsed_options ReadIni(const std::string& path,
                       "is no file that can be read",
                       "give --project_path an ini file");
   }
-  po::parsed_options parsed =
-      po::parse_config_file(file, Describe(options, true), true);
+  po::parsed_options parsed = po::parse_config_file(file, described, true);
   for (const po::option& item : parsed.options) {
     const std::string group = GroupOf(item.string_key);
     if (item.unregistered && !group.empty() &&
@@ -148,15 +149,20 @@ GivenValues ReadValues(const std::vector<Option>& options,
         fail("unexpected argument '" + item.value.at(0) +
              "', options begin with two dashes");
       }
+      if (item.original_tokens.size() > 1 &&
+          item.value.at(0).starts_with("--")) {
+        fail("--" + item.string_key + " has no value");
+      }
       given.on_command_line.insert(item.string_key);
     }
     po::store(parsed, given.values);
     if (given.on_command_line.contains("project_path")) {
       given.ini = given.values["project_path"].as<std::string>();
-      po::store(ReadIni(given.ini, options), given.values);
+      po::store(ReadIni(given.ini, options, described), given.values);
     }
   } catch (const po::unknown_option& error) {
-    const std::string name = error.get_option_name();
+    const std::string written = error.get_option_name();
+    const std::string name = written.substr(0, written.find('='));
     fail("unknown option " + name + Suggestion(options, name));
   } catch (const po::error& error) {
     fail(error.what());

@@ -123,20 +123,18 @@ void AddRefineOptions(RefineOptions* refine, OptionSet* options) {
 
 int RestoreWorkspace(const RefineCommand& command) {
   const WorkspaceRefineOptions& given = command.workspace;
-  const auto refuse = [](const std::filesystem::path& path,
-                         const std::string& option,
-                         const std::string& reason) {
+  for (const auto& [option, path] :
+       {std::pair("--output_path", given.output_path),
+        std::pair("--image_list_path", given.image_list_path),
+        std::pair("--mask_path", given.mask_path),
+        std::pair("--prior_path", given.prior_path)}) {
     if (!path.empty()) {
       throw Error(ErrorCode::kBadOption,
-                  "--restore " + reason + "; leave " + option + " out");
+                  "--restore puts the maps of all images back as they were; "
+                  "leave " +
+                      std::string(option) + " out");
     }
-  };
-  refuse(given.output_path, "--output_path", "puts maps back in place");
-  refuse(given.image_list_path,
-         "--image_list_path",
-         "puts the maps of all images back");
-  refuse(given.mask_path, "--mask_path", "puts whole maps back");
-  refuse(given.prior_path, "--prior_path", "puts maps back as they were");
+  }
   const WorkspaceLock lock(given.workspace_path);
   const RestoreResult result = Restore(
       given.workspace_path, ParseRestoreConflicts(command.restore_conflicts));

@@ -63,7 +63,8 @@ def _value_text(name, value, field):
             raise TypeError(f"{name}: give {expected}, not {value!r}")
         return write(value)
     # Lists of numbers: gpu_index, tolerances.
-    if not field["choices"] and isinstance(value, (list, tuple, numbers.Real)):
+    is_list = not field["choices"] and not field["is_path"]
+    if is_list and isinstance(value, (list, tuple, numbers.Real)):
         return ",".join(map(str, value if isinstance(value, (list, tuple)) else [value]))
     try:
         return os.fsencode(value)

@@ -61,7 +61,7 @@ class Programs:
     def help_of(self, command):
         """What a command of either program says about its options."""
         if command.startswith("tsar_"):
-            return output_of(self.tsar, command, "--help")
+            return output_of(self.tsar, command, "--help_all")
         return self.colmap_help(command)
 
     @functools.cached_property
