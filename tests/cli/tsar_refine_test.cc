@@ -13,11 +13,6 @@
 namespace tsar {
 namespace {
 
-TEST_F(TsarRefineTest, TakesWhatAllCommandsOfColmapTake) {
-  EXPECT_EQ(Run({"--random_seed", "7", "--log_to_stderr", "1"}).exit_code, 0);
-  EXPECT_EQ(UsedOptions()["seed"], "7");
-}
-
 TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
   const auto before = ReadTree(root_);
   const Outcome refined = Run({});
@@ -44,98 +39,54 @@ TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
 }
 
 // As the programs leave it that train on the undistorted images.
-TEST_F(TsarRefineTest, TakesAModelInTheFolder0) {
+TEST_F(TsarRefineTest, TellsToCopyAModelInTheFolder0) {
   std::filesystem::rename(root_ / "sparse", root_ / "0");
   std::filesystem::create_directory(root_ / "sparse");
   std::filesystem::rename(root_ / "0", root_ / "sparse/0");
-  const std::string output = (folder_.Path() / "out").string();
-  const Outcome second = Run({"--output_path", output});
-  EXPECT_EQ(second.exit_code, 0) << second.err;
-  EXPECT_THAT(second.out, testing::Not(testing::HasSubstr("first copy")));
-  EXPECT_TRUE(
-      std::filesystem::exists(folder_.Path() / "out/sparse/images.txt"));
   const Outcome refined = Run({});
   EXPECT_EQ(refined.exit_code, 0) << refined.err;
   EXPECT_THAT(refined.out,
               testing::HasSubstr((root_ / "sparse").string() +
                                  " itself: first copy there what is in " +
                                  (root_ / "sparse/0").string() + "\nNext: "));
-  const std::string picture = (folder_.Path() / "picture.png").string();
-  const std::string planes = (folder_.Path() / "planes.json").string();
-  const auto run = [&](CommandFunction command, const std::string& path) {
-    const Outcome outcome =
-        RunCaptured("colmap",
-                    {"--workspace_path", root_.string(), "--output_path", path},
-                    command);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_TRUE(std::filesystem::exists(path));
-  };
-  run([](int argc,
-         char** argv) { return RunCommand(&RunTsarReport, argc, argv); },
-      picture);
-  run([](int argc,
-         char** argv) { return RunCommand(&RunTsarPlanes, argc, argv); },
-      planes);
-  // Once it is copied, nothing is to be done again.
-  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
-    std::filesystem::copy(root_ / "sparse/0" / name, root_ / "sparse" / name);
-  }
-  const Outcome again = Run({});
-  EXPECT_THAT(again.out, testing::HasSubstr("4 done before"));
-  EXPECT_THAT(again.out, testing::Not(testing::HasSubstr("first copy")));
 }
 
-TEST_F(TsarRefineTest, TellsOfHowManyImagesThereAreMasksAndPriors) {
+// Masks, priors, a list of images, a second workspace and its maps.
+TEST_F(TsarRefineTest, TellsWhatItWasGiven) {
+  const auto before = ReadTree(root_);
   const std::filesystem::path masks = folder_.Path() / "masks";
   const std::filesystem::path priors = folder_.Path() / "priors";
+  const std::string output = (folder_.Path() / "out").string();
+  const std::string list = (folder_.Path() / "list.txt").string();
   WriteMask(
       masks / "left/v2.png.png", 96, 72, [](int x, int) { return x < 9; });
   std::filesystem::create_directories(priors / "left");
   WriteText(priors / "left/v2.pfm",
             PfmBytes(4, 3, 1, std::vector<float>(12, 2.f), true));
-  const Outcome outcome = Run({"--mask_path",
-                               masks.string(),
-                               "--prior_path",
-                               priors.string(),
-                               "--prior_type",
-                               "metric"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out,
-              testing::HasSubstr(
-                  "4 images: 4 refined\n  masks for 1 of 4 images\n  depth "
-                  "priors for 1 of 4 images, 1 of them not used "
-                  "(stereo/tsar/manifest.json says why)\n"));
-}
-
-TEST_F(TsarRefineTest, RefinesListedImagesAlone) {
-  const std::string list = (folder_.Path() / "list.txt").string();
+  Words words = {"--mask_path",
+                 masks.string(),
+                 "--prior_path",
+                 priors.string(),
+                 "--prior_type",
+                 "metric",
+                 "--image_list_path",
+                 list,
+                 "--output_path",
+                 output,
+                 "--input_type",
+                 "photometric"};
   WriteText(list, "v1.png\nv9.png\n");
-  ExpectFailure({"--image_list_path", list},
-                {"ERROR: " + list + ": line 2 names v9.png"});
-  WriteText(list,
-            std::string("\x7F"
-                        "ELF\x02\x01\0\0\n",
-                        9));
-  ExpectFailure({"--image_list_path", list}, {"line 1 is no image name"});
-  WriteText(list, "v1.png\nv3.png\n");
-  ExpectFailure({"--image_list_path", list, "--restore", "1"},
-                {"leave --image_list_path out"});
-  ExpectFailure({"--image_list_path", list, "--TsarRefine.pass", "observe"},
-                {"--image_list_path", "--TsarRefine.pass all"});
-  const Outcome outcome = Run({"--image_list_path", list});
+  ExpectFailure(words, {"list.txt", "v9.png"});
+  WriteText(list, "v1.png\nleft/v2.png\n");
+  const Outcome outcome = Run(words);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out,
-              testing::HasSubstr("4 images: 2 refined, 2 not in the list\n"));
-}
-
-TEST_F(TsarRefineTest, WritesASecondWorkspace) {
-  const auto before = ReadTree(root_);
-  const std::string output = (folder_.Path() / "out").string();
-  const Outcome outcome =
-      Run({"--output_path", output, "--input_type", "photometric"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out,
-              testing::HasSubstr(output + " --input_type photometric"));
+              testing::AllOf(
+                  testing::HasSubstr(
+                      "4 images: 2 refined, 2 not in the list\n  masks for 1 "
+                      "of 4 images\n  depth priors for 1 of 4 images, 1 of "
+                      "them not used (stereo/tsar/manifest.json says why)\n"),
+                  testing::HasSubstr(output + " --input_type photometric")));
   EXPECT_TRUE(ReadTree(root_) == before);
   EXPECT_TRUE(std::filesystem::is_regular_file(
       folder_.Path() / "out/stereo/depth_maps/left/v2.png.photometric.bin"));
@@ -147,11 +98,17 @@ TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   ASSERT_EQ(paper.at("view_agreement"), "0");
   ASSERT_NE(paper.at("num_iterations"), "2");
   WriteText(folder_.Path() / "project.ini",
-            "[TsarRefine]\npreset = paper\nseed = 2\nnum_iterations = 2\n");
+            "random_seed = 2\n[TsarRefine]\npreset = paper\n"
+            "num_iterations = 2\ngpu_index = 0,2\n");
   const Outcome outcome = Run({"--project_path",
                                (folder_.Path() / "project.ini").string(),
-                               "--TsarRefine.seed=3"});
+                               "--log_to_stderr",
+                               "1",
+                               "--random_seed=3"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(ReadText(
+                root_ / "stereo/tsar/manifest.json"))["runtime"]["gpu_index"],
+            "0,2");
   for (const auto& [name, value] : paper) {
     EXPECT_EQ(UsedOptions()[name],
               name == "num_iterations" ? "2"
@@ -188,6 +145,10 @@ TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
        {"ERROR: " + nowhere + ": there is no such folder",
         "check --mask_path"}},
       {{"--output_path", here}, {"--output_path"}},
+      {{"--image_list_path", here, "--TsarRefine.pass", "observe"},
+       {"--image_list_path", "--TsarRefine.pass all"}},
+      {{"--restore", "1", "--image_list_path", here},
+       {"leave --image_list_path out"}},
       {{"--restore", "1", "--output_path", "out"}, {"--output_path"}},
       {{"--restore", "1", "--mask_path", here}, {"leave --mask_path out"}},
       {{"--restore", "1", "--prior_path", here}, {"leave --prior_path out"}},
@@ -242,14 +203,6 @@ TEST_F(TsarRefineTest, BrokenWorkspacesAreOneLine) {
   ExpectFailure({"--restore", "1"}, {"stereo", "no such folder"});
 }
 
-TEST_F(TsarRefineTest, TakesListsOfGpus) {
-  const Outcome outcome = Run({"--TsarRefine.gpu_index", "0,2"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(nlohmann::json::parse(ReadText(
-                root_ / "stereo/tsar/manifest.json"))["runtime"]["gpu_index"],
-            "0,2");
-}
-
 TEST(TsarRefine, HelpTeaches) {
   const Outcome outcome = RunCommandWith<&RunTsarRefine>({"--help"});
   for (const char* text : {"after patch_match_stereo",
@@ -265,7 +218,8 @@ TEST(TsarRefine, HelpTeaches) {
     EXPECT_THAT(all.out,
                 testing::HasSubstr("\n  --TsarRefine." + field.name + " "));
   }
-  EXPECT_THAT(all.out, testing::HasSubstr("In the preset paper: 1."));
+  EXPECT_THAT(RunCommandWith<&RunTsarRefine>({"--help_json"}).out,
+              testing::HasSubstr("In the preset paper: 1."));
 }
 
 }  // namespace
