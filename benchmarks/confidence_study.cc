@@ -125,27 +125,19 @@ void CollectView(const Image<float>& depth_map,
   std::ranges::copy(agreement.ToHost(), counts.begin());
   add("agreeing views", counts);
   add("n_disp", discontinuity.ToHost());
-  const std::pair<const char*, ConfidenceOptions> readings[] = {
-      {"ratio as printed", {true, true}},
-      {"no ratio", {false, true}},
-      {"no ratio, no LRD", {false, false}},
+  const DeviceImage<float> confidence = ComputeConfidence(costs, device);
+  const auto aggregate = [&](ImageView<const uint8_t> counted) {
+    return AggregateScores(depth,
+                           confidence.View(),
+                           discontinuity.View(),
+                           counted,
+                           {},
+                           device)
+        .ToHost();
   };
-  for (const auto& [name, options] : readings) {
-    const DeviceImage<float> confidence =
-        ComputeConfidence(costs, options, device);
-    const auto aggregate = [&](ImageView<const uint8_t> counted) {
-      return AggregateScores(depth,
-                             confidence.View(),
-                             discontinuity.View(),
-                             counted,
-                             {},
-                             device)
-          .ToHost();
-    };
-    add(std::string("n_cost, ") + name, confidence.ToHost());
-    add(std::string("n_aggr, ") + name, aggregate({}));
-    add(std::string("n_aggr + views, ") + name, aggregate(agreement.View()));
-  }
+  add("n_cost", confidence.ToHost());
+  add("n_aggr", aggregate({}));
+  add("n_aggr + views", aggregate(agreement.View()));
 }
 
 void PrintMeasures(const Table& table) {

@@ -10,7 +10,7 @@
 //   fit_confidence MODELED=REFINED [MODELED=REFINED ...]
 //
 // MODELED: see ModeledScene; REFINED: a copy of it after pass compose too;
-// all passes with --TsarRefine.experiment cylinders=0, since depths on columns
+// all passes with --TsarRefine.cylinders 0, since depths on columns
 // and pipes, which have a constant, would count as interpolated ones.
 
 #include "colmap_tsar/cli/commands.h"

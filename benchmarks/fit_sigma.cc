@@ -11,7 +11,7 @@
 //
 // REFINED: a workspace with ground_truth/depth that tsar_refine has refined, or
 // an output workspace of one, all with scene_planes or all without, with
-// --TsarRefine.experiment cylinders=0: depths on columns and pipes would count
+// --TsarRefine.cylinders 0: depths on columns and pipes would count
 // as interpolated ones. Prints a table for a standard deviation of one pixel of
 // disparity, one for the sigma maps, and for each kind of depth the constant
 // for which the median of the scenes' first shares is 0.68.

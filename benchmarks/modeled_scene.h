@@ -170,7 +170,7 @@ inline void RequireNoCylinders(const SceneModel& model,
                       GetSceneModelPath(root).string(),
                       "this scene has columns or pipes, whose depths would "
                       "count as interpolated ones",
-                      "refine it with --TsarRefine.experiment cylinders=0");
+                      "refine it with --TsarRefine.cylinders 0");
   }
 }
 

@@ -621,42 +621,36 @@ def check_texture():
 
 
 def check_variants():
-    def told(name, value, default, presets, **more):
-        return {"name": name, "value": value, "default": default,
-                "presets": presets, **more}
+    def told(name, value, default, advanced=True, **more):
+        return {"name": f"TsarRefine.{name}", "value": value, "default": default,
+                "advanced": advanced, **more}
 
     options = [
-        told("TsarRefine.preset", "default|paper", "default", {},
-             choices=["default", "paper"]),
-        told("TsarRefine.scene_planes", "0|1", "1", {}),
-        told("TsarRefine.sigma_maps", "0|1", "1", {}),
-        told("TsarRefine.experiment", "NAME=VALUE,...", "", {}, settings=[
-            told("filter", "0|1", "1", {}),
-            told("unused", "0|1", "0", {}),
-            told("printed", "0|1", "0", {"paper": "1"}),
-            told("weight", "NUMBER", "0.7", {}, max=1.0),
-            told("rounds", "INT", "5", {}, max=10.0),
-            told("gap", "NUMBER", "0", {}, max=9.0)])]
+        told("preset", "default|paper", "default", False, choices=["default", "paper"]),
+        told("scene_planes", "0|1", "1", False),
+        told("sigma_maps", "0|1", "1", False),
+        told("filter", "0|1", "1"),
+        told("unused", "0|1", "0"),
+        told("weight", "NUMBER", "0.7", max=1.0),
+        told("rounds", "INT", "5", max=10.0),
+        told("gap", "NUMBER", "0", max=9.0)]
     variants = make_variants(["a=--x 1 --y 'b c'"], False, False, False, "--z 2",
                              options)
     check(variants == {"a": ["--z", "2", "--x", "1", "--y", "b c"]},
           "options of a variant")
-    experiment = "--TsarRefine.experiment"
-    variants = make_variants([f"a={experiment} b=1"], False, False, False,
-                             f"{experiment} c=2 --z 3", options)
-    check(variants == {"a": ["--z", "3", experiment, "c=2,b=1"]},
-          "experiments of a variant and of all runs")
     variants = make_variants([], True, True, False, "", options)
     check(list(variants.items()) == [
-        ("default", []),
-        ("without scene_planes", ["--TsarRefine.scene_planes", "0"]),
-        ("without filter", [experiment, "filter=0"]),
-        ("with unused", [experiment, "unused=1"]),
-        ("preset paper", ["--TsarRefine.preset", "paper"]),
-        ("weight 0.35", [experiment, "weight=0.35"]),
-        ("weight 1", [experiment, "weight=1"]),
-        ("rounds 2", [experiment, "rounds=2"]),
-        ("rounds 10", [experiment, "rounds=10"])],
+        (name, [] if name == "default" else [f"--TsarRefine.{option}", value])
+        for name, option, value in (
+            ("default", "", ""),
+            ("without scene_planes", "scene_planes", "0"),
+            ("without filter", "filter", "0"),
+            ("with unused", "unused", "1"),
+            ("preset paper", "preset", "paper"),
+            ("weight 0.35", "weight", "0.35"),
+            ("weight 1", "weight", "1"),
+            ("rounds 2", "rounds", "2"),
+            ("rounds 10", "rounds", "10"))],
           "ablation and sensitivity")
 
 

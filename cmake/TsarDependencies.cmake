@@ -1,7 +1,7 @@
 find_package(Threads REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(OpenCV REQUIRED COMPONENTS core imgproc imgcodecs)
-find_package(Boost REQUIRED)
+find_package(Boost REQUIRED COMPONENTS program_options)
 find_package(nlohmann_json REQUIRED)
 find_package(Ceres REQUIRED)
 include(${CMAKE_CURRENT_LIST_DIR}/TsarImportedTargets.cmake)

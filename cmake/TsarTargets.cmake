@@ -19,7 +19,7 @@ target_compile_definitions(colmap_tsar PRIVATE
 target_link_libraries(colmap_tsar
   PUBLIC Eigen3::Eigen
   PRIVATE Threads::Threads opencv_core opencv_imgproc opencv_imgcodecs
-          $<BUILD_INTERFACE:Boost::headers> Ceres::ceres ColmapTsar::glog
+          $<BUILD_INTERFACE:Boost::headers> $<LINK_ONLY:Boost::program_options> Ceres::ceres ColmapTsar::glog
           ColmapTsar::xxhash
           $<$<BOOL:${TSAR_CLOUD_EVALUATION}>:ColmapTsar::lz4>
           $<BUILD_INTERFACE:nlohmann_json::nlohmann_json>

@@ -118,7 +118,7 @@ def bash_cases(command, form):
     if others:
         text += f"{others})\n      return ;;\n"
     known = "".join(f"--{option['name']} " for option in form["options"])
-    return text + f'    "{words} "*)\n      words="{known}--help --help_json" ;;\n'
+    return text + f'    "{words} "*)\n      words="{known}--help --help_all --help_json" ;;\n'
 
 
 def bash_completion(program):
@@ -160,7 +160,8 @@ def zsh_arguments(form, indentation):
             + zsh_quoted(first_sentence(option["description"]), special="[]:\\")
             + zsh_quoted(f"]:value:{value}")
         )
-    lines.append("'(-h --help)'{-h,--help}'[Print the help; -h in brief]'")
+    lines.append("'(-h --help)'{-h,--help}'[Print the help]'")
+    lines.append("'--help_all[Print the help with all options]'")
     lines.append("'--help_json[Print the help as JSON]' ;;\n")
     return f" \\\n{indentation}  ".join(lines)
 
@@ -222,7 +223,8 @@ def fish_form(start, command, form):
         seen += f"; and __fish_seen_subcommand_from {form['name']}"
     rule = f"{start} -n {fish_quoted(seen)}"
     options = "".join(fish_option(rule, option) for option in form["options"])
-    return text + options + fish_help(rule)
+    help_all = f"{rule} -l help_all -d 'Print the help with all options'\n"
+    return text + options + fish_help(rule) + help_all
 
 
 def fish_completion(program):

@@ -55,7 +55,7 @@ def synopsis(program, command):
 def help_options(what):
     """How the help and its JSON are had; what: what they tell."""
     return (
-        f".TP\n{bold('-h')}, {bold('--help')}\nPrint {what}.\n"
+        f".TP\n{bold('-h')}, {bold('--help')}, {bold('--help_all')}\nPrint {what}.\n"
         f".TP\n{bold('--help_json')}\nPrint {what} as JSON, for programs.\n"
     )
 

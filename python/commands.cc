@@ -6,7 +6,6 @@
 #include "colmap_tsar/cli/export_command.h"
 #include "colmap_tsar/cli/fuse_command.h"
 #include "colmap_tsar/cli/import_command.h"
-#include "colmap_tsar/cli/name_suggestion.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/refine_command.h"
@@ -21,6 +20,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -50,15 +50,26 @@ std::vector<Option> OptionsOf(Command* command) {
   return options.Options();
 }
 
-// What --help_json of the command prints of its options.
 template <typename Command>
-py::str HelpJson() {
+py::str HelpJsonOf() {
   Command command;
   OptionSet options("", "", "");
   command.AddTo(&options);
   TextStream text;
-  PrintHelpJson(options.Help(), text);
+  options.PrintJson(text);
   return ToText(text.str());
+}
+
+// What --help_json of the command tells of its options.
+py::str HelpJson(const std::string& command) {
+  static const std::map<std::string, py::str (*)()> functions = {
+      {"refine", &HelpJsonOf<RefineCommand>},
+      {"stereo", &HelpJsonOf<StereoCommand>},
+      {"fuse", &HelpJsonOf<FuseCommand>},
+      {"import", &HelpJsonOf<ImportCommand>},
+      {"report", &HelpJsonOf<ReportCommand>},
+      {"export", &HelpJsonOf<ExportCommand>}};
+  return functions.at(command)();
 }
 
 // Sets what is given in {name: text}, as it is written on a command line.
@@ -77,6 +88,10 @@ template <typename Command>
 Command ToCommand(const py::dict& values) {
   Command command;
   SetGiven(values, &command);
+  if constexpr (requires { command.UsePreset(); }) {
+    command.UsePreset();
+    SetGiven(values, &command);
+  }
   return command;
 }
 
@@ -164,9 +179,7 @@ auto Run(const std::string& name,
 }
 
 py::dict Refine(const py::dict& options, const py::tuple& listeners) {
-  auto command = ToCommand<RefineCommand>(options);
-  command.UsePreset();
-  SetGiven(options, &command);
+  const auto command = ToCommand<RefineCommand>(options);
   return ToDict(Run("refine", command, listeners));
 }
 
@@ -275,13 +288,7 @@ py::dict Export(const py::dict& options, const py::tuple& listeners) {
 }  // namespace
 
 void BindCommands(py::module_* module) {
-  module->def("help_json_of_refine", &HelpJson<RefineCommand>);
-  module->def("help_json_of_stereo", &HelpJson<StereoCommand>);
-  module->def("help_json_of_fuse", &HelpJson<FuseCommand>);
-  module->def("help_json_of_import", &HelpJson<ImportCommand>);
-  module->def("help_json_of_report", &HelpJson<ReportCommand>);
-  module->def("help_json_of_export", &HelpJson<ExportCommand>);
-  module->def("suggest_names", &SuggestNames);
+  module->def("help_json", &HelpJson);
   module->def("refine", &Refine);
   module->def("restore", &RestoreOriginals);
   module->def("stereo", &Stereo);

@@ -84,6 +84,7 @@ packages=(
   build-essential
   cmake
   dpkg-dev
+  libboost-program-options-dev
   # Headers alone.
   libboost-dev
   libeigen3-dev

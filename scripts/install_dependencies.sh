@@ -39,6 +39,7 @@ packages=(
   # Libraries. OpenCV's CMake package lies in libopencv-dev and names all of
   # OpenCV's libraries, so that the three that are used do not suffice.
   libboost-dev
+  libboost-program-options-dev
   libceres-dev
   libeigen3-dev
   libflann-dev

@@ -97,7 +97,7 @@ std::vector<StageCase> MatchingCases(const StageInputs& in) {
       {"Confidence",
        pixels,
        16.0 * pixels,
-       [&in] { ComputeConfidence(in.costs, {}, in.device); }},
+       [&in] { ComputeConfidence(in.costs, in.device); }},
       // Bytes: depth, the score.
       {"Discontinuity",
        pixels,

@@ -46,7 +46,7 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
       costs(ComputeMatchingCosts(views.Reference(), views.Sources(), device)),
       agreement(
           CountAgreeingSources(views.Reference(), views.Sources(), {}, device)),
-      confidence(ComputeConfidence(costs, {}, device)),
+      confidence(ComputeConfidence(costs, device)),
       discontinuity(ComputeDiscontinuity(
           views.Hypotheses().depth, views.Scale(), {}, device)),
       score(AggregateScores(views.Hypotheses().depth,

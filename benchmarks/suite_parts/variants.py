@@ -8,8 +8,7 @@ import shlex
 from programs import CommandFailed, run
 from suite_parts.simulated_priors import KINDS, name_of
 
-EXPERIMENT = "--TsarRefine.experiment"
-# Those of the method that are options of their own.
+# Parts of the method that --help tells of, beside those that --help_all does.
 OPTIONS = ("TsarRefine.scene_planes", "TsarRefine.distrust_unmatched")
 DEFAULT = "default"
 
@@ -26,37 +25,22 @@ def read_variant(text):
     return name, shlex.split(options)
 
 
-def join(extra, options):
-    """Both, with what they set for experiments in one option."""
-    joined, experiments = [], []
-    words = iter(extra + options)
-    for word in words:
-        if word == EXPERIMENT:
-            experiments.append(next(words, ""))
-        else:
-            joined.append(word)
-    return joined + ([EXPERIMENT, ",".join(experiments)] if experiments else [])
-
-
 def method_of(options):
     """(name, what is told of it, words that set it to {}) of each part."""
     for option in options:
-        if option["name"] in OPTIONS:
-            name = option["name"].split(".")[-1]
-            yield name, option, [f"--{option['name']}", "{}"]
-        for setting in option.get("settings", ()):
-            yield setting["name"], setting, [EXPERIMENT, setting["name"] + "={}"]
+        name = option["name"]
+        if name in OPTIONS or (name.startswith("TsarRefine.") and option["advanced"]):
+            yield name.split(".")[-1], option, [f"--{name}", "{}"]
 
 
 def ablations(options):
-    """Each switch turned, but for those that are on in a preset alone, and each
-    preset."""
+    """Each switch turned, and each preset."""
     for name, told, words in method_of(options):
         if told["value"] != "0|1":
             continue
         if told["default"] == "1":
             yield f"without {name}", [word.format(0) for word in words]
-        elif not told.get("presets"):
+        else:
             yield f"with {name}", [word.format(1) for word in words]
     for option in options:
         if option["name"] == "TsarRefine.preset":
@@ -98,5 +82,4 @@ def make_variants(given, ablation, sensitivity, priors, extra, options):
         variants.update(ablations(options))
     if sensitivity:
         variants.update(sensitivities(options))
-    return {name: join(shlex.split(extra), words)
-            for name, words in variants.items()}
+    return {name: shlex.split(extra) + words for name, words in variants.items()}

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/opencv_threads.h"
-#include "colmap_tsar/cli/name_suggestion.h"
 #include "colmap_tsar/cli/process_setup.h"
 
 #include <algorithm>
@@ -57,9 +56,8 @@ void PrintProgramHelp() {
     std::cout << "  " << std::left << std::setw(static_cast<int>(width) + 2)
               << command.name << command.summary << "\n";
   }
-  std::cout << "\ncolmap_tsar help COMMAND explains a command, colmap_tsar "
-               "COMMAND -h in brief;\ncolmap_tsar --version prints the "
-               "version, --help_json these lines as JSON.\n";
+  std::cout << "\ncolmap_tsar COMMAND --help explains a command, --version "
+               "prints the version,\n--help_json these lines as JSON.\n";
 }
 
 // Prints the help as JSON, for programs: the "summary", the "version" and the
@@ -77,22 +75,12 @@ void PrintProgramHelpJson() {
 }
 
 [[noreturn]] void ThrowUnknownCommand(const std::string& written) {
-  std::vector<std::string> names;
   std::string list;
   for (const Command& command : Commands()) {
-    names.push_back(command.name);
     list += (list.empty() ? "" : ", ") + command.name;
   }
-  // The prefix of all commands is easily forgotten.
-  const std::string prefix = written.starts_with("tsar") ? "" : "tsar_";
-  const std::vector<std::string> suggestions =
-      SuggestNames(prefix + written, names);
-  throw Error(
-      ErrorCode::kBadOption,
-      "unknown command '" + written + "'; " +
-          (suggestions.empty() ? std::string("the")
-                               : "did you mean " + suggestions[0] + "? The") +
-          " commands are " + list);
+  throw Error(ErrorCode::kBadOption,
+              "unknown command '" + written + "'; the commands are " + list);
 }
 
 // Handles the arguments where no command is named.
@@ -100,7 +88,8 @@ int TellAboutProgram(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "help";
   if (name == "help" && argc > 2) {
     ThrowUnknownCommand(argv[2]);
-  } else if (name == "help" || name == "-h" || name == "--help") {
+  } else if (name == "help" || name == "-h" || name == "--help" ||
+             name == "--help_all") {
     PrintProgramHelp();
   } else if (name == "--help_json") {
     PrintProgramHelpJson();

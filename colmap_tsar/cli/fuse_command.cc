@@ -25,13 +25,6 @@ constexpr const char* kSummary =
     "Writes fused.ply, with normals and colors, and fused.ply.vis, the images "
     "that see each point, for poisson_mesher and delaunay_mesher.";
 
-template <typename T>
-void Override(T given, T* value) {
-  if (given != -1) {
-    *value = given;
-  }
-}
-
 void PrintSummary(const FuseSummary& summary, const FuseCommand& command) {
   std::cout << "Fused " << Counted(summary.num_images, "image") << " into "
             << summary.num_points
@@ -58,19 +51,16 @@ void FuseCommand::AddTo(OptionSet* set) {
   set->AddRequired("output_path",
                    &options.output_path,
                    "The PLY file to write; beside it, with .vis behind its "
-                   "name, the images that see each point. Files that are there "
-                   "are replaced with --overwrite 1 alone.");
-  AddMapType(
-      "input_type",
-      &input_type,
-      "The maps to fuse. If not given: geometric, or photometric where only "
-      "those were refined or are there.",
-      set);
+                   "name, the images that see each point.");
+  AddMapType("input_type",
+             &input_type,
+             "The maps to fuse. If not given: geometric, or photometric where "
+             "only those were refined or are there.",
+             set);
   set->Add("image_list_path",
            &options.image_list_path,
            "A text file with one image name per line: the pixels of these "
-           "alone become points; all others are asked about them. If empty, "
-           "all.");
+           "alone become points; all others are asked about them.");
   AddMaskPath(&options.mask_path,
               "Where a mask is black (0), depths count as missing.",
               set);
@@ -80,60 +70,51 @@ void FuseCommand::AddTo(OptionSet* set) {
            "then the largest, as for stereo_fusion. If empty, all are kept.");
   set->Add("overwrite", &overwrite, "Replace a cloud that is there.");
   const std::string group = "TsarFuse.";
-  set->AddChoice(
-      group + "preset",
-      &preset,
-      FusionPresetNames(),
-      "default: depths weighted by precision and confidence; paper: "
-      "the thresholds of the TSAR-MVS paper, three views and the mean of "
-      "what agrees; colmap: the thresholds of stereo_fusion, and "
-      "medians. The options below that are -1 come from it.");
+  set->AddChoice(group + "preset",
+                 &preset,
+                 FusionPresetNames(),
+                 "default: depths weighted by precision and confidence; paper: "
+                 "the thresholds of the TSAR-MVS paper, three views and the "
+                 "mean of what agrees; colmap: the thresholds of "
+                 "stereo_fusion, and medians. The options below come on top.");
+  FusionOptions* const fusion = &options.fusion;
   set->Add(group + "min_num_views",
-           &min_num_views,
+           &fusion->min_num_views,
            "Images that have to agree on a point, its own included.",
-           {-1, kMaxFusionSources + 1});
+           {1, kMaxFusionSources + 1});
   set->Add(group + "max_reproj_error",
-           &max_reproj_error,
+           &fusion->max_reproj_error,
            "How far a pixel may lie from where another image's depth leads "
            "back to, in pixels.",
-           {-1, 1e6});
+           {0, 1e6});
   set->Add(group + "max_depth_error",
-           &max_depth_error,
+           &fusion->max_depth_error,
            "How far depths may differ, as a share of the depth.",
-           {-1, 1});
+           {0, 0.25});
   set->Add(group + "max_normal_error",
-           &max_normal_error,
+           &fusion->max_normal_error,
            "How far normals may differ, in degrees.",
-           {-1, 90});
+           {0, 90});
   set->Add(group + "check_num_images",
-           &check_num_images,
+           &fusion->check_num_images,
            "Other images that are asked about the points of an image: those "
-           "that share most sparse points with it, then those that it was "
-           "matched with.",
-           {-1, kMaxFusionSources});
+           "that share most sparse points with it, then its sources.",
+           {1, kMaxFusionSources});
   set->Add(group + "point_spacing",
-           &point_spacing,
+           &fusion->point_spacing,
            "Of each square of so many pixels of an image, the one in the "
            "middle becomes a point; 1 gives the densest cloud.",
-           {-1, 1000});
+           {1, kMaxPointSpacing});
   AddDeviceArguments(group, &devices, set);
 }
 
-FusionOptions FuseCommand::Fusion() const {
-  FusionOptions fusion = PresetFusionOptions(ParseFusionPreset(preset));
-  Override(min_num_views, &fusion.min_num_views);
-  Override(max_reproj_error, &fusion.max_reproj_error);
-  Override(max_depth_error, &fusion.max_depth_error);
-  Override(max_normal_error, &fusion.max_normal_error);
-  Override(check_num_images, &fusion.check_num_images);
-  Override(point_spacing, &fusion.point_spacing);
-  return fusion;
+void FuseCommand::UsePreset() {
+  options.fusion = PresetFusionOptions(ParseFusionPreset(preset));
 }
 
 FuseSummary FuseCommand::Run(Progress& progress,
                              const std::function<bool()>& should_stop) const {
   FuseWorkspaceOptions parsed = options;
-  parsed.fusion = Fusion();
   parsed.devices = devices.Parse();
   if (!bounding_box_path.empty()) {
     parsed.bounding_box = ReadBoundingBox(bounding_box_path);
@@ -158,6 +139,8 @@ int RunTsarFuse(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
+  command.UsePreset();
+  options.Parse(argc, argv);
   PrintSummary(RunInterruptibly(std::bind_front(&FuseCommand::Run, &command)),
                command);
   return 0;

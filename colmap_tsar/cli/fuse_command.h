@@ -21,26 +21,20 @@ struct FuseCommand {
   std::filesystem::path bounding_box_path;
   bool overwrite = false;
   std::string preset = "default";
-  // -1: the value of the preset.
-  int min_num_views = -1;
-  double max_reproj_error = -1.0;
-  double max_depth_error = -1.0;
-  double max_normal_error = -1.0;
-  int check_num_images = -1;
-  int point_spacing = -1;
   DeviceArguments devices;
   // The options that the members above do not hold.
   FuseWorkspaceOptions options;
 
   void AddTo(OptionSet* set);
 
+  // Sets the criteria to those of the preset. Options given by the user
+  // override these, and have to be set again afterwards.
+  void UsePreset();
+
   // Throws kBadOption, and what RequireWritableOutput, OpenWorkspaceWithMaps,
   // ReadBoundingBox and FuseWorkspace throw.
   FuseSummary Run(Progress& progress,
                   const std::function<bool()>& should_stop) const;
-
- private:
-  FusionOptions Fusion() const;
 };
 
 }  // namespace tsar

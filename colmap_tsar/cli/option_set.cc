@@ -4,92 +4,251 @@
 #include "colmap_tsar/cli/option_set.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/cli/name_suggestion.h"
+#include "colmap_tsar/base/printable.h"
 
 #include <algorithm>
+#include <charconv>
+#include <fstream>
 #include <iostream>
+#include <map>
+#include <set>
+#include <sstream>
+#include <type_traits>
 #include <utility>
+
+#include <boost/program_options.hpp>
+#include <nlohmann/json.hpp>
 
 namespace tsar {
 namespace {
 
-const char kProjectPath[] = "project_path";
-const char kProjectPathHelp[] =
-    "Ini file with values for these options: top-level keys, and one section "
-    "per group. Options on the command line come before it.";
+namespace po = boost::program_options;
 
-// An option of COLMAP's commands, accepted for users who call all commands with
-// the same options.
-const char kLogToStderr[] = "log_to_stderr";
-const char kLogToStderrHelp[] =
-    "Taken for the sake of COLMAP's commands, which have it; warnings go to "
-    "standard error in any case.";
+constexpr unsigned kLineLength = 100;
 
-// The option's group, or an empty text for a top-level option.
-std::string Group(const std::string& name) {
-  const size_t dot = name.find('.');
-  return dot == std::string::npos ? std::string() : name.substr(0, dot);
+template <typename T>
+std::string NumberText(T value) {
+  char buffer[64];
+  return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
 }
 
-std::string Trim(const std::string& text) {
-  const char kSpaces[] = " \t\r\v\f";
-  const size_t begin = text.find_first_not_of(kSpaces);
-  return begin == std::string::npos
-             ? std::string()
-             : text.substr(begin, text.find_last_not_of(kSpaces) + 1 - begin);
+std::string Joined(const std::vector<std::string>& texts,
+                   const std::string& separator) {
+  std::string joined;
+  for (const std::string& text : texts) {
+    joined += (joined.empty() ? "" : separator) + text;
+  }
+  return joined;
 }
 
-// Calls function(name, value) for each KEY = VALUE of an ini file, in order;
-// name: SECTION.KEY, or KEY before the first section.
-template <typename Function>
-void ForEachIniValue(const std::string& path, const Function& function) {
-  InputFile file(path);
-  if (file.IsMissing() || file.IsNoFile()) {
+std::string RangeText(const OptionRange& range) {
+  const bool has_min = range.min > OptionRange().min;
+  const bool has_max = range.max < OptionRange().max;
+  return has_min && has_max
+             ? " from " + NumberText(range.min) + " to " + NumberText(range.max)
+         : has_min ? " of at least " + NumberText(range.min)
+         : has_max ? " of at most " + NumberText(range.max)
+                   : "";
+}
+
+// "seed" of "TsarRefine.seed".
+std::string KeyOf(const std::string& name) {
+  return name.substr(name.find('.') + 1);
+}
+
+// "TsarRefine." of "TsarRefine.seed"; empty for a top-level option.
+std::string GroupOf(const std::string& name) {
+  return name.substr(0, name.find('.') + 1);
+}
+
+// " (did you mean --TsarRefine.device?)" where keys contain each other.
+std::string Suggestion(const std::vector<Option>& options,
+                       const std::string& written) {
+  const std::string key = KeyOf(
+      written.substr(std::min(written.find_first_not_of('-'), written.size())));
+  std::vector<std::string> similar;
+  for (const Option& option : options) {
+    const std::string other = KeyOf(option.name);
+    if (key.size() > 2 && (other.find(key) != std::string::npos ||
+                           key.find(other) != std::string::npos)) {
+      similar.push_back("--" + option.name);
+    }
+  }
+  return similar.empty() ? ""
+                         : " (did you mean " + Joined(similar, ", ") + "?)";
+}
+
+po::options_description Describe(const std::vector<Option>& options, bool all) {
+  po::options_description described("Options", kLineLength, 60);
+  for (const Option& option : options) {
+    if (option.is_advanced && !all) {
+      continue;
+    }
+    auto* value = po::value<std::string>()->value_name(option.ValueHint());
+    if (const std::string text = option.Text(); !text.empty()) {
+      value->default_value(text);
+    }
+    described.add_options()(
+        option.name.c_str(), value, option.description.c_str());
+  }
+  return described;
+}
+
+// described: of the options; the result refers to it.
+po::parsed_options ReadIni(const std::string& path,
+                           const std::vector<Option>& options,
+                           const po::options_description& described) {
+  std::error_code ignored;
+  std::ifstream file(path);
+  if (!file || !std::filesystem::is_regular_file(path, ignored)) {
     throw Error::File(ErrorCode::kNotFound,
                       path,
-                      "there is no such file",
+                      "is no file that can be read",
                       "give --project_path an ini file");
   }
-  if (!file) {
-    throw Error::File(ErrorCode::kIo,
-                      path,
-                      "the file cannot be opened (" + file.Reason() + ")",
-                      "check that it is a file and that you may read it");
+  po::parsed_options parsed = po::parse_config_file(file, described, true);
+  for (const po::option& item : parsed.options) {
+    const std::string group = GroupOf(item.string_key);
+    if (item.unregistered && !group.empty() &&
+        std::ranges::any_of(options, [&](const Option& option) {
+          return GroupOf(option.name) == group;
+        })) {
+      throw po::unknown_option(item.string_key);
+    }
   }
-  std::string prefix;
-  int line_number = 0;
-  for (std::string line; std::getline(file, line);) {
-    ++line_number;
-    line = Trim(line.substr(0, line.find('#')));
-    if (line.empty()) {
-      continue;
-    }
-    if (line.front() == '[' && line.back() == ']') {
-      prefix = line.substr(1, line.size() - 2) + ".";
-      continue;
-    }
-    const size_t equals = line.find('=');
-    if (equals == std::string::npos) {
-      throw Error::File(
-          ErrorCode::kCorrupt,
-          path,
-          "not an ini file (line " + std::to_string(line_number) + ")",
-          "write lines such as KEY = VALUE and [SECTION]");
-    }
-    function(prefix + Trim(line.substr(0, equals)),
-             Trim(line.substr(equals + 1)));
-  }
+  return parsed;
 }
 
-bool HasArgument(int argc, const char* const* argv, const std::string& name) {
-  return std::any_of(argv + std::min(argc, 1), argv + argc, [&](const char* a) {
-    return a == name;
+// What the command line gives, and an ini file for the rest.
+struct GivenValues {
+  po::variables_map values;
+  std::set<std::string> on_command_line;
+  std::string ini;  // Its path, or empty.
+};
+
+GivenValues ReadValues(const std::vector<Option>& options,
+                       int argc,
+                       const char* const* argv,
+                       const std::string& advice) {
+  using namespace po::command_line_style;  // NOLINT
+  const po::options_description described = Describe(options, true);
+  GivenValues given;
+  const auto fail = [&](const std::string& what) {
+    throw Error(ErrorCode::kBadOption,
+                (given.ini.empty() ? "" : given.ini + ": ") + what + advice);
+  };
+  try {
+    const po::parsed_options parsed =
+        po::command_line_parser(argc, argv)
+            .options(described)
+            .style(allow_long | long_allow_adjacent | long_allow_next)
+            .run();
+    for (const po::option& item : parsed.options) {
+      if (item.string_key.empty()) {
+        fail("unexpected argument '" + item.value.at(0) +
+             "', options begin with two dashes");
+      }
+      if (item.original_tokens.size() > 1 &&
+          item.value.at(0).starts_with("--")) {
+        fail("--" + item.string_key + " has no value");
+      }
+      given.on_command_line.insert(item.string_key);
+    }
+    po::store(parsed, given.values);
+    if (given.on_command_line.contains("project_path")) {
+      given.ini = given.values["project_path"].as<std::string>();
+      po::store(ReadIni(given.ini, options, described), given.values);
+    }
+  } catch (const po::unknown_option& error) {
+    const std::string written = error.get_option_name();
+    const std::string name = written.substr(0, written.find('='));
+    fail("unknown option " + name + Suggestion(options, name));
+  } catch (const po::error& error) {
+    fail(error.what());
+  }
+  return given;
+}
+
+// Has OptionName() name the options of this command as users write them.
+void NameOptions(const std::vector<Option>& options) {
+  std::map<std::string, std::string> written;
+  for (const Option& option : options) {
+    written[KeyOf(option.name)] = "--" + option.name;
+  }
+  SetOptionNamer([written](const std::string& key) {
+    const auto found = written.find(key);
+    return found == written.end() ? "--" + key : found->second;
   });
 }
 
+// Breaks a text into lines.
+std::string Wrapped(const std::string& text) {
+  std::istringstream words(text);
+  std::string wrapped;
+  size_t length = 0;
+  for (std::string word; words >> word; length += word.size()) {
+    const bool is_full = length + 1 + word.size() > kLineLength;
+    wrapped += (wrapped.empty() ? "" : is_full ? "\n" : " ") + word;
+    length = is_full ? 0 : length + 1;
+  }
+  return wrapped + "\n";
+}
+
 }  // namespace
+
+void Option::Set(const std::string& text, const std::string& where) const {
+  const auto require = [&](bool is_valid, const std::string& wanted) {
+    if (!is_valid) {
+      throw Error(ErrorCode::kBadOption,
+                  where + ": '" + text + "' is not " + wanted);
+    }
+  };
+  std::visit(
+      [&](auto* value) {
+        using T = std::remove_pointer_t<decltype(value)>;
+        if constexpr (std::is_same_v<T, bool>) {
+          const bool is_on = text == "1" || text == "true";
+          require(is_on || text == "0" || text == "false", "0 or 1");
+          *value = is_on;
+        } else if constexpr (std::is_arithmetic_v<T>) {
+          T parsed{};
+          const char* end = text.data() + text.size();
+          const auto [rest, error] = std::from_chars(text.data(), end, parsed);
+          require(rest == end && error == std::errc() && parsed >= range.min &&
+                      parsed <= range.max,
+                  (std::is_integral_v<T> ? "a whole number" : "a number") +
+                      RangeText(range));
+          *value = parsed;
+        } else {
+          require(choices.empty() || std::ranges::count(choices, text) > 0,
+                  "one of " + Joined(choices, ", "));
+          *value = text;
+        }
+      },
+      target);
+}
+
+std::string Option::Text() const {
+  return std::visit(
+      [](const auto* value) -> std::string {
+        using T = std::remove_cv_t<std::remove_pointer_t<decltype(value)>>;
+        if constexpr (std::is_same_v<T, bool>) {
+          return *value ? "1" : "0";
+        } else if constexpr (std::is_arithmetic_v<T>) {
+          return NumberText(*value);
+        } else {
+          return std::filesystem::path(*value).string();
+        }
+      },
+      target);
+}
+
+std::string Option::ValueHint() const {
+  constexpr const char* kHints[] = {
+      "0|1", "INT", "NUMBER", "NUMBER", "TEXT", "PATH"};
+  return choices.empty() ? kHints[target.index()] : Joined(choices, "|");
+}
 
 OptionSet::OptionSet(std::string command,
                      std::string summary,
@@ -98,196 +257,111 @@ OptionSet::OptionSet(std::string command,
       summary_(std::move(summary)),
       example_(std::move(example)) {}
 
-void OptionSet::Add(const std::string& name,
-                    OptionTarget target,
-                    const std::string& description,
-                    const OptionRange& range) {
-  options_.push_back({name, description, target, range, {}, false});
+Option& OptionSet::Add(const std::string& name,
+                       OptionTarget target,
+                       const std::string& description,
+                       const OptionRange& range) {
+  options_.push_back({name, target, description, range});
+  return options_.back();
 }
 
-void OptionSet::AddRequired(const std::string& name,
-                            std::filesystem::path* value,
-                            const std::string& description) {
-  options_.push_back({name, description, value, {}, {}, true});
+Option& OptionSet::AddRequired(const std::string& name,
+                               std::filesystem::path* value,
+                               const std::string& description) {
+  Option& option = Add(name, value, description);
+  option.is_required = true;
+  return option;
 }
 
-void OptionSet::AddChoice(const std::string& name,
-                          std::string* value,
-                          const std::vector<std::string>& choices,
-                          const std::string& description) {
-  options_.push_back({name, description, value, {}, choices, false});
+Option& OptionSet::AddChoice(const std::string& name,
+                             std::string* value,
+                             const std::vector<std::string>& choices,
+                             const std::string& description) {
+  Option& option = Add(name, value, description);
+  option.choices = choices;
+  return option;
 }
 
-void OptionSet::AddSettings(const std::string& name,
-                            std::string* text,
-                            std::vector<Option> settings,
-                            const std::string& description) {
-  options_.push_back(
-      {name, description, text, {}, {}, false, std::move(settings)});
-}
-
-bool OptionSet::Parse(int argc, const char* const* argv) const {
-  NameOptions();
-  if (HasArgument(argc, argv, "--help_json")) {
-    PrintHelpJson(Help(), std::cout);
+bool OptionSet::Parse(int argc, const char* const* argv) {
+  if (options_.back().name != "log_to_stderr") {  // Not at the second call.
+    Add("project_path",
+        &project_path_,
+        "Ini file with values for these options: top-level keys, and a section "
+        "per group. Options on the command line come before it.");
+    Add("log_to_stderr",
+        &log_to_stderr_,
+        "Taken for the sake of COLMAP's commands, which have it; warnings go "
+        "to standard error in any case.")
+        .is_advanced = true;
+  }
+  NameOptions(options_);
+  const std::set<std::string> words(argv + std::min(argc, 1), argv + argc);
+  if (words.contains("--help_json")) {
+    PrintJson(std::cout);
     return false;
   }
-  const bool is_long = HasArgument(argc, argv, "--help");
-  if (is_long || HasArgument(argc, argv, "-h")) {
-    (is_long ? PrintHelp : PrintShortHelp)(
-        Help(), std::filesystem::path(argv[0]).filename().string(), std::cout);
+  const bool all = words.contains("--help_all");
+  if (all || words.contains("--help") || words.contains("-h")) {
+    PrintHelp(std::filesystem::path(argv[0]).filename().string(), all);
     return false;
   }
-  const std::map<std::string, std::string> given = ReadCommandLine(argc, argv);
+  const std::string advice = "; see " + command_ + " --help";
+  const GivenValues given = ReadValues(options_, argc, argv, advice);
   for (const Option& option : options_) {
-    const auto found = given.find(option.name);
-    if (!option.settings.empty() && found != given.end() &&
-        found->second == "help") {
-      PrintSettings(option, std::cout);
-      return false;
+    if (const po::variable_value& value = given.values[option.name];
+        !value.empty() && !value.defaulted()) {
+      option.Set(value.as<std::string>(),
+                 given.on_command_line.contains(option.name)
+                     ? "--" + option.name
+                     : given.ini + ": " + option.name);
     }
-  }
-  std::set<std::string> names;
-  for (const auto& [name, text] : given) {
-    names.insert(name);
-  }
-  const auto project = given.find(kProjectPath);
-  if (project != given.end()) {
-    names.merge(ReadIni(project->second, names));
-  }
-  for (const auto& [name, text] : given) {
-    if (name != kProjectPath && name != kLogToStderr) {
-      Find(name)->Set(text, "--" + name);
-    }
-  }
-  for (const Option& option : options_) {
-    if (option.required &&
-        (!names.contains(option.name) || option.Text().empty())) {
+    if (option.is_required && option.Text().empty()) {
       throw Error(ErrorCode::kBadOption,
                   "--" + option.name + " is missing; give it as --" +
-                      option.name + " " + option.ValueHint() + ", or see " +
-                      command_ + " --help");
+                      option.name + " " + option.ValueHint() + advice);
     }
   }
   return true;
 }
 
-void OptionSet::NameOptions() const {
-  std::map<std::string, std::string> written;
+void OptionSet::PrintHelp(const std::string& program_name, bool all) const {
+  const std::string program = Printable(program_name) + " ";
+  std::cout << Wrapped(summary_) << "\nUsage:\n  " << program << command_;
   for (const Option& option : options_) {
-    written[option.name.substr(option.name.find('.') + 1)] = "--" + option.name;
-    for (const Option& setting : option.settings) {
-      written[setting.name] = "--" + option.name + " " + setting.name;
+    if (option.is_required) {
+      std::cout << " --" << option.name << " " << option.ValueHint();
     }
   }
-  SetOptionNamer([written](const std::string& key) {
-    const auto found = written.find(key);
-    return found == written.end() ? "--" + key : found->second;
-  });
+  std::cout << " [options]\n\nExample:\n  " << program << example_ << "\n\n"
+            << Describe(options_, all) << "\n";
+  const auto num_advanced =
+      std::ranges::count(options_, true, &Option::is_advanced);
+  if (!all) {
+    std::cout << program << command_ << " --help_all lists " << num_advanced
+              << " more options.\n";
+  }
 }
 
-CommandHelp OptionSet::Help() const {
-  // Parse reads its value and does not keep it.
-  static std::filesystem::path no_project_path;
-  CommandHelp help{command_, summary_, example_, options_};
-  help.options.push_back(
-      {kProjectPath, kProjectPathHelp, &no_project_path, {}, {}, false});
-  static bool logs_to_stderr = true;
-  help.options.push_back(
-      {kLogToStderr, kLogToStderrHelp, &logs_to_stderr, {}, {}, false});
-  return help;
-}
-
-const Option* OptionSet::Find(const std::string& name) const {
-  const auto found =
-      std::find_if(options_.begin(), options_.end(), [&](const Option& option) {
-        return option.name == name;
-      });
-  return found == options_.end() ? nullptr : &*found;
-}
-
-std::string OptionSet::Advice(const std::string& written) const {
-  std::vector<std::string> names = {kProjectPath, "help", "help_json"};
+void OptionSet::PrintJson(std::ostream& out) const {
+  nlohmann::ordered_json json = {{"command", command_},
+                                 {"summary", summary_},
+                                 {"example", example_},
+                                 {"options", nlohmann::json::array()}};
   for (const Option& option : options_) {
-    names.push_back(option.name);
+    const bool is_switch = std::holds_alternative<bool*>(option.target);
+    json["options"].push_back(
+        {{"name", option.name},
+         {"value", option.ValueHint()},
+         {"choices",
+          is_switch ? std::vector<std::string>{"0", "1"} : option.choices},
+         {"is_path", option.ValueHint() == "PATH"},
+         {"required", option.is_required},
+         {"advanced", option.is_advanced},
+         {"default", option.Text()},
+         {"max", option.range.max},
+         {"description", option.description}});
   }
-  std::string advice;
-  for (const std::string& name : SuggestNames(written, names)) {
-    advice += (advice.empty() ? "did you mean --" : " or --") + name;
-  }
-  return (advice.empty() ? "see " : advice + "? See ") + command_ + " --help";
-}
-
-std::map<std::string, std::string> OptionSet::ReadCommandLine(
-    int argc, const char* const* argv) const {
-  std::map<std::string, std::string> values;
-  for (int i = 1; i < argc; ++i) {
-    const std::string token = argv[i];
-    const size_t equals = token.find('=');
-    const std::string written = token.substr(0, equals);
-    if (!token.starts_with("--") || written.size() == 2) {
-      throw Error(ErrorCode::kBadOption,
-                  "unexpected argument '" + token +
-                      "'; options begin with two dashes, see " + command_ +
-                      " --help");
-    }
-    const std::string name = written.substr(2);
-    if (name != kProjectPath && name != kLogToStderr && Find(name) == nullptr) {
-      throw Error(ErrorCode::kBadOption,
-                  "unknown option " + written + "; " + Advice(name));
-    }
-    // A value in a word of its own that looks like an option is one: the value
-    // was forgotten.
-    const bool has_value =
-        equals == std::string::npos
-            ? i + 1 < argc && !std::string(argv[i + 1]).starts_with("--")
-            : equals + 1 < token.size();
-    if (!has_value) {
-      throw Error(
-          ErrorCode::kBadOption,
-          written + " has no value; give one, or see " + command_ + " --help");
-    }
-    const std::string value =
-        equals == std::string::npos ? argv[++i] : token.substr(equals + 1);
-    if (!values.emplace(name, value).second) {
-      throw Error(ErrorCode::kBadOption,
-                  written + " is given twice; give it once");
-    }
-  }
-  return values;
-}
-
-bool OptionSet::SeemsOwn(const std::string& name) const {
-  const std::string group = Group(name);
-  return std::ranges::any_of(options_, [&](const Option& option) {
-    return Group(option.name) == group &&
-           (!group.empty() || EditDistance(name, option.name) <= 2);
-  });
-}
-
-std::set<std::string> OptionSet::ReadIni(
-    const std::string& path, const std::set<std::string>& overridden) const {
-  std::set<std::string> names;
-  ForEachIniValue(path, [&](const std::string& name, const std::string& value) {
-    const Option* option = Find(name);
-    if (option == nullptr) {
-      if (SeemsOwn(name)) {
-        throw Error::File(
-            ErrorCode::kBadOption, path, "unknown key " + name, Advice(name));
-      }
-      return;
-    }
-    if (!names.insert(name).second) {
-      throw Error::File(ErrorCode::kBadOption,
-                        path,
-                        "key " + name + " is given twice",
-                        "give it once");
-    }
-    if (!overridden.contains(name)) {
-      option->Set(value, path + ": " + name);
-    }
-  });
-  return names;
+  out << json.dump(2) << "\n";
 }
 
 }  // namespace tsar

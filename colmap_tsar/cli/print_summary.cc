@@ -4,13 +4,14 @@
 #include "colmap_tsar/cli/print_summary.h"
 
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 #include "colmap_tsar/view/unmatched_depths.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
+#include <iomanip>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,20 +19,12 @@
 namespace tsar {
 namespace {
 
-constexpr size_t kMaxKeptListed = 10;
-constexpr size_t kMaxStagesListed = 5;
+constexpr size_t kMaxListed = 10;
 
 std::string Fixed(double value, int num_digits) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.*f", num_digits, value);
-  return text;
-}
-
-// The value with four significant digits.
-std::string Rounded(double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.4g", value);
-  return text;
+  TextStream text;
+  text << std::fixed << std::setprecision(num_digits) << value;
+  return text.str();
 }
 
 std::string Percent(int64_t count, int64_t total) {
@@ -50,6 +43,27 @@ std::string Quoted(const std::filesystem::path& path) {
   return ShellWord(Printable(path.string()));
 }
 
+// ", 3 WHAT" where there are any.
+std::string More(int64_t count, const std::string& what) {
+  return count > 0 ? ", " + std::to_string(count) + " " + what : "";
+}
+
+// Prints the first images with their reasons, each after a word, and how many
+// more there are.
+template <typename Image>
+void PrintReasons(const std::vector<Image>& images,
+                  const std::string& word,
+                  const std::string& where,
+                  std::ostream& out) {
+  for (size_t i = 0; i < std::min(images.size(), kMaxListed); ++i) {
+    out << "  " << word << Printable(images[i].name + ": " + images[i].reason)
+        << "\n";
+  }
+  if (images.size() > kMaxListed) {
+    out << "  and " << images.size() - kMaxListed << " more" << where << "\n";
+  }
+}
+
 // where: the file that says why priors were dropped, in brackets, or empty.
 void PrintPriors(const std::optional<int64_t>& num_priors,
                  int num_images,
@@ -58,15 +72,13 @@ void PrintPriors(const std::optional<int64_t>& num_priors,
                  std::ostream& out) {
   if (num_priors) {
     out << "  depth priors for " << *num_priors << " of "
-        << Counted(num_images, "image");
-    if (num_dropped > 0) {
-      out << ", " << num_dropped << " of them not used" << where;
-    }
-    out << "\n";
+        << Counted(num_images, "image") << More(num_dropped, "of them not used")
+        << (num_dropped > 0 ? where : "") << "\n";
   }
 }
 
-void PrintPriors(const RunSummary& summary, std::ostream& out) {
+void PrintMasksAndPriors(const RunSummary& summary, std::ostream& out) {
+  PrintMasks(summary.num_masks, summary.num_images, out);
   PrintPriors(summary.num_priors,
               summary.num_images,
               Count(summary, kPriorsDropped),
@@ -75,46 +87,30 @@ void PrintPriors(const RunSummary& summary, std::ostream& out) {
 }
 
 void PrintImages(const RunSummary& summary, std::ostream& out) {
-  if (summary.pass == RefinePass::kObserve) {
-    out << "Shard " << ToString(summary.shard) << ", "
-        << Counted(summary.num_images, "image") << ": " << summary.num_observed
-        << " observed, " << summary.num_skipped
-        << " observed before or not to be observed\n";
-    PrintMasks(summary.num_masks, summary.num_images, out);
-    PrintPriors(summary, out);
-    return;
+  const std::string images = Counted(summary.num_images, "image");
+  const std::string shard = "Shard " + ToString(summary.shard) + ", ";
+  switch (summary.pass) {
+    case RefinePass::kObserve:
+      out << shard << images << ": " << summary.num_observed << " observed, "
+          << summary.num_skipped << " observed before or not to be observed\n";
+      PrintMasksAndPriors(summary, out);
+      return;
+    case RefinePass::kModel:
+      out << images << ": the planes of the scene have been found\n";
+      return;
+    case RefinePass::kCompose:
+      out << shard;
+      break;
+    default:
+      break;
   }
-  if (summary.pass == RefinePass::kModel) {
-    out << Counted(summary.num_images, "image")
-        << ": the planes of the scene have been found\n";
-    return;
-  }
-  if (summary.pass == RefinePass::kCompose) {
-    out << "Shard " << ToString(summary.shard) << ", ";
-  }
-  out << Counted(summary.num_images, "image") << ": " << summary.num_refined
-      << " refined";
-  if (summary.num_skipped > 0) {
-    out << ", " << summary.num_skipped << " done before with the same options";
-  }
-  if (!summary.kept.empty()) {
-    out << ", " << summary.kept.size() << " kept as they were";
-  }
-  if (summary.num_not_listed > 0) {
-    out << ", " << summary.num_not_listed << " not in the list";
-  }
-  out << "\n";
-  PrintMasks(summary.num_masks, summary.num_images, out);
-  PrintPriors(summary, out);
-  for (size_t i = 0; i < std::min(summary.kept.size(), kMaxKeptListed); ++i) {
-    out << "  kept "
-        << Printable(summary.kept[i].name + ": " + summary.kept[i].reason)
-        << "\n";
-  }
-  if (summary.kept.size() > kMaxKeptListed) {
-    out << "  and " << summary.kept.size() - kMaxKeptListed
-        << " more; stereo/tsar/manifest.json lists all\n";
-  }
+  out << images << ": " << summary.num_refined << " refined"
+      << More(summary.num_skipped, "done before with the same options")
+      << More(static_cast<int64_t>(summary.kept.size()), "kept as they were")
+      << More(summary.num_not_listed, "not in the list") << "\n";
+  PrintMasksAndPriors(summary, out);
+  PrintReasons(
+      summary.kept, "kept ", "; stereo/tsar/manifest.json lists all", out);
   if (summary.num_sources_without_maps > 0) {
     out << "  source images left out because they have no maps: "
         << summary.num_sources_without_maps << "\n";
@@ -151,34 +147,43 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
   if (summary.num_workers > 1) {
     out << ", " << Counted(summary.num_workers, "image") << " at a time";
   }
-  if (summary.wall_seconds > 0.0) {
-    out << "; " << Fixed(summary.num_refined / summary.wall_seconds, 2)
-        << " images per second";
-  }
-  out << "\n";
-  std::vector<std::pair<double, std::string>> stages;
-  for (const auto& [stage, seconds] : summary.seconds) {
-    stages.emplace_back(-seconds, stage);
-  }
-  std::sort(stages.begin(), stages.end());
-  out << "  seconds per image:";
-  const char* separator = " ";
-  double others = 0.0;
-  for (size_t i = 0; i < stages.size(); ++i) {
-    const double seconds = -stages[i].first / summary.num_refined;
-    if (i >= kMaxStagesListed) {
-      others += seconds;
-      continue;
-    }
-    out << separator << Printable(stages[i].second) << " " << Fixed(seconds, 3);
-    separator = ", ";
-  }
-  if (stages.size() > kMaxStagesListed) {
-    out << ", all else " << Fixed(others, 3)
-        << " (stereo/tsar/manifest.json lists it)";
-  }
-  out << "\n";
+  out << "; stereo/tsar/manifest.json has that of each stage\n";
   PrintPeakMemory(summary.peak_gpu_memory, out);
+}
+
+// Prints the next command to run.
+void PrintNext(const RunSummary& summary, std::ostream& out) {
+  switch (summary.pass) {
+    case RefinePass::kObserve:
+      out << "Next, when all shards have been observed: --TsarRefine.pass "
+             "model\n";
+      return;
+    case RefinePass::kModel:
+      out << "Next, for each shard: --TsarRefine.pass compose\n";
+      return;
+    case RefinePass::kCompose:
+      out << "Next, when all shards have been composed: --TsarRefine.pass "
+             "merge\n";
+      return;
+    default:
+      break;
+  }
+  if (summary.RefinedNone()) {
+    return;
+  }
+  if (summary.model_folder != summary.workspace_path / "sparse") {
+    out << "stereo_fusion looks for the sparse model in "
+        << Quoted(summary.workspace_path / "sparse")
+        << " itself: first copy there what is in "
+        << Quoted(summary.model_folder) << "\n";
+  }
+  for (const std::string& obstacle : summary.fusion_obstacles) {
+    out << "Before fusion: " << Printable(obstacle) << "\n";
+  }
+  out << "Next: colmap stereo_fusion --workspace_path "
+      << Quoted(summary.workspace_path) << " --input_type "
+      << ToString(summary.type) << " --output_path "
+      << Quoted(summary.workspace_path / "fused.ply") << "\n";
 }
 
 }  // namespace
@@ -209,73 +214,32 @@ void PrintSummary(const RunSummary& summary, std::ostream& out) {
   if (summary.pass == RefinePass::kAll && summary.num_refined == 0 &&
       summary.kept.empty()) {
     out << Counted(summary.num_images, "image") << ": nothing to do, "
-        << summary.num_skipped << " done before with the same options";
-    if (summary.num_not_listed > 0) {
-      out << ", " << summary.num_not_listed << " not in the list";
-    }
-    out << std::endl;
+        << summary.num_skipped << " done before with the same options"
+        << More(summary.num_not_listed, "not in the list") << std::endl;
     return;
   }
   PrintImages(summary, out);
   if (summary.num_refined > 0) {
     PrintPixels(summary, out);
+    if (summary.pass != RefinePass::kMerge) {
+      PrintTimes(summary, out);
+    }
   }
-  if (summary.num_refined > 0 && summary.pass != RefinePass::kMerge) {
-    PrintTimes(summary, out);
-  }
-  if (summary.pass == RefinePass::kModel) {
-    out << "Next, for each shard: --TsarRefine.pass compose" << std::endl;
-    return;
-  }
-  if (summary.pass == RefinePass::kObserve ||
-      summary.pass == RefinePass::kCompose) {
-    const bool has_observed = summary.pass == RefinePass::kObserve;
-    out << "Next, when all shards have been "
-        << (has_observed ? "observed: --TsarRefine.pass model"
-                         : "composed: --TsarRefine.pass merge")
-        << std::endl;
-    return;
-  }
-  if (summary.RefinedNone()) {
-    out << std::flush;
-    return;
-  }
-  if (summary.model_folder != summary.workspace_path / "sparse") {
-    out << "stereo_fusion looks for the sparse model in "
-        << Quoted(summary.workspace_path / "sparse")
-        << " itself: first copy there what is in "
-        << Quoted(summary.model_folder) << "\n";
-  }
-  for (const std::string& obstacle : summary.fusion_obstacles) {
-    out << "Before fusion: " << Printable(obstacle) << "\n";
-  }
-  out << "Next: colmap stereo_fusion --workspace_path "
-      << Quoted(summary.workspace_path) << " --input_type "
-      << ToString(summary.type) << " --output_path "
-      << Quoted(summary.workspace_path / "fused.ply") << std::endl;
+  PrintNext(summary, out);
+  out << std::flush;
 }
 
 void PrintSummary(const StereoSummary& summary, std::ostream& out) {
-  out << summary.num_images << " images on " << summary.device;
-  if (summary.num_skipped > 0) {
-    out << ", " << summary.num_skipped << " done before";
-  }
-  out << ": " << Fixed(summary.wall_seconds, 1) << " s\n";
+  out << summary.num_images << " images on " << summary.device
+      << More(summary.num_skipped, "done before") << ": "
+      << Fixed(summary.wall_seconds, 1) << " s\n";
   PrintMasks(summary.num_masks, summary.num_images, out);
-  const std::vector<StereoSummary::ImageReason>& dropped =
-      summary.dropped_priors;
   PrintPriors(summary.num_priors,
               summary.num_images,
-              static_cast<int64_t>(dropped.size()),
+              static_cast<int64_t>(summary.dropped_priors.size()),
               "",
               out);
-  for (size_t i = 0; i < std::min(dropped.size(), kMaxKeptListed); ++i) {
-    out << "  " << Printable(dropped[i].name) << ": " << dropped[i].reason
-        << "\n";
-  }
-  if (dropped.size() > kMaxKeptListed) {
-    out << "  and " << dropped.size() - kMaxKeptListed << " more\n";
-  }
+  PrintReasons(summary.dropped_priors, "", "", out);
   for (const StereoSummary::ImageReason& image : summary.without_sources) {
     out << "  " << Printable(image.name) << " has no maps: " << image.reason
         << "\n";
@@ -312,10 +276,11 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
         << summary.scale.num_images << " images)\n";
   }
   if (summary.far > 0.f && summary.sparse_far > 0.f) {
-    out << "Depths from " << Rounded(summary.near) << " to "
-        << Rounded(summary.far) << ", sparse points from "
-        << Rounded(summary.sparse_near) << " to " << Rounded(summary.sparse_far)
-        << "\n";
+    TextStream range;
+    range << std::setprecision(4) << "Depths from " << summary.near << " to "
+          << summary.far << ", sparse points from " << summary.sparse_near
+          << " to " << summary.sparse_far << "\n";
+    out << range.str();
   }
   constexpr size_t kMaxWarnings = 20;
   const size_t num_shown = std::min(summary.warnings.size(), kMaxWarnings);

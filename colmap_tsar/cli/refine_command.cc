@@ -30,15 +30,14 @@ constexpr const char* kSummary =
     "Completes the depth and normal maps of a dense workspace where surfaces "
     "have no texture: it removes wrong depths, spreads right ones and fits "
     "planes to walls, floors and facades. Run it after patch_match_stereo and "
-    "before stereo_fusion. The refined maps take the names of the originals, "
-    "so that stereo_fusion needs no other options; the originals are kept in "
-    "stereo/tsar and --restore 1 puts them back. Beside the maps it writes how "
-    "sure each depth is (stereo/confidence_maps, stereo/sigma_maps), where it "
-    "comes from (stereo/provenance_maps), which plane it lies on "
+    "before stereo_fusion, which needs no other options: refined maps take the "
+    "names of the originals, and --restore 1 puts these back. Beside them it "
+    "writes how sure each depth is (stereo/confidence_maps, "
+    "stereo/sigma_maps), "
+    "where it comes from (stereo/provenance_maps), its plane "
     "(stereo/plane_maps) and an account of the run "
     "(stereo/tsar/manifest.json). It can be interrupted at any time: the same "
-    "command goes on where it stopped. A run with other options begins from "
-    "the originals again.";
+    "command goes on where it stopped.";
 
 void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
   options->AddRequired("workspace_path",
@@ -47,31 +46,19 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                        "patch_match_stereo fills it.");
   AddMapType("input_type",
              &command->input_type,
-             "Which maps to refine; the others serve as evidence where "
-             "they exist. If not given: geometric, or photometric where "
-             "there are no geometric ones.",
+             "The maps to refine; the others serve as evidence. If not given: "
+             "geometric, or photometric where there are no others.",
              options);
   options->Add("image_list_path",
                &command->workspace.image_list_path,
                "A text file with one image name per line: refine these alone, "
-               "to the same maps as among all. The others serve as sources, "
-               "and stay as they are. If empty, refine all.");
+               "to the same maps as among all. If empty, all.");
   AddMaskPath(&command->workspace.mask_path,
-              "Where a mask is black (0), what the maps hold is no evidence "
-              "for anything, and the refined maps have no depth. Images "
-              "without a mask are used as a whole.",
+              "Where a mask is black (0), what the maps hold is no evidence, "
+              "and the refined maps have no depth.",
               options);
   AddPriorOptions(
       "", &command->workspace.prior_path, &command->prior_type, options);
-  options->Add("region_path",
-               &command->workspace.region_path,
-               "The folder with label images of the undistorted images, "
-               "a.jpg.png or a.png for a.jpg, of any program for segmentation: "
-               "PNG files of one channel with 8 or 16 bits, a number for each "
-               "segment, which is one face or one object, and 0 for none. "
-               "The planes of a segment replace those of the regions between "
-               "image edges where most depths measured in it contradict these "
-               "and confirm its own. Images may be without one.");
   options->Add("output_path",
                &command->workspace.output_path,
                "Write a second workspace here, with links to the images, and "
@@ -88,93 +75,56 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
   const std::string group = kGroup;
   options->AddChoice(group + "preset",
                      &command->preset,
-                     {"default", "paper", "paper_strict"},
-                     "The method of this project; the published one as this "
-                     "project reads it; or its equations as printed, for "
-                     "scenes in meters. Options that are given come on top.");
-  AddDeviceArguments(
-      group,
-      &command->devices,
-      options,
-      " On the CPU, those that compute; a few more read and write files. With "
-      "GPUs, two fifths of them read files and as many write, at most ten per "
-      "GPU.");
+                     {"default", "paper"},
+                     "The method of this project, or the published one. "
+                     "Options that are given come on top.");
+  AddDeviceArguments(group, &command->devices, options);
   options->Add(group + "shard",
                &command->shard,
-               "For several machines with one file system: the part of the "
-               "images to work on, i/n with i from 0 to n - 1; docs/cluster.md "
-               "tells how. If empty, all of them.");
+               "For several machines: the part of the images to work on, i/n "
+               "with i from 0 to n - 1 (docs/cluster.md). If empty, all.");
   options->AddChoice(group + "pass",
                      &command->pass,
                      {"all", "observe", "model", "compose", "merge"},
-                     "What to do of it. A shard is observed; once all are, one "
-                     "program finds the planes of the scene (model), then each "
-                     "shard is composed; merge ends the work of all shards.");
+                     "What to do of it: observe each shard, then model once, "
+                     "compose each shard, and merge once.");
 }
 
-OptionRange RangeOf(const RefineField& field) {
-  return std::holds_alternative<bool*>(field.value)
-             ? OptionRange{}
-             : OptionRange{field.min, field.max};
-}
-
-OptionTarget TargetOf(const RefineField& field) {
-  return std::visit([](auto* value) { return OptionTarget(value); },
-                    field.value);
-}
-
-void AddRefineOptions(RefineCommand* command, OptionSet* options) {
+// The members of RefineOptions. Most are for experiments: we know their values
+// better than users can.
+void AddRefineOptions(RefineOptions* refine, OptionSet* options) {
   RefineOptions paper = PresetOptions(RefinePreset::kPaper);
-  RefineOptions strict = PresetOptions(RefinePreset::kPaperStrict);
   const std::vector<RefineField> of_paper = ListRefineFields(&paper);
-  const std::vector<RefineField> of_strict = ListRefineFields(&strict);
-  const std::vector<RefineField> fields = ListRefineFields(&command->refine);
-  std::vector<Option> settings;
+  const std::vector<RefineField> fields = ListRefineFields(refine);
   for (size_t i = 0; i < fields.size(); ++i) {
     const RefineField& field = fields[i];
-    if (field.is_option) {
-      options->Add(kGroup + field.name,
-                   TargetOf(field),
-                   field.description,
-                   RangeOf(field));
-      continue;
-    }
-    Option setting{
-        field.name, field.description, TargetOf(field), RangeOf(field)};
-    if (of_paper[i].Text() != field.Text()) {
-      setting.presets["paper"] = of_paper[i].Text();
-    }
-    if (of_strict[i].Text() != field.Text()) {
-      setting.presets["paper_strict"] = of_strict[i].Text();
-    }
-    settings.push_back(std::move(setting));
+    const std::string value = of_paper[i].Text();
+    Option& option = options->Add(
+        kGroup + field.name,
+        std::visit([](auto* member) { return OptionTarget(member); },
+                   field.value),
+        field.description + (value == field.Text()
+                                 ? ""
+                                 : " In the preset paper: " + value + "."),
+        {field.min, field.max});
+    option.is_advanced = !field.is_option;
   }
-  options->AddSettings(
-      std::string(kGroup) + "experiment",
-      &command->experiment,
-      std::move(settings),
-      "Changes of the method, for experiments: values whose defaults we know "
-      "better than users can, such as segment=0,edge_threshold=8. help lists "
-      "all, with their meaning and values in the presets.");
 }
 
 int RestoreWorkspace(const RefineCommand& command) {
   const WorkspaceRefineOptions& given = command.workspace;
-  const auto refuse = [](const std::filesystem::path& path,
-                         const std::string& option,
-                         const std::string& reason) {
+  for (const auto& [option, path] :
+       {std::pair("--output_path", given.output_path),
+        std::pair("--image_list_path", given.image_list_path),
+        std::pair("--mask_path", given.mask_path),
+        std::pair("--prior_path", given.prior_path)}) {
     if (!path.empty()) {
       throw Error(ErrorCode::kBadOption,
-                  "--restore " + reason + "; leave " + option + " out");
+                  "--restore puts the maps of all images back as they were; "
+                  "leave " +
+                      std::string(option) + " out");
     }
-  };
-  refuse(given.output_path, "--output_path", "puts maps back in place");
-  refuse(given.image_list_path,
-         "--image_list_path",
-         "puts the maps of all images back");
-  refuse(given.mask_path, "--mask_path", "puts whole maps back");
-  refuse(given.prior_path, "--prior_path", "puts maps back as they were");
-  refuse(given.region_path, "--region_path", "looks at no regions");
+  }
   const WorkspaceLock lock(given.workspace_path);
   const RestoreResult result = Restore(
       given.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
@@ -194,13 +144,12 @@ int RestoreWorkspace(const RefineCommand& command) {
 void RefineCommand::AddTo(OptionSet* options) {
   AddWorkspaceOptions(this, options);
   AddRunOptions(this, options);
-  AddRefineOptions(this, options);
+  AddRefineOptions(&refine, options);
 }
 
 void RefineCommand::UsePreset() {
-  refine = PresetOptions(preset == "paper"          ? RefinePreset::kPaper
-                         : preset == "paper_strict" ? RefinePreset::kPaperStrict
-                                                    : RefinePreset::kDefault);
+  refine = PresetOptions(preset == "paper" ? RefinePreset::kPaper
+                                           : RefinePreset::kDefault);
 }
 
 RunSummary RefineCommand::Run(Progress& progress,
@@ -219,10 +168,12 @@ int RunTsarRefine(int argc, char** argv) {
   OptionSet options(
       "tsar_refine", kSummary, "tsar_refine --workspace_path dense");
   command.AddTo(&options);
-  options.Add("random_seed",
-              &command.refine.seed,
-              "The name that COLMAP's commands have for --TsarRefine.seed.",
-              {0, std::numeric_limits<int>::max()});
+  options
+      .Add("random_seed",
+           &command.refine.seed,
+           "The name that COLMAP's commands have for --TsarRefine.seed.",
+           {0, std::numeric_limits<int>::max()})
+      .is_advanced = true;
   if (!options.Parse(argc, argv)) {
     return 0;
   }

@@ -25,7 +25,6 @@ struct RefineCommand {
   DeviceArguments devices;
   std::string shard;
   std::string pass = "all";
-  std::string experiment;
   // The options that the members above do not hold.
   WorkspaceRefineOptions workspace;
   RefineOptions refine;

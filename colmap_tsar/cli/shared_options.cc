@@ -19,17 +19,6 @@ namespace {
 
 constexpr size_t kMaxListed = 20;
 
-const std::string kPriorFiles =
-    "The folder with depth priors of the undistorted images: depth and normals "
-    "that a network or a sensor tells from one image. Depth, or inverse depth, "
-    "of a.jpg is a.jpg.EXT or a.EXT, its normals are a.jpg.normal.EXT or "
-    "a.normal.EXT, with npy, exr, pfm, png, tif or tiff for EXT; those of "
-    "images in subfolders are in the same subfolders. An image may have both, "
-    "one of the two, or none. Any size will do that has the image's shape. 0 "
-    "is no depth; PNG files of depth have 16 bits. Normals are unit vectors in "
-    "the camera's frame (x right, y down, z forward) towards the camera; in "
-    "PNG files 0 stands for -1 and the largest value for 1.";
-
 void PrintList(const std::string& title,
                const std::vector<std::filesystem::path>& paths) {
   if (paths.empty()) {
@@ -64,24 +53,21 @@ DeviceOptions DeviceArguments::Parse() const {
 
 void AddDeviceArguments(const std::string& group,
                         DeviceArguments* arguments,
-                        OptionSet* options,
-                        const std::string& remark) {
+                        OptionSet* options) {
   options->AddChoice(group + "device",
                      &arguments->device,
                      {"auto", "cuda", "cpu"},
                      "Where to compute; auto: on a GPU where there is one.");
   options->Add(group + "gpu_index",
                &arguments->gpu_index,
-               "The GPUs to use, as numbers from 0 on with commas between "
-               "them, such as 0,1; -1 takes every GPU of the machine.");
+               "The GPUs to use, such as 0,1; -1: all.");
   options->Add(group + "cache_size",
                &arguments->options.cache_size,
                "Main memory for the images at work, in gigabytes; at most four "
-               "fifths of the machine's count. Fewer images are worked on at a "
-               "time where it does not suffice.",
+               "fifths of the machine's count.",
                {0.001, 1e6});
   AddNumThreads(
-      group + "num_threads", &arguments->options.num_threads, options, remark);
+      group + "num_threads", &arguments->options.num_threads, options);
 }
 
 void AddNumThreads(const std::string& name,
@@ -119,7 +105,12 @@ void AddPriorOptions(const std::string& use,
                      std::filesystem::path* prior_path,
                      std::string* prior_type,
                      OptionSet* options) {
-  options->Add("prior_path", prior_path, kPriorFiles + use);
+  options->Add("prior_path",
+               prior_path,
+               "The folder with depth priors of the undistorted images, of a "
+               "network or a sensor: a.jpg.EXT for a.jpg, normals "
+               "a.jpg.normal.EXT; npy, exr, pfm, png, tif (docs/guide.md)." +
+                   use);
   options->AddChoice(
       "prior_type",
       prior_type,
@@ -127,10 +118,9 @@ void AddPriorOptions(const std::string& use,
        ToString(PriorType::kMetric),
        ToString(PriorType::kRelative),
        ToString(PriorType::kInverse)},
-      "What the files of depth in prior_path hold. metric: depth, up to one "
-      "factor for each image. relative: the same plus a constant. inverse: "
-      "inverse depth (disparity) times a factor plus a constant. auto: "
-      "for each image, what fits its measured depths best.");
+      "What they hold. metric: depth times one factor for each image; "
+      "relative: the same plus a constant; inverse: 1 / depth times a factor "
+      "plus a constant; auto: what fits best.");
 }
 
 std::optional<MapType> ParseMapType(const std::string& value) {
@@ -142,16 +132,20 @@ std::optional<MapType> ParseMapType(const std::string& value) {
 }
 
 void AddRestoreConflicts(std::string* value, OptionSet* options) {
-  options->AddChoice(
-      "restore_conflicts",
-      value,
-      {"report", "keep", "original"},
-      "For --restore, where nothing tells whose the depth and normal maps of "
-      "an "
-      "image are, such as where one of the two alone was written anew. report: "
-      "change nothing for this image and say so. keep: leave what is there. "
-      "original: put the originals back, also where another program has made "
-      "both maps anew; what is there moves to stereo/tsar/superseded.");
+  options
+      ->AddChoice(
+          "restore_conflicts",
+          value,
+          {"report", "keep", "original"},
+          "For --restore, where nothing tells whose the depth and normal maps "
+          "of "
+          "an image are, such as where one of the two alone was written anew. "
+          "report: change nothing for this image and say so. keep: leave what "
+          "is "
+          "there. original: put the originals back, also where another program "
+          "has "
+          "made both maps anew; what is there moves to stereo/tsar/superseded.")
+      .is_advanced = true;
 }
 
 void ReportRestored(const std::vector<std::filesystem::path>& kept,

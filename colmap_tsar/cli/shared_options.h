@@ -28,11 +28,10 @@ struct DeviceArguments {
 };
 
 // Adds the options for the devices and the memory of a command. group: the
-// prefix of their names, such as "TsarRefine.". remark: see AddNumThreads.
+// prefix of their names, such as "TsarRefine.".
 void AddDeviceArguments(const std::string& group,
                         DeviceArguments* arguments,
-                        OptionSet* options,
-                        const std::string& remark = "");
+                        OptionSet* options);
 
 // Adds a number of CPU threads. remark: sentences after its description, each
 // after a space, or empty.

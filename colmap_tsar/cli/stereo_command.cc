@@ -16,9 +16,8 @@ namespace {
 
 constexpr const char* kSummary =
     "Makes the depth and normal maps of a dense workspace from its images, as "
-    "patch_match_stereo does, on NVIDIA GPUs and also without any. It needs "
-    "the undistorted images and the sparse model, and writes photometric maps "
-    "(all depths), geometric maps (those that other images confirm, and "
+    "patch_match_stereo does, on NVIDIA GPUs and also without any: photometric "
+    "maps (all depths), geometric maps (those that other images confirm, and "
     "between them what a planar prior fills) and their matching costs. Run it "
     "after image_undistorter, and tsar_refine or stereo_fusion after it. It "
     "can be interrupted at any time: the same command goes on where it "
@@ -31,27 +30,20 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
   options->Add("image_list_path",
                &command->files.image_list_path,
                "A text file with one image name per line: make the maps of "
-               "these alone, the same as among all. Of others that they need "
-               "for it, photometric maps are left as well. If empty, all.");
+               "these alone, the same as among all. If empty, all.");
   AddMaskPath(&command->files.mask_path,
-              "Where a mask is black (0), no depth is made. Images without a "
-              "mask are matched as a whole.",
+              "Where a mask is black (0), no depth is made.",
               options);
   AddPriorOptions(
-      " A prior is aligned with the depths measured on texture in its image "
-      "and takes part where planar_prior fills: its planes replace those "
-      "between measured depths that it contradicts, and continue where there "
-      "are none. Measured depths stay as they are, and a prior that explains "
-      "too little of them is not used. tsar_refine takes the same folder; "
-      "filled depths are nothing to it, so give the priors to it as well.",
+      " They take part where planar_prior fills; measured depths stay. "
+      "tsar_refine does not see what they filled: give them to it as well.",
       &command->files.prior_path,
       &command->prior_type,
       options);
   options->Add("overwrite",
                &command->overwrite,
                "Replace maps that another program made, or that were made with "
-               "other options, or from images, masks or depth priors that have "
-               "changed since.");
+               "other options or from other inputs.");
   AddDeviceArguments("TsarStereo.", &command->devices, options);
 }
 
@@ -71,63 +63,66 @@ void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
                &stereo->depth_max,
                "Largest depth to look for; -1: from the sparse points.",
                {-1, 1e30});
-  options->Add(group + "num_sources",
-               &stereo->num_sources,
-               "Source images of each image at most: the first of those that "
-               "stereo/patch-match.cfg gives.",
-               {1, 1e6});
-  options->Add(group + "window_radius",
-               &stereo->window_radius,
-               "Half the width of the matching window, in pixels.",
-               {1, 50});
-  options->Add(group + "num_iterations",
-               &stereo->num_iterations,
-               "Rounds of propagation and refinement in the photometric pass.",
-               {1, 100});
-  options->Add(group + "num_levels",
-               &stereo->num_levels,
-               "Sizes at which an image is matched, from the smallest to its "
-               "own, each twice as large as the one before; small sizes find "
-               "surfaces of little texture.",
-               {1, 10});
   options->Add(group + "geom_consistency",
                &stereo->geom_consistency,
                "Also make geometric maps, for which depths are improved with "
                "regard to those of the source images, and filtered.");
-  options->Add(group + "num_geometric_passes",
-               &stereo->num_geometric_passes,
-               "Passes over all images by which depths are improved so.",
-               {1, 20});
   options->Add(group + "planar_prior",
                &stereo->planar_prior,
-               "Fill pixels without a depth, in one more pass after the "
-               "geometric ones that expects surfaces between reliable depths "
-               "to be flat: for maps that are fused as they are. Measured "
-               "depths stay as they are. The costs of filled ones are 2, no "
-               "evidence: tsar_refine, which knows more about planes, takes "
-               "them for missing. Has no effect without geom_consistency.");
-  options->Add(group + "smooth_normals",
-               &stereo->smooth_normals,
-               "Average the normals of the geometric maps with those of the "
-               "same surface around them.");
-  options->Add(group + "filter_min_ncc",
-               &stereo->filter_min_ncc,
-               "Smallest correlation with a source that confirms a depth.",
-               {-1, 1});
-  options->Add(group + "filter_min_triangulation_angle",
-               &stereo->filter_min_triangulation_angle,
-               "Smallest angle between the rays of an image and a source that "
-               "confirms its depth, in degrees.",
-               {0, 180});
-  options->Add(group + "filter_min_num_consistent",
-               &stereo->filter_min_num_consistent,
-               "Sources that have to confirm a depth.",
-               {0, 1e6});
-  options->Add(group + "filter_geom_consistency_max_cost",
-               &stereo->filter_geom_consistency_max_cost,
-               "Largest distance, in pixels, between a pixel and where a "
-               "source's depth leads back to.",
-               {0, 1e6});
+               "Fill pixels without a depth, expecting flat surfaces between "
+               "reliable depths: for maps that are fused as they are. "
+               "tsar_refine takes them for missing. Needs geom_consistency.");
+  const auto add = [&](const std::string& name,
+                       OptionTarget target,
+                       const std::string& description,
+                       const OptionRange& range = {}) {
+    options->Add(group + name, target, description, range).is_advanced = true;
+  };
+  add("num_sources",
+      &stereo->num_sources,
+      "Source images of each image at most: the first of those that "
+      "stereo/patch-match.cfg gives.",
+      {1, 1e6});
+  add("window_radius",
+      &stereo->window_radius,
+      "Half the width of the matching window, in pixels.",
+      {1, 50});
+  add("num_iterations",
+      &stereo->num_iterations,
+      "Rounds of propagation and refinement in the photometric pass.",
+      {1, 100});
+  add("num_levels",
+      &stereo->num_levels,
+      "Sizes at which an image is matched, from the smallest to its own, each "
+      "twice the one before; small sizes find surfaces of little texture.",
+      {1, 10});
+  add("num_geometric_passes",
+      &stereo->num_geometric_passes,
+      "Passes over all images by which depths are improved with regard to "
+      "those of the source images.",
+      {1, 20});
+  add("smooth_normals",
+      &stereo->smooth_normals,
+      "Average the normals of the geometric maps with those of the same "
+      "surface around them.");
+  add("filter_min_ncc",
+      &stereo->filter_min_ncc,
+      "Smallest correlation with a source that confirms a depth.",
+      {-1, 1});
+  add("filter_min_triangulation_angle",
+      &stereo->filter_min_triangulation_angle,
+      "Smallest angle between the rays of an image and a source that confirms "
+      "its depth, in degrees.",
+      {0, 180});
+  add("filter_min_num_consistent",
+      &stereo->filter_min_num_consistent,
+      "Sources that have to confirm a depth.",
+      {0, 1e6});
+  add("filter_geom_consistency_max_cost",
+      &stereo->filter_geom_consistency_max_cost,
+      "Largest distance, in pixels, between a pixel and where a source's depth "
+      "leads back to.",
+      {0, 1e6});
 }
 
 }  // namespace

@@ -16,7 +16,6 @@
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -27,81 +26,49 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char kHelp[] =
-    "Scores a reconstruction against ground truth.\n\n"
-    "Usage:\n"
-    "  tsar_evaluate depth [options]  depth maps, pixel by pixel\n"
-    "  tsar_evaluate cloud [options]  a fused cloud, by the ETH3D measure\n"
-    "  tsar_evaluate fused_pixels [options]  pixels that become points\n\n"
-    "tsar_evaluate depth --help, and so on, explains the options.\n";
-
-// Prints what --help_json prints elsewhere, with "forms" for options.
-void PrintFormsJson() {
-  const Json json = {
-      {"command", "tsar_evaluate"},
-      {"summary", "Scores a reconstruction against ground truth."},
-      {"forms",
-       {{{"name", "depth"}, {"summary", "Depth maps, pixel by pixel"}},
-        {{"name", "cloud"}, {"summary", "A fused cloud, by the ETH3D measure"}},
-        {{"name", "fused_pixels"},
-         {"summary",
-          "The pixels that become points, by the TSAR-MVS paper's measure"}}}}};
-  std::cout << json.dump(2) << "\n";
-}
-
-// The share with four digits after the point.
-std::string ShareText(double share) {
-  TextStream text;
-  text << std::fixed << std::setprecision(4) << share;
-  return text.str();
-}
-
 double ShareOf(int64_t part, int64_t all) {
   return static_cast<double>(part) /
          static_cast<double>(std::max<int64_t>(all, 1));
 }
 
-// One cell of the table of scores.
-std::string CellText(const std::string& column, const Json& value) {
-  if (column == "tolerance") {
-    TextStream text;
-    text << value.get<double>();
-    return text.str();
-  }
-  return value.is_string() ? value.get<std::string>() : ShareText(value);
-}
-
-void PrintRow(const std::vector<std::string>& cells) {
-  for (size_t i = 0; i < cells.size(); ++i) {
-    std::cout << (i == 0 ? std::left : std::right)
-              << std::setw(i == 0 ? 12 : 13) << cells[i];
-  }
-  std::cout << "\n";
-}
-
-// Prints the evaluation as JSON, or the title and its "scores", which are at
-// least one, as a table: a row for each.
-void PrintEvaluation(const Json& evaluation,
-                     const std::string& title,
-                     bool as_json) {
+// Prints the evaluation as JSON, or its numbers ("images: 8" for num_images)
+// and its "scores", which are at least one, as a table: a row for each.
+void PrintEvaluation(const Json& evaluation, bool as_json) {
   if (as_json) {
     std::cout << evaluation.dump(2) << "\n";
     return;
   }
-  std::cout << title << "\n";
-  const Json& scores = evaluation.at("scores");
-  std::vector<std::string> columns;
-  for (const auto& [column, value] : scores.at(0).items()) {
-    columns.push_back(column == "f1" ? "F1" : column);
-  }
-  PrintRow(columns);
-  for (const Json& score : scores) {
-    std::vector<std::string> cells;
-    for (const auto& [column, value] : score.items()) {
-      cells.push_back(CellText(column, value));
+  TextStream table;
+  for (const auto& [key, value] : evaluation.items()) {
+    if (value.is_number()) {
+      std::string name = key.substr(key.find('_') + 1);
+      std::ranges::replace(name, '_', ' ');
+      table << name << ": " << value << "\n";
     }
-    PrintRow(cells);
   }
+  const auto print = [&](const std::string& column, const Json& value) {
+    if (value.is_number() && column != "tolerance") {
+      table << std::fixed << std::setprecision(4);
+    } else {
+      table << std::defaultfloat << std::setprecision(6);
+    }
+    table << (column == "area" ? std::left : std::right)
+          << std::setw(column == "area" ? 12 : 13);
+    value.is_number() ? table << value.get<double>()
+                      : table << value.get<std::string>();
+  };
+  const Json& scores = evaluation.at("scores");
+  for (const auto& [column, value] : scores.at(0).items()) {
+    print(column, column == "f1" ? "F1" : column);
+  }
+  table << "\n";
+  for (const Json& score : scores) {
+    for (const auto& [column, value] : score.items()) {
+      print(column, value);
+    }
+    table << "\n";
+  }
+  std::cout << table.str();
 }
 
 Json ToJson(const DepthEvaluation& evaluation) {
@@ -119,19 +86,6 @@ Json ToJson(const DepthEvaluation& evaluation) {
                               {"f1", score.F1()}});
   }
   return json;
-}
-
-std::string TitleOf(const DepthEvaluation& evaluation) {
-  TextStream title;
-  title << evaluation.num_images << " images";
-  if (evaluation.num_images_without_map > 0) {
-    title << " (" << evaluation.num_images_without_map
-          << " more have ground truth but no map)";
-  }
-  if (evaluation.num_masks) {
-    title << ", masks for " << *evaluation.num_masks << " of them";
-  }
-  return title.str();
 }
 
 // Arguments of both evaluations of maps.
@@ -190,7 +144,7 @@ int EvaluateDepth(int argc, char** argv) {
   evaluation_options.tolerances = ParseTolerances(arguments.tolerances);
   const DepthEvaluation evaluation =
       EvaluateDepthMaps(arguments.workspace_path, evaluation_options);
-  PrintEvaluation(ToJson(evaluation), TitleOf(evaluation), arguments.json);
+  PrintEvaluation(ToJson(evaluation), arguments.json);
   return 0;
 }
 
@@ -207,25 +161,7 @@ Json ToJson(const CloudEvaluation& evaluation) {
   return json;
 }
 
-std::string TitleOf(const CloudEvaluation& evaluation) {
-  return std::to_string(evaluation.num_points) + " points, " +
-         std::to_string(evaluation.num_scan_points) + " scan points";
-}
-
-// Masks apply to images, but a user may give them for a point cloud.
-void RequireNoMasks(int argc, char** argv) {
-  if (std::any_of(argv, argv + argc, [](const std::string& argument) {
-        return argument == "--mask_path" ||
-               argument.starts_with("--mask_path=");
-      })) {
-    throw Error(ErrorCode::kBadOption,
-                "--mask_path: masks are of images, and a cloud is scored as a "
-                "whole; leave it out, or see tsar_evaluate depth --help");
-  }
-}
-
 int EvaluateCloud(int argc, char** argv) {
-  RequireNoMasks(argc, argv);
   CloudEvaluationOptions evaluation_options;
   std::filesystem::path input_path;
   std::filesystem::path ground_truth_path;
@@ -268,7 +204,7 @@ int EvaluateCloud(int argc, char** argv) {
   evaluation_options.tolerances = ParseTolerances(tolerances);
   const CloudEvaluation evaluation =
       EvaluateCloudFile(input_path, ground_truth_path, evaluation_options);
-  PrintEvaluation(ToJson(evaluation), TitleOf(evaluation), json);
+  PrintEvaluation(ToJson(evaluation), json);
   return 0;
 }
 
@@ -284,14 +220,6 @@ Json ToJson(const FusedPixelEvaluation& evaluation,
          {"right", ShareOf(evaluation.num_right[t], evaluation.num_fused)}});
   }
   return json;
-}
-
-std::string TitleOf(const FusedPixelEvaluation& evaluation) {
-  TextStream title;
-  title << evaluation.num_images << " images, " << evaluation.num_fused
-        << " of " << evaluation.num_known
-        << " pixels with ground truth became a point";
-  return title.str();
 }
 
 int RunEvaluateFusedPixels(int argc, char** argv) {
@@ -327,35 +255,63 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
             workspace, evaluation_options, progress, should_stop);
       });
   PrintEvaluation(ToJson(evaluation, evaluation_options.tolerances),
-                  TitleOf(evaluation),
                   arguments.json);
   return 0;
+}
+
+struct Form {
+  const char* name;
+  const char* summary;
+  CommandFunction run;
+};
+constexpr Form kForms[] = {
+    {"depth", "Depth maps, pixel by pixel", &EvaluateDepth},
+    {"cloud", "A fused cloud, by the ETH3D measure", &EvaluateCloud},
+    {"fused_pixels",
+     "The pixels that become points, by the TSAR-MVS paper's measure",
+     &RunEvaluateFusedPixels}};
+constexpr const char* kSummary =
+    "Scores a reconstruction against ground truth.";
+
+void PrintForms() {
+  std::cout << kSummary << "\n\nUsage:\n";
+  for (const Form& form : kForms) {
+    std::cout << "  tsar_evaluate " << form.name << " [options]  "
+              << form.summary << "\n";
+  }
+  std::cout << "\ntsar_evaluate depth --help, and so on, explains the "
+               "options.\n";
+}
+
+// Prints what --help_json prints elsewhere, with "forms" for options.
+void PrintFormsJson() {
+  Json json = {{"command", "tsar_evaluate"}, {"summary", kSummary}};
+  for (const Form& form : kForms) {
+    json["forms"].push_back({{"name", form.name}, {"summary", form.summary}});
+  }
+  std::cout << json.dump(2) << "\n";
 }
 
 }  // namespace
 
 int RunTsarEvaluate(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  const std::map<std::string, CommandFunction> forms = {
-      {"depth", &EvaluateDepth},
-      {"cloud", &EvaluateCloud},
-      {"fused_pixels", &RunEvaluateFusedPixels}};
-  if (const auto form = forms.find(what); form != forms.end()) {
-    argv[1] = argv[0];
-    return form->second(argc - 1, argv + 1);
+  for (const Form& form : kForms) {
+    if (what == form.name) {
+      argv[1] = argv[0];
+      return form.run(argc - 1, argv + 1);
+    }
   }
-  if (what == "-h" || what == "--help") {
-    std::cout << kHelp;
-    return 0;
-  }
-  if (what == "--help_json") {
+  if (what == "-h" || what == "--help" || what == "--help_all") {
+    PrintForms();
+  } else if (what == "--help_json") {
     PrintFormsJson();
-    return 0;
+  } else {
+    throw Error(ErrorCode::kBadOption,
+                "tsar_evaluate: say what to evaluate, depth, cloud or "
+                "fused_pixels; see tsar_evaluate --help");
   }
-  throw Error(ErrorCode::kBadOption,
-              "tsar_evaluate: say what to evaluate, depth, cloud or "
-              "fused_pixels; see "
-              "tsar_evaluate --help");
+  return 0;
 }
 
 }  // namespace tsar

@@ -110,27 +110,19 @@ RefineResult RefineImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  Surfaces surfaces =
-      FindSurfaces(reference, image_id, options, &views, device, &timer);
+  const Surfaces surfaces = FindSurfaces(
+      reference, image_id, options, &views, device, &timer);
   const PlaneRaster region_planes = views.OnMap(surfaces.region_planes);
-  ComposedMap composed;
-  if (options.fill_before_regions) {
-    composed = std::move(surfaces.filled);
-    ApplyRegionPlanes(region_planes, views.Scale(), {}, &composed, device);
-  } else {
-    composed =
-        ComposeSurfaces(region_planes, options, &surfaces, &views, device);
-  }
-  if (!options.fill_before_regions) {
-    FillHoles(views.Color(),
-              views.MapIntrinsics(),
-              options,
-              options.num_iterations,
-              &composed,
-              device);
-  }
-  DeviceImage<float> confidence = ComputeComposedConfidence(
-      composed, std::as_const(surfaces.score).View(), device);
+  ComposedMap composed =
+      ComposeSurfaces(region_planes, options, surfaces, &views, device);
+  FillHoles(views.Color(),
+            views.MapIntrinsics(),
+            options,
+            options.num_iterations,
+            &composed,
+            device);
+  DeviceImage<float> confidence =
+      ComputeComposedConfidence(composed, surfaces.score.View(), device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
@@ -157,7 +149,7 @@ RefineResult MeasureImage(
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
   const Surfaces surfaces = FindSurfaces(
-      reference, image_id, MeasuringOptions(options), &views, device, &timer);
+      reference, image_id, options, &views, device, &timer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),

@@ -28,7 +28,7 @@ struct FuseWorkspaceOptions {
   // A file of image names, see io/image_lists.h: only their pixels become
   // points, and all images serve as sources. Empty: all images.
   std::filesystem::path image_list_path;
-  // See io/masks_and_labels.h; empty: none.
+  // See io/image_masks.h; empty: none.
   std::filesystem::path mask_path;
   // A box in the world frame; points outside of it are left out.
   std::optional<Eigen::AlignedBox3d> bounding_box;

@@ -25,7 +25,6 @@ constexpr const char* kCamera = "camera";
 constexpr const char* kPhoto = "photo";
 constexpr const char* kMask = "mask";
 constexpr const char* kPrior = "prior";
-constexpr const char* kRegions = "regions";
 constexpr const char* kMaps = "maps";
 constexpr const char* kCosts = "costs";
 constexpr const char* kSources = "sources";
@@ -56,7 +55,6 @@ std::vector<ChangedInput> ChangesOfView(const InputState& before,
     compare(kPhoto, {"its photo", false});
     compare(kMask, {"its mask", false});
     compare(kPrior, {"its depth prior", false});
-    compare(kRegions, {"its regions", true});
     compare(kCosts, {"its cost maps", true});
   }
   compare(kMaps, {"its maps", true});
@@ -219,9 +217,6 @@ InputState InputFingerprints::Read(int image) const {
     }
     if (workspace_.Priors().HasPrior(image)) {
       state[kPrior] = FingerprintOfPrior(workspace_, image);
-    }
-    if (const auto path = workspace_.LabelImagePath(image); !path.empty()) {
-      state[kRegions] = FingerprintOf(FileState(path));
     }
     std::string costs;
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {

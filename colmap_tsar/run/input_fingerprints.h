@@ -39,9 +39,8 @@ std::string DescribeChanges(const std::vector<ChangedInput>& changes);
 std::string FingerprintOfPrior(const Workspace& workspace, int image);
 
 // Fingerprints of all inputs of the images' results, beside the options and the
-// program. Photos, masks, depth priors, label images and maps are identified by
-// their sizes and times, which links and renaming keep. Can be used from
-// several threads.
+// program. Photos, masks, depth priors and maps are identified by their sizes
+// and times, which links and renaming keep. Can be used from several threads.
 class InputFingerprints {
  public:
   // workspace must outlive this object.
@@ -51,11 +50,10 @@ class InputFingerprints {
   const StereoProblem* Problem(int image) const { return problems_[image]; }
 
   // The state of the inputs of an image's view: "camera", "photo", "mask" and
-  // "prior" where it has one, "regions" where it has a label image, "maps" (the
-  // originals, of both types) and "costs"; "maps" alone where there is nothing
-  // to refine. The state is that of the first call, which must come before the
-  // files are read and before the image's maps are changed. Throws what
-  // FindOriginals throws.
+  // "prior" where it has one, "maps" (the originals, of both types) and
+  // "costs"; "maps" alone where there is nothing to refine. The state is that
+  // of the first call, which must come before the files are read and before the
+  // image's maps are changed. Throws what FindOriginals throws.
   const InputState& OfView(int image);
 
   // One fingerprint of OfView().

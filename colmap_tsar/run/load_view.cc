@@ -331,7 +331,6 @@ ViewData LoadView(const Workspace& workspace, int image) {
   view.color = workspace.ReadImage(image, width, height);
   view.camera = workspace.CameraOf(image).Resized(width, height);
   view.prior = LoadPrior(workspace, image, reader.Mask());
-  view.segments = workspace.ReadLabels(image);
   return view;
 }
 
@@ -359,7 +358,6 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   ViewData reduced = reducer.Finish(workspace.ReadImage(image, width, height));
   reduced.num_not_finite = reader.NumNotFinite();
   reduced.prior = LoadPrior(workspace, image, reader.Mask());
-  reduced.segments = workspace.ReadLabels(image);
   return reduced;
 }
 

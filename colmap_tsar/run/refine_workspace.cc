@@ -184,7 +184,6 @@ void RefineController::OpenOutput() {
       workspace_, options_.output_path, workspace_.Type());
   workspace_.UseMasks(options_.mask_path);
   workspace_.UsePriors(options_.prior_path, options_.prior_type);
-  workspace_.UseLabelImages(options_.region_path);
   if (!lock_) {
     lock_.emplace(workspace_.Root());
   }

@@ -18,8 +18,8 @@
 
 namespace tsar {
 
-// The inputs and settings of a run. Only input_type, the masks, the depth
-// priors and the label images change a result.
+// The inputs and settings of a run. Only input_type, the masks and the depth
+// priors change a result.
 struct WorkspaceRefineOptions {
   std::filesystem::path workspace_path;
   // The path of a second workspace to make with the results; empty: in place.
@@ -29,16 +29,13 @@ struct WorkspaceRefineOptions {
   std::optional<MapType> input_type;
   // A text file with the names of the images to refine; empty: all.
   std::filesystem::path image_list_path;
-  // The folder with the masks of images, see io/masks_and_labels.h; empty:
+  // The folder with the masks of images, see io/image_masks.h; empty:
   // none. Masked pixels are no evidence for anything and get no depth.
   std::filesystem::path mask_path;
   // The folder with the depth priors of images, see priors/prior_folder.h;
   // empty: none. prior_type: the meaning of their values.
   std::filesystem::path prior_path;
   PriorType prior_type = PriorType::kAuto;
-  // The folder with the label images of images, see io/masks_and_labels.h;
-  // empty: none. Their segments correct the textureless regions.
-  std::filesystem::path region_path;
   DeviceOptions devices;
   // For several machines: the part of the images and the pass over them.
   Shard shard;
@@ -56,11 +53,11 @@ struct WorkspaceRefineOptions {
 //
 // Before the first file is changed, everything is checked that can be seen
 // without reading the pixels. Throws Error: what CheckWorkspace,
-// Workspace::UseMasks, UsePriors and UseLabelImages, CreateOutputWorkspace,
-// WorkspaceLock and the options' Check throw; kDevice; kInterrupted once
-// should_stop returned true (it is called often, from several threads); and
-// what reading and writing an image throw. After any error, images that were
-// done stay done, and the same call resumes from there.
+// Workspace::UseMasks and UsePriors, CreateOutputWorkspace, WorkspaceLock and
+// the options' Check throw; kDevice; kInterrupted once should_stop returned
+// true (it is called often, from several threads); and what reading and writing
+// an image throw. After any error, images that were done stay done, and the
+// same call resumes from there.
 //
 // kObserve and kCompose write no account. Before kCompose, the images of the
 // shard and their sources must have been observed with these options, and the

@@ -169,7 +169,6 @@ bool CheckImage(const Workspace& workspace,
   workspace.CheckPrior(image);
   overview->has_priors =
       overview->has_priors || workspace.Priors().HasPrior(image);
-  workspace.CheckLabels(image);
   CheckCosts(workspace, image, type, *size);
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
@@ -322,7 +321,6 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   workspace.UseMasks(options.mask_path);
   workspace.UsePriors(options.prior_path, options.prior_type);
   workspace.Priors().WarnOfStrayFiles();
-  workspace.UseLabelImages(options.region_path);
   return workspace;
 }
 

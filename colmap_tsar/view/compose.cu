@@ -67,29 +67,6 @@ struct ComposeKernel {
   }
 };
 
-struct ApplyRegionsKernel {
-  PlaneRaster planes;
-  DisparityScale scale;
-  PlaneTolerance on_plane;
-  ComposedViews map;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const Plane plane = planes.At(x, y);
-    if (!plane.Valid()) {
-      return;
-    }
-    const float z = plane.Depth(planes.intrinsics.Ray(x, y));
-    const bool is_measured =
-        map.Source(x, y) == Provenance::kMeasured &&
-        fabsf(map.depth(x, y) - z) < on_plane.At(z, scale) * z;
-    map.Set(x,
-            y,
-            z,
-            plane.normal,
-            is_measured ? Provenance::kMeasured : Provenance::kRegionPlane);
-  }
-};
-
 struct MarkKernel {
   ImageView<const uint8_t> filled;
   ImageView<uint8_t> provenance;
@@ -137,10 +114,7 @@ WeightedMedianOptions FilterOptions(const RefineOptions& options,
   filter.radius = ScaledRadius(2.f * options.window_radius, width, height);
   filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
   filter.color_sigma = static_cast<float>(options.color_sigma);
-  filter.min_support = options.fill_wide_holes ? 0.f : 1.f / 3.f;
-  if (options.pixel_distances) {
-    filter.distance_unit = ScaledRadius(1.f, width, height);
-  }
+  filter.min_support = 1.f / 3.f;
   return filter;
 }
 
@@ -180,18 +154,6 @@ ComposedMap ComposeMap(DepthNormalImages own,
               height,
               ComposeKernel{inputs, scale, options.on_plane, composed.Views()});
   return composed;
-}
-
-void ApplyRegionPlanes(const PlaneRaster& region_planes,
-                       const DisparityScale& scale,
-                       const ComposeOptions& options,
-                       ComposedMap* composed,
-                       Device& device) {
-  ParallelFor(device,
-              composed->map.depth.Width(),
-              composed->map.depth.Height(),
-              ApplyRegionsKernel{
-                  region_planes, scale, options.on_plane, composed->Views()});
 }
 
 void MarkInterpolated(ImageView<const uint8_t> filled,

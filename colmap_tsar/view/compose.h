@@ -67,15 +67,6 @@ ComposedMap ComposeMap(DepthNormalImages own,
                        const ComposeOptions& options,
                        Device& device);
 
-// Replaces the depths of a map by the planes of regions wherever these exist,
-// as in the paper. A trusted measurement that lies on the plane still counts as
-// one.
-void ApplyRegionPlanes(const PlaneRaster& region_planes,
-                       const DisparityScale& scale,
-                       const ComposeOptions& options,
-                       ComposedMap* composed,
-                       Device& device);
-
 // Sets the provenance of the pixels where filled is not 0.
 void MarkInterpolated(ImageView<const uint8_t> filled,
                       ComposedMap* composed,

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/view/find_surfaces.h"
 
-#include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/compose.h"
@@ -25,19 +24,6 @@ namespace {
 
 // A threshold below every score.
 constexpr float kAnyScore = -1.f;
-
-struct FoundRegions {
-  Regions between_edges;
-  // The segments of the label image; no labels without a label image.
-  Regions segments;
-};
-
-// The depths to which the planes of regions are fitted, and the mask of usable
-// pixels.
-struct RegionEvidence {
-  ImageView<const float> depth;
-  ImageView<const uint8_t> reliable;
-};
 
 // FindSurfaces() with its arguments.
 class SurfaceFinder {
@@ -65,19 +51,8 @@ class SurfaceFinder {
     timer_.Finish("filtering");  // Waits for the device: the sources can go.
     views_.ReleaseSources();
     RefineReliability(std::move(reliable));
-    if (options_.fill_before_regions) {
-      surfaces_.filled =
-          ComposeSurfaces({}, options_, &surfaces_, &views_, device_);
-      FillHoles(views_.Color(),
-                views_.MapIntrinsics(),
-                options_,
-                options_.num_iterations,
-                &surfaces_.filled,
-                device_);
-      timer_.Finish("composition");
-    }
     if (options_.segment) {
-      surfaces_.region_planes = FindRegionPlanes(EvidenceOfRegions());
+      surfaces_.region_planes = FindRegionPlanes();
     }
     return std::move(surfaces_);
   }
@@ -88,9 +63,8 @@ class SurfaceFinder {
         ComputeMatchingCosts(views_.Reference(), views_.Sources(), device_);
     if (!reference_.min_cost.Empty()) {
       costs.min_cost = DeviceImage<float>(device_, reference_.min_cost);
-      costs.second_cost = DeviceImage<float>(device_, reference_.second_cost);
     }
-    return ComputeConfidence(costs, MakeConfidenceOptions(options_), device_);
+    return ComputeConfidence(costs, device_);
   }
 
   // Joint hypothesis filtering up to its threshold.
@@ -163,93 +137,44 @@ class SurfaceFinder {
                             device_);
     surfaces_.superpixel_planes = std::move(correlation.planes);
     surfaces_.trusted = std::move(correlation.trusted);
-    surfaces_.spread = std::move(correlation.spread);
+    if (observer_ != nullptr && surfaces_.superpixel_planes.Size() > 0) {
+      }
     timer_.Finish("refinement");
   }
 
-  FoundRegions SegmentTexturelessRegions() const {
+  Regions SegmentTexturelessRegions() const {
     const float threshold = static_cast<float>(options_.edge_threshold);
     const DeviceImage<uint8_t> edges =
-        options_.edges_of_roots
-            ? DetectEdgesOfRoots(views_.RasterColor(), threshold, device_)
-            : DetectRobertsEdges(views_.RasterColor(), threshold, device_);
+        DetectRobertsEdges(views_.RasterColor(), threshold, device_);
     const DeviceImage<uint8_t> borders =
         DrawLineSegments(edges.View(),
                          MakeHoughOptions(options_, views_.RasterScale()),
                          device_);
-    const int min_size = MinRegionSize(options_, views_.RasterScale());
-    FoundRegions found;
-    found.between_edges = FindRegions(borders.View(), min_size, device_);
-    if (!reference_.segments.Empty()) {
-      const DeviceImage<uint16_t> on_raster(
-          device_,
-          ResizeNearest<uint16_t>(reference_.segments,
-                                  views_.Raster().width,
-                                  views_.Raster().height));
-      found.segments =
-          FindSegments(on_raster.View(), borders.View(), min_size, device_);
-    }
-    return found;
+    return FindRegions(
+        borders.View(), MinRegionSize(options_, views_.RasterScale()), device_);
   }
 
-  RegionEvidence EvidenceOfRegions() const {
-    if (!surfaces_.filled.map.depth.Empty()) {
-      return {surfaces_.filled.map.depth.View(),
-              surfaces_.filled.provenance.View()};
-    }
-    return {surfaces_.spread.depth.Empty() ? views_.Hypotheses().depth
-                                           : surfaces_.spread.depth.View(),
-            surfaces_.trusted.View()};
-  }
-
-  // Fits the planes of regions to the samples and assigns them to pixels.
-  DeviceImage<Plane> FitAndAssignPlanes(
-      const Regions& regions,
-      ImageView<const RayDepth> samples,
-      const RegionPlaneOptions& plane_options) const {
-    RegionPlanes fits = FitRegionPlanes(
-        regions, samples, views_.Scale(), plane_options, device_);
-    if (options_.max_boundary_gap > 0.0) {
-      RejectByBoundary(regions,
-                       samples,
-                       views_.RasterIntrinsics(),
-                       static_cast<float>(options_.max_boundary_gap),
-                       device_,
-                       &fits);
-    }
-    return AssignRegionPlanes(regions,
-                              fits,
-                              samples,
-                              views_.RasterIntrinsics(),
-                              views_.Scale(),
-                              plane_options,
-                              device_);
-  }
-
-  DeviceImage<Plane> FindRegionPlanes(const RegionEvidence& evidence) {
-    const FoundRegions found = SegmentTexturelessRegions();
+  DeviceImage<Plane> FindRegionPlanes() {
+    const Regions regions = SegmentTexturelessRegions();
     timer_.Finish("segmentation");
     const RegionPlaneOptions plane_options =
         MakeRegionPlaneOptions(options_, views_.RasterScale(), image_id_);
     const DeviceImage<RayDepth> samples =
-        SampleMeasurements(evidence.depth,
+        SampleMeasurements(views_.Hypotheses().depth,
                            surfaces_.score.View(),
-                           evidence.reliable,
+                           surfaces_.trusted.View(),
                            views_.MapIntrinsics(),
                            views_.Raster(),
                            device_);
-    DeviceImage<Plane> planes =
-        FitAndAssignPlanes(found.between_edges, samples.View(), plane_options);
-    if (found.segments.count > 0) {
-      const DeviceImage<Plane> segment_planes =
-          FitAndAssignPlanes(found.segments, samples.View(), plane_options);
-      TakePlanesOfSegments(found.segments,
-                           samples.View(),
-                           segment_planes.View(),
-                           plane_options.max_boundary_error,
-                           planes.View(),
-                           device_);
-    }
+    const RegionPlanes fits = FitRegionPlanes(
+        regions, samples.View(), views_.Scale(), plane_options, device_);
+    DeviceImage<Plane> planes = AssignRegionPlanes(regions,
+                                                   fits,
+                                                   samples.View(),
+                                                   views_.RasterIntrinsics(),
+                                                   views_.Scale(),
+                                                   plane_options,
+                                                   device_);
     timer_.Finish("region planes");
     return planes;
   }
@@ -277,27 +202,22 @@ Surfaces FindSurfaces(const ViewData& reference,
 
 ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
                             const RefineOptions& options,
-                            Surfaces* surfaces,
+                            const Surfaces& surfaces,
                             DeviceViews* views,
                             Device& device) {
-  const bool is_spread = !surfaces->spread.depth.Empty();
   DeviceImage<Plane> superpixel_planes;
-  if (options.superpixel_planes && surfaces->superpixels.count > 0 &&
-      !is_spread) {
-    superpixel_planes =
-        PlanesOfLabels(std::as_const(surfaces->superpixels.labels).View(),
-                       surfaces->superpixel_planes,
-                       device);
+  if (options.superpixel_planes && surfaces.superpixels.count > 0) {
+    superpixel_planes = PlanesOfLabels(
+        surfaces.superpixels.labels.View(), surfaces.superpixel_planes, device);
   }
-  return ComposeMap(
-      is_spread ? std::move(surfaces->spread) : views->TakeHypotheses(),
-      {std::as_const(surfaces->trusted).View(),
-       views->OnMap(superpixel_planes),
-       region_planes,
-       std::as_const(surfaces->confirmations).View()},
-      views->Scale(),
-      {},
-      device);
+  return ComposeMap(views->TakeHypotheses(),
+                    {surfaces.trusted.View(),
+                     views->OnMap(superpixel_planes),
+                     region_planes,
+                     surfaces.confirmations.View()},
+                    views->Scale(),
+                    {},
+                    device);
 }
 
 }  // namespace tsar

@@ -26,13 +26,6 @@ struct Surfaces {
   // Empty without RefineOptions::refine.
   Superpixels superpixels;
   Buffer<Plane> superpixel_planes;
-  // The smoothed depths of the trusted pixels with
-  // RefineOptions::spread_medians; else empty.
-  DepthNormalImages spread;
-  // The map after R1 and R2 with RefineOptions::fill_before_regions, to which
-  // the regions were fitted; else empty. The hypotheses of the views or
-  // `spread` were moved into it.
-  ComposedMap filled;
   // The regions' planes at the raster's pixels; empty without
   // RefineOptions::segment.
   DeviceImage<Plane> region_planes;
@@ -49,11 +42,10 @@ Surfaces FindSurfaces(const ViewData& reference,
 
 // The map of one view alone: its trusted depths and the planes of its
 // superpixels and regions (may be empty). Moves the hypotheses out of the
-// views, or Surfaces::spread if not empty, which already includes the planes of
-// superpixels.
+// views.
 ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
                             const RefineOptions& options,
-                            Surfaces* surfaces,
+                            const Surfaces& surfaces,
                             DeviceViews* views,
                             Device& device);
 

@@ -281,7 +281,6 @@ ViewData ReduceView(const ViewData& view, int factor) {
   ViewData reduced = reducer.Finish(view.color);
   reduced.num_not_finite = view.num_not_finite;
   reduced.prior = view.prior;
-  reduced.segments = view.segments;
   return reduced;
 }
 

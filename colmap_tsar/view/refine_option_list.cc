@@ -54,11 +54,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {TSAR_FIELD(filter_discontinuity),
        .description =
            "Judge depths by the size of the smooth surface around them."},
-      {TSAR_FIELD(cost_ratio),
-       .description = "Let the quotient of the two smallest costs count among "
-                      "the matching costs, as in the paper: depths that two "
-                      "source images match equally well gain by it.",
-       .paper_strict = 1},
       {TSAR_FIELD(view_agreement),
        .description =
            "Judge depths by the number of source images whose depths agree.",
@@ -88,33 +83,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
        .description = "Let depths that the filter rejected return where the "
                       "weighted median of their surroundings confirms them.",
        .paper = 1},
-      {TSAR_FIELD(spread_medians),
-       .description =
-           "Give depths that the weighted median of their surroundings "
-           "confirms the depth of this median, as in the paper. If 0, they "
-           "keep their own. Has no effect with scene_planes.",
-       .paper_strict = 1},
-      {TSAR_FIELD(small_windows),
-       .description = "Confirm depths by windows half as wide, as the paper "
-                      "prints them: from 2^(num_iterations - 1) times "
-                      "window_radius down to window_radius.",
-       .paper_strict = 1},
-      {TSAR_FIELD(pixel_distances),
-       .description =
-           "Let a neighbor's weight in weighted medians fall with its "
-           "distance in pixels of a map 3110 wide, as printed in the paper. If "
-           "0, with that in steps of the window's sampling.",
-       .paper_strict = 1},
-      {TSAR_FIELD(fill_wide_holes),
-       .description = "Fill holes by weighted medians wherever any sample of "
-                      "the window holds a depth. If 0, a third of them must.",
-       .paper_strict = 1},
-      {TSAR_FIELD(fill_before_regions),
-       .description =
-           "Fill holes by weighted medians before planes are fitted to "
-           "regions, and let these planes replace what is there, as in the "
-           "paper. If 0, after them. Has no effect with scene_planes.",
-       .paper_strict = 1},
       {TSAR_FIELD(num_iterations),
        .description =
            "Rounds of the weighted median filters (N_t in the paper).",
@@ -133,15 +101,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
            "in [0, 1] (sigma in the paper).",
        .min = 0.0,
        .max = 1.0},
-      {TSAR_FIELD(loose_plane_tolerance),
-       .description =
-           "Find the planes of superpixels in two steps, as the paper prints "
-           "it: first with this tolerance, in the unit of the sparse model, "
-           "then, where the plane is credible, with 0.001 of the depth. The "
-           "paper has 0.005 m. If 0, in one step.",
-       .min = 0.0,
-       .max = 1e9,
-       .paper_strict = 5e-3},
       {TSAR_FIELD(window_radius),
        .description = "Radius of the smallest median window, in pixels of a "
                       "map 3110 wide (delta in the paper).",
@@ -170,17 +129,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
            "Step of brightness that bounds a region, in levels of 0-255.",
        .min = 0.0,
        .max = 255.0},
-      {TSAR_FIELD(edges_of_roots),
-       .description =
-           "Take the roots of brightness before the differences of the edge "
-           "detector, whose summed squares must exceed edge_threshold, as "
-           "printed in the paper. If 0, the root of the summed squares counts.",
-       .paper_strict = 1},
-      {TSAR_FIELD(short_lines),
-       .description =
-           "Let straight lines of any length bound a region. If 0, those of at "
-           "least a thirtieth of the image's shorter side.",
-       .paper_strict = 1},
       {TSAR_FIELD(hough_max_gap),
        .description = "Largest gap that a straight line may close, in pixels "
                       "of an image 777 wide (upsilon in the paper).",
@@ -191,15 +139,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
                       "before those on its rim, which belong to whatever hangs "
                       "in front. If 0, one fit takes both.",
        .paper = 0},
-      {TSAR_FIELD(region_rims),
-       .description = "Let depths around a region help to find its plane. If "
-                      "0, only those inside it.",
-       .paper_strict = 0},
-      {TSAR_FIELD(bounded_regions),
-       .description =
-           "Let the plane of a region reach no further than three standard "
-           "deviations of where depths lie on it. If 0, it fills the region.",
-       .paper_strict = 0},
       {TSAR_FIELD(max_region_planes),
        .description = "Most planes that one region may hold.",
        .min = 1,
@@ -216,15 +155,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
                       "fraction of the depth (gamma in the paper).",
        .min = 0.0,
        .max = 1.0},
-      {TSAR_FIELD(max_boundary_gap),
-       .description =
-           "How far a region's plane may be on average from the depths beside "
-           "the region's border, in the unit of the sparse model, as the paper "
-           "prints it (gamma, 0.1 m). If above 0, this alone decides whether a "
-           "plane stands, and max_boundary_error has no effect.",
-       .min = 0.0,
-       .max = 1e9,
-       .paper_strict = 0.1},
       {TSAR_FIELD(confirmed_depths),
        .description =
            "Keep a measured depth that another view confirms, where the pixel "
@@ -337,15 +267,11 @@ std::string RefineField::Text() const {
 RefineOptions PresetOptions(RefinePreset preset) {
   RefineOptions options;
   for (const RefineField& field : ListRefineFields(&options)) {
-    const std::optional<double>& changed =
-        preset == RefinePreset::kPaperStrict && field.paper_strict
-            ? field.paper_strict
-            : field.paper;
-    if (preset != RefinePreset::kDefault && changed) {
+    if (preset == RefinePreset::kPaper && field.paper) {
       std::visit(
           [&](auto* value) {
-            *value =
-                static_cast<std::remove_pointer_t<decltype(value)>>(*changed);
+            *value = static_cast<std::remove_pointer_t<decltype(value)>>(
+                *field.paper);
           },
           field.value);
     }

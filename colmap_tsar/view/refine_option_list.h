@@ -21,14 +21,12 @@ struct RefineField {
   // The range of valid values, both ends included; unused for bools.
   double min = 0.0;
   double max = 1.0;
-  // Whether it is an option of the command for users; all others are set by its
-  // option "experiment".
+  // Whether users can choose it better than we, so that --help tells of it; all
+  // others are for experiments.
   bool is_option = false;
-  // The values of the presets where they differ from the default: `paper` is
-  // the published method as this project interprets it; `paper_strict` its
-  // equations as printed, which defaults to `paper`.
+  // The value of the preset `paper`, the published method as this project
+  // interprets it, where that differs from the default.
   std::optional<double> paper = std::nullopt;
-  std::optional<double> paper_strict = std::nullopt;
 
   // The member's present value, as text that keeps every bit.
   std::string Text() const;
@@ -40,10 +38,9 @@ struct RefineField {
 std::vector<RefineField> ListRefineFields(RefineOptions* options);
 
 // The presets, which are the columns of that list.
-enum class RefinePreset { kDefault, kPaper, kPaperStrict };
+enum class RefinePreset { kDefault, kPaper };
 
-// All members with the values of a preset. Lengths of kPaperStrict are meters,
-// as on ETH3D; docs/method.md lists where it follows the print.
+// All members with the values of a preset.
 RefineOptions PresetOptions(RefinePreset preset);
 
 // Name and value of every member.

@@ -19,7 +19,6 @@ struct RefineOptions {
   bool filter = true;
   bool filter_confidence = true;
   bool filter_discontinuity = true;
-  bool cost_ratio = false;
   bool view_agreement = true;
   double min_aggregated_score = 0.8;  // eta
   double confidence_weight = 0.7;     // tau
@@ -29,15 +28,9 @@ struct RefineOptions {
   bool superpixel_planes = true;
   bool weighted_median = true;
   bool readmit_filtered = false;
-  bool spread_medians = false;
-  bool small_windows = false;
-  bool pixel_distances = false;
-  bool fill_wide_holes = false;
-  bool fill_before_regions = false;
-  int num_iterations = 4;          // N_t
-  int superpixel_size = 400;       // S_sp
-  double min_plane_support = 0.3;  // sigma
-  double loose_plane_tolerance = 0.0;
+  int num_iterations = 4;             // N_t
+  int superpixel_size = 400;          // S_sp
+  double min_plane_support = 0.3;     // sigma
   int window_radius = 5;              // delta
   double spatial_sigma = 2.0;         // alpha
   double color_sigma = 3.0;           // beta
@@ -46,16 +39,11 @@ struct RefineOptions {
   // Textureless-aware segmentation.
   bool segment = true;
   double edge_threshold = 4.0;
-  bool edges_of_roots = false;
-  bool short_lines = false;
   int hough_max_gap = 15;  // upsilon
   bool region_cores = true;
-  bool region_rims = true;
-  bool bounded_regions = true;
   int max_region_planes = 4;
   int min_region_size = 8000;        // kappa * 10^4
   double max_boundary_error = 0.02;  // gamma, as a fraction of depth
-  double max_boundary_gap = 0.0;     // gamma, in the unit of the model
 
   // Confirmation of measured depths.
   bool confirmed_depths = true;

@@ -5,23 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tsar {
 
 int ScaledLength(double length, double scale) {
   return std::max(1, static_cast<int>(std::lround(length * scale)));
-}
-
-RefineOptions MeasuringOptions(const RefineOptions& options) {
-  RefineOptions measuring = options;
-  measuring.spread_medians = false;
-  measuring.fill_before_regions = false;
-  return measuring;
-}
-
-ConfidenceOptions MakeConfidenceOptions(const RefineOptions& options) {
-  return {.use_ratio = options.cost_ratio};
 }
 
 CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
@@ -33,14 +21,9 @@ CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
   result.spatial_sigma = static_cast<float>(options.spatial_sigma);
   result.color_sigma = static_cast<float>(options.color_sigma);
   result.readmit_filtered = options.readmit_filtered;
-  result.spread_medians = options.spread_medians;
-  result.small_windows = options.small_windows;
-  result.pixel_distances = options.pixel_distances;
   result.use_superpixel_planes = options.superpixel_planes;
   result.use_weighted_median = options.weighted_median;
   result.planes.min_support = static_cast<float>(options.min_plane_support);
-  result.planes.loose_tolerance =
-      static_cast<float>(options.loose_plane_tolerance);
   result.planes.ransac.image_id = image_id;
   result.planes.ransac.seed = static_cast<uint32_t>(options.seed);
   return result;
@@ -50,9 +33,6 @@ HoughOptions MakeHoughOptions(const RefineOptions& options,
                               double raster_scale) {
   HoughOptions hough;
   hough.max_gap = ScaledLength(options.hough_max_gap, raster_scale);
-  if (options.short_lines) {
-    hough.min_length_share = 0.f;
-  }
   return hough;
 }
 
@@ -67,20 +47,10 @@ RegionPlaneOptions MakeRegionPlaneOptions(const RefineOptions& options,
   RegionPlaneOptions planes;
   planes.max_planes = options.max_region_planes;
   planes.use_core = options.region_cores;
-  planes.rim_width =
-      options.region_rims ? ScaledLength(planes.rim_width, raster_scale) : 0;
+  planes.rim_width = ScaledLength(planes.rim_width, raster_scale);
   planes.core_margin = ScaledLength(planes.core_margin, raster_scale);
   planes.min_rim_share = static_cast<float>(options.min_plane_support);
   planes.max_boundary_error = static_cast<float>(options.max_boundary_error);
-  if (options.max_boundary_gap > 0.0) {
-    // Only the boundary test that follows decides.
-    planes.min_samples = 3;
-    planes.min_rim_share = 0.f;
-    planes.max_boundary_error = std::numeric_limits<float>::infinity();
-  }
-  if (!options.bounded_regions) {
-    planes.max_extrapolation = std::numeric_limits<float>::infinity();
-  }
   planes.ransac.tolerance.pixels = 1.f;
   planes.ransac.num_hypotheses = 200;
   planes.ransac.image_id = image_id;

@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/view/filter/reliability.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/regions/edges.h"
 #include "colmap_tsar/view/regions/region_planes.h"
@@ -13,18 +12,12 @@
 
 namespace tsar {
 
-// The options for a view whose measurements serve the scene planes, which need
-// every pixel's own depth and no others.
-RefineOptions MeasuringOptions(const RefineOptions& options);
-
 // A length in pixels, at least 1, at another scale.
 int ScaledLength(double length, double scale);
 
 // The options of single stages from the options of a run. raster_scale: that of
 // DeviceViews; lengths scale by it, areas by its square. image_id keys the
 // random numbers.
-
-ConfidenceOptions MakeConfidenceOptions(const RefineOptions& options);
 
 CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
                                           uint32_t image_id);

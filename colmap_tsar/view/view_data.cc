@@ -15,8 +15,7 @@ size_t ViewData::NumBytes() const {
          normal.NumPixels() * sizeof(Vec3f) +
          is_to_refine.NumPixels() * sizeof(uint8_t) +
          (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float) +
-         (prior ? prior->NumBytes() : 0) +
-         segments.NumPixels() * sizeof(uint16_t);
+         (prior ? prior->NumBytes() : 0);
 }
 
 int64_t ViewDataBytes(int64_t num_pixels, bool has_costs) {

@@ -34,9 +34,6 @@ struct ViewData {
   Image<float> second_cost;
   int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
-  // The image's label image (see io/masks_and_labels.h), which covers the full
-  // image at any size: 0 is no segment. Empty if there is none.
-  Image<uint16_t> segments;
   // The depth prior; null if there is none.
   std::shared_ptr<const DepthPrior> prior;
   // Whether the map to refine has few holes (see view/unmatched_depths.h), also

@@ -1,27 +1,32 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Options of commands as keywords, made from what the commands tell of them."""
-import collections.abc
+import difflib
 import inspect
 import json
 import keyword
 import numbers
 import os
 import textwrap
-from typing import Literal, Mapping, Optional, Sequence, Union
+from typing import Literal, Optional, Sequence, Union
 
 from . import _core
 
 # What the workspace and the methods themselves say.
-_NOT_KEYWORDS = {
-    "workspace_path",
-    "input_type",
-    "project_path",
-    "log_to_stderr",
-    "random_seed",
-    "restore",
-    "restore_conflicts",
+_NOT_KEYWORDS = {"workspace_path", "input_type", "restore", "restore_conflicts"}
+# By the kind of value: its type, with those of NumPy, how it is called, and how it is
+# read from and written to a command line.
+_KINDS = {
+    "0|1": (bool, "True or False", lambda text: text == "1", lambda value: str(int(value))),
+    "INT": (numbers.Integral, "an integer", int, lambda value: str(int(value))),
+    "NUMBER": (numbers.Real, "a number", float, lambda value: repr(float(value))),
 }
+
+
+def advice(name, names):
+    """"; did you mean ...?", or nothing."""
+    similar = difflib.get_close_matches(str(name), names)
+    return f"; did you mean {' or '.join(similar)}?" if similar else ""
 
 
 def _read_fields(described):
@@ -29,13 +34,9 @@ def _read_fields(described):
     fields = {}
     for option in described:
         name = option["name"].split(".")[-1]
-        default = option["default"]
-        if option["value"] == "0|1":
+        if option["value"] in _KINDS:
+            option["default"] = _KINDS[option["value"]][2](option["default"])
             option["choices"] = []
-            option["default"] = default == "1"
-        elif option["value"] in ("INT", "NUMBER"):
-            option["default"] = int(default) if option["value"] == "INT" else float(default)
-        option["settings"] = _read_fields(option.get("settings", []))
         if name not in _NOT_KEYWORDS:
             fields[name + "_" * keyword.iskeyword(name)] = option
     return fields
@@ -45,8 +46,6 @@ def _annotation(field):
     default = field["default"]
     if field["choices"]:
         kind = Literal[tuple(field["choices"])]
-    elif field["settings"]:
-        kind = Union[str, Mapping[str, float]]
     elif field["is_path"]:
         kind = Union[str, "os.PathLike[str]"]
     elif isinstance(default, str):
@@ -56,55 +55,21 @@ def _annotation(field):
     return Optional[kind] if default == "" else kind
 
 
-def _number_text(name, value, expected, *kinds):
-    """kinds: the abstract types that will do; those of NumPy are among them."""
-    if isinstance(value, bool) or not isinstance(value, kinds):
-        raise TypeError(f"{name}: give {expected}, not {value!r}")
-    is_integer = isinstance(value, numbers.Integral)
-    return str(int(value)) if is_integer else repr(float(value))
-
-
 def _value_text(name, value, field):
     """As it is written on a command line."""
-    default = field["default"]
-    if isinstance(default, bool):
-        if not isinstance(value, bool):
-            raise TypeError(f"{name}: give True or False, not {value!r}")
-        return str(int(value))
-    if isinstance(default, int):
-        return _number_text(name, value, "an integer", numbers.Integral)
-    if isinstance(default, float):
-        return _number_text(name, value, "a number", numbers.Real)
-    if field["is_path"]:
-        return os.fsencode(value)
-    if field["settings"] and isinstance(value, collections.abc.Mapping):
-        texts = _to_text(name, field["settings"], value)
-        return ",".join(f"{setting}={text}" for setting, text in texts.items())
+    if field["value"] in _KINDS:
+        kind, expected, _, write = _KINDS[field["value"]]
+        if not isinstance(value, kind) or isinstance(value, bool) != (kind is bool):
+            raise TypeError(f"{name}: give {expected}, not {value!r}")
+        return write(value)
     # Lists of numbers: gpu_index, tolerances.
-    if not field["choices"] and not isinstance(value, str):
-        values = value if isinstance(value, (list, tuple)) else [value]
-        return ",".join(
-            _number_text(name, number, "numbers", numbers.Real) for number in values
-        )
-    if not isinstance(value, str):
-        choices = ", ".join(field["choices"])
-        raise TypeError(f"{name}: give one of {choices}, not {value!r}")
-    return os.fsencode(value)
-
-
-def _to_text(owner, fields, values):
-    """{name: text}; None stands for the default."""
-    texts = {}
-    for name, value in values.items():
-        if name not in fields:
-            similar = _core.suggest_names(name, list(fields))
-            advice = (
-                f"did you mean {' or '.join(similar)}?" if similar else "see its help()"
-            )
-            raise TypeError(f"{owner} has no option '{name}'; {advice}")
-        if value is not None:
-            texts[name] = _value_text(name, value, fields[name])
-    return texts
+    is_list = not field["choices"] and not field["is_path"]
+    if is_list and isinstance(value, (list, tuple, numbers.Real)):
+        return ",".join(map(str, value if isinstance(value, (list, tuple)) else [value]))
+    try:
+        return os.fsencode(value)
+    except TypeError:
+        raise TypeError(f"{name}: give a text, not {value!r}") from None
 
 
 def _lines(fields, indentation):
@@ -112,8 +77,6 @@ def _lines(fields, indentation):
         facts = [" | ".join(field["choices"])] if field["choices"] else []
         if field["default"] != "":
             facts.append(f"default {field['default']}")
-        for preset, value in field.get("presets", {}).items():
-            facts.append(f"{preset} {value}")
         text = field["description"].replace("--restore 1", "undo_imports()")
         text = text.replace("--", "")
         yield textwrap.fill(
@@ -122,7 +85,6 @@ def _lines(fields, indentation):
             initial_indent=indentation,
             subsequent_indent=indentation + " " * 4,
         )
-        yield from _lines(field["settings"], indentation + " " * 8)
 
 
 class CommandOptions:
@@ -136,8 +98,15 @@ class CommandOptions:
         """{name of the option: value as it is written on a command line}. TypeError for
         a name that does not exist and for a value of a wrong type; None stands for the
         default."""
-        texts = _to_text(f"{self._method}()", self._fields, options)
-        return {name.rstrip("_"): text for name, text in texts.items()}
+        texts = {}
+        for name, value in options.items():
+            if name not in self._fields:
+                raise TypeError(
+                    f"{self._method}() has no option '{name}'{advice(name, self._fields)}"
+                )
+            if value is not None:
+                texts[name.rstrip("_")] = _value_text(name, value, self._fields[name])
+        return texts
 
     def parameters(self):
         """The keywords, for signatures and type checkers."""
@@ -164,9 +133,9 @@ class CommandOptions:
         method.__doc__ = text + "\n\nOptions:\n" + "\n".join(lines)
 
 
-REFINE = CommandOptions("refine", _core.help_json_of_refine())
-STEREO = CommandOptions("stereo", _core.help_json_of_stereo())
-FUSE = CommandOptions("fuse", _core.help_json_of_fuse())
-IMPORT = CommandOptions("import_maps", _core.help_json_of_import())
-REPORT = CommandOptions("report", _core.help_json_of_report())
-EXPORT = CommandOptions("export", _core.help_json_of_export())
+REFINE = CommandOptions("refine", _core.help_json("refine"))
+STEREO = CommandOptions("stereo", _core.help_json("stereo"))
+FUSE = CommandOptions("fuse", _core.help_json("fuse"))
+IMPORT = CommandOptions("import_maps", _core.help_json("import"))
+REPORT = CommandOptions("report", _core.help_json("report"))
+EXPORT = CommandOptions("export", _core.help_json("export"))

@@ -85,6 +85,5 @@ _CLASSES = {
 def make_error(code, message):
     """The exception for a tsar::Error, whose options are keywords here."""
     message = message.replace("restore 1", "restore()")
-    message = message.replace("experiment help lists", "help(colmap_tsar.refine) lists")
     message = _SWITCH.sub(lambda match: f"{match[1]}={match[2] == '1'}", message)
     return _CLASSES.get(code, Error)(message)

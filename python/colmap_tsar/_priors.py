@@ -11,6 +11,7 @@ import tempfile
 from typing import Any, Callable, Mapping, Optional, Tuple, Union
 
 from . import _core
+from ._command_options import advice
 
 # Depth, or depth and normals; arrays of NumPy, or what can become one.
 Prior = Union[Any, Tuple[Any, Any]]
@@ -82,9 +83,7 @@ def _of_images(workspace_path, priors):
     if isinstance(priors, collections.abc.Mapping):
         for name in priors:
             if name not in names:
-                similar = _core.suggest_names(str(name), list(names))
-                advice = f"; did you mean {' or '.join(similar)}?" if similar else ""
-                raise ValueError(f"priors: there is no image {name!r}{advice}")
+                raise ValueError(f"priors: there is no image {name!r}{advice(name, names)}")
         ask = priors.get
     elif callable(priors):
         ask = priors

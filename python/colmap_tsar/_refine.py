@@ -59,7 +59,7 @@ def refine(
             False: none. A function: called with each such line, from the thread
             that called refine(), for instance logging.getLogger().info. What it
             raises stops the work as Ctrl-C does, and is raised.
-        options: Those of the command, below. `experiment` may be a dict.
+        options: Those of the command, below.
 
     Returns:
         What was done, and how long it took.

@@ -7,7 +7,7 @@ import typing
 from typing import Any, Callable, Iterator, Optional, Tuple, Union
 
 from . import _core
-from ._command_options import EXPORT, FUSE, IMPORT, REFINE, REPORT, STEREO
+from ._command_options import EXPORT, FUSE, IMPORT, REFINE, REPORT, STEREO, advice
 from ._images import WorkspaceImage
 from ._planes import Planes, read_planes
 from ._priors import Priors
@@ -134,7 +134,7 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
         """Completes the maps; see the function refine().
 
             ws.refine(preset="paper", device="cpu")
-            ws.refine(experiment={"num_iterations": 3})
+            ws.refine(num_iterations=3)
             ws.refine(priors={"a.jpg": depth}, prior_type="inverse")
         """
         self._planes = None
@@ -223,9 +223,7 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
         return {} if self._chosen_type is None else {"input_type": self._chosen_type}
 
     def _unknown(self, name):
-        similar = _core.suggest_names(str(name), list(self._facts))
-        advice = f"; did you mean {' or '.join(similar)}?" if similar else ""
-        return f"{self._path} has no image {name!r}{advice}"
+        return f"{self._path} has no image {name!r}{advice(name, self._facts)}"
 
 
 REFINE.document(Workspace.refine)

@@ -15,7 +15,7 @@ where the depth maps come from: colmap, its patch_match_stereo (with a COLMAP th
 has CUDA and an NVIDIA GPU); tsar, tsar_stereo of this project; none, nowhere: put
 the maps into {}/dense/stereo yourself. auto (the default): colmap where
 it can run, else tsar"""
-PRESETS = ("default", "paper", "paper_strict")
+PRESETS = ("default", "paper")
 # The preset of tsar_fuse for the refined maps; None: stereo_fusion fuses them.
 FUSIONS = {"colmap": None, "paper": "paper", "tsar": "default"}
 FUSION_HELP = """\
@@ -44,7 +44,7 @@ def new_parser(script, description, epilog=None):
 
 EPILOG = """\
 Options with a dot go to the command that has them, such as --TsarRefine.min_confidence
-0.3, --TsarRefine.experiment filter=0 or --TsarStereo.num_levels 3 (colmap COMMAND -h,
+0.3, --TsarRefine.filter 0 or --TsarStereo.num_levels 3 (colmap COMMAND -h,
 colmap_tsar COMMAND --help)."""
 
 

@@ -47,14 +47,14 @@ ABLATION = {
 }
 
 # F1 at 2 cm of the training set of ETH3D with the prior gp, by a parameter's value: the paper's symbol, the option of
-# --TsarRefine.experiment (None: it has none), what a value of the paper is multiplied by for it, and values with F1.
+# tsar_refine (None: it has none), what a value of the paper is multiplied by for it, and values with F1.
 PARAMETERS = (
     ("eta", "min_aggregated_score", 1, {0.4: 82.85, 0.6: 83.43, 0.8: 83.69, 1.0: 83.35, 1.2: 82.67}),
     ("tau", "confidence_weight", 1, {0.1: 82.67, 0.3: 83.12, 0.5: 83.44, 0.7: 83.69, 0.9: 82.45}),
     ("N_t", "num_iterations", 1, {1: 81.25, 2: 82.54, 3: 83.36, 4: 83.69, 5: 83.87}),
     ("mu", "disparity_tolerance", 1, {4: 82.74, 8: 83.04, 16: 83.37, 24: 83.69, 32: 83.46}),
     ("kappa", "min_region_size", 10000, {0.3: 83.78, 0.8: 83.69, 1.3: 83.27, 2.0: 82.74, 3.0: 81.49}),
-    ("gamma", "max_boundary_gap", 1, {0.05: 83.46, 0.1: 83.69, 0.2: 83.24, 0.3: 82.86, 0.5: 82.37}),
+    ("gamma", None, 1, {0.05: 83.46, 0.1: 83.69, 0.2: 83.24, 0.3: 82.86, 0.5: 82.37}),
     ("sigma", "min_plane_support", 1, {0.1: 83.13, 0.2: 83.47, 0.3: 83.69, 0.4: 82.95, 0.5: 82.27}),
     ("S_sp", "superpixel_size", 1, {100: 82.78, 200: 83.30, 400: 83.69, 800: 83.05, 1600: 82.16}),
     ("delta", "window_radius", 1, {1: 82.48, 3: 83.25, 5: 83.69, 7: 83.80, 9: 83.85}),

@@ -15,7 +15,6 @@ from programs import as_words
 from steps import remove
 from workspace import map_size, maps_of
 
-EXPERIMENT = "TsarRefine.experiment"
 TOLERANCES = "0.02,0.1"
 FULL, BEFORE = "TSAR-MVS", "prior"
 ABLATION = {"w/o JHF": "filter=0", "w/o DD": "filter_discontinuity=0",
@@ -44,19 +43,19 @@ Tanks and Temples is the server's: scripts/tanks_and_temples.sh --submit.
 
 Each scene's maps are made once; OUTPUT/PRIOR/SCENE/variants/*.json keeps what was
 measured, and the same command goes on where it stopped. By default everything is as in
-the paper: --prior gp --preset paper_strict --fusion paper, and maps of half the images'
+the paper: --prior gp --preset paper --fusion paper, and maps of half the images'
 size; --max_image_size sets another."""
 
 
-def parameter_variant(preset, option, factor, value, printed):
+def parameter_variant(option, factor, value, printed):
     """The variant for a value of a parameter. The paper's own choice, whose F1 is the same
-    for all parameters, is in paper_strict already."""
-    chosen = printed == paper.ETH3D["gp"][1][2] and preset == "paper_strict"
+    for all parameters, is that of both presets."""
+    chosen = printed == paper.ETH3D["gp"][1][2]
     return FULL if chosen else f"{option}={value * factor:g}"
 
 
-def variants(tables, preset):
-    """Name -> (values of --TsarRefine.experiment, or None for the maps before
+def variants(tables):
+    """Name -> (an option of tsar_refine with its value, empty, or None for the maps before
     refinement; what is measured), for the scenes of ETH3D."""
     result = {}
 
@@ -73,7 +72,7 @@ def variants(tables, preset):
     if "parameters" in tables:
         for _, option, factor, values in paper.PARAMETERS:
             for value, printed in values.items() if option else ():
-                name = parameter_variant(preset, option, factor, value, printed)
+                name = parameter_variant(option, factor, value, printed)
                 add(name, "" if name == FULL else name, "cloud")
     return result
 
@@ -85,8 +84,9 @@ def measure_variant(scene, args, programs, name, experiment, measures, truth):
     plain = "".join(c if c.isalnum() or c in "=._-" else "_" for c in name)
     folder = scene.folder / "variants"
     refine = {"TsarRefine.preset": args.preset, **args.passed.get("tsar_refine", {})}
-    joined = ",".join(filter(None, [refine.pop(EXPERIMENT, ""), experiment]))
-    refine = {**refine, **({EXPERIMENT: joined} if joined else {})}
+    if experiment:
+        option, value = experiment.split("=")
+        refine[f"TsarRefine.{option}"] = value
     command, fusion = dense.fusion_command(
         args, None, dense.FUSIONS[args.fusion] if experiment is not None else None)
     fuser = programs.tsar if command == "tsar_fuse" else programs.colmap
@@ -138,7 +138,7 @@ def depth_truth(scene, path):
 
 def run_eth3d(path, args, programs):
     """Variant -> scores of a scene."""
-    wanted = variants(args.tables, args.preset)
+    wanted = variants(args.tables)
     scene = eth3d.open_workspace(path, args)
     dense.make_maps(scene, eth3d.scene_options(path, args), programs, None)
     truth = {"cloud": {"ground_truth_path": path / eth3d.SCANS, "tolerances": TOLERANCES}}
@@ -211,7 +211,7 @@ def show_eth3d(args, ours):
             show(f"Fused pixels right to {100 * tolerance:g} cm (the paper's with the prior gp)",
                  ["mean", *paper.ABLATION_SCENES], rows)
     if "parameters" in args.tables:
-        f1 = lambda *parameter: mean_rows([cloud_row(s[parameter_variant(args.preset, *parameter)])[2]]
+        f1 = lambda *parameter: mean_rows([cloud_row(s[parameter_variant(*parameter)])[2]]
                                           for s in ours.values())[0]
         for symbol, option, factor, printed in paper.PARAMETERS:
             show(f"F1 at 2 cm by {symbol}" + (f" ({option})" if option else ", which is no option here"),
@@ -281,7 +281,7 @@ def main():
                         help="which tables (default: all)")
     add_prior_options(parser)
     add_options(parser, "OUTPUT/PRIOR/SCENE")
-    parser.set_defaults(prior="gp", preset="paper_strict", fusion="paper", max_image_size=None)
+    parser.set_defaults(prior="gp", preset="paper", fusion="paper", max_image_size=None)
     run_main(parser, run)
 
 

@@ -30,7 +30,7 @@ def files_named_by(options):
     """The files and folders whose contents are inputs of a command with these
     options."""
     return [pathlib.Path(value).resolve() for name, value in options.items()
-            if name.endswith(("mask_path", "prior_path", "region_path", "vocab_tree_path"))
+            if name.endswith(("mask_path", "prior_path", "vocab_tree_path"))
             and os.path.exists(value)]
 
 
@@ -61,7 +61,7 @@ class Programs:
     def help_of(self, command):
         """What a command of either program says about its options."""
         if command.startswith("tsar_"):
-            return output_of(self.tsar, command, "--help")
+            return output_of(self.tsar, command, "--help_all")
         return self.colmap_help(command)
 
     @functools.cached_property

@@ -76,10 +76,6 @@ With other options, the steps that depend on them are done again, and no others.
   masks/a.jpg.png, black where the photo is to be ignored
     scripts/reconstruct.sh photos out --mask_path masks
 
-  with the segments that another program found in the undistorted images, which a
-  first run left in out/dense/images; only what follows from them is done again
-    scripts/reconstruct.sh photos out --region_path labels
-
   less, but surer points; and planes that are found in each image on its own
     scripts/reconstruct.sh photos out --StereoFusion.min_num_pixels 8 \\
         --TsarRefine.scene_planes 0
@@ -164,19 +160,6 @@ def take_fewer_views(args, num_images):
             "StereoFusion.min_num_pixels", num_images)
 
 
-def use_regions(args, output):
-    """Hands the label images to the refinement, which looks at them again."""
-    if not args.region_path:
-        return
-    folder = pathlib.Path(args.region_path).resolve()
-    if not folder.is_dir():
-        raise DatasetError(f"--region_path {args.region_path}: no such folder")
-    if folder == output:
-        raise DatasetError(f"--region_path {args.region_path}: is the output folder; put the "
-                           "label images elsewhere")
-    args.passed.setdefault("tsar_refine", {})["region_path"] = str(folder)
-
-
 def camera_options(scene, photos, names, passed):
     """Without EXIF, COLMAP calibrates each photo on its own, which fails for many. Those
     of one size are frames of a video, or come from elsewhere together."""
@@ -245,7 +228,6 @@ def reconstruct(args, programs):
     photos = pathlib.Path(args.photos).resolve()
     output = pathlib.Path(args.output).resolve()
     names = read_photos(photos, output)
-    use_regions(args, output)
     masks = pathlib.Path(args.mask_path).resolve() if args.mask_path else None
     masked = find_masks(masks, photos, output, names) if masks else []
     priors = prior_options(args)
@@ -327,11 +309,6 @@ def main():
                         "refinement and what follows it done anew")
     parser.add_argument("--prior_type", choices=("auto", "metric", "relative", "inverse"),
                         help="what the depth priors hold (default: auto)")
-    parser.add_argument("--region_path", metavar="LABELS",
-                        help="folder with label images of the undistorted images, those in "
-                        "OUTPUT/dense/images: that of a/b.jpg is LABELS/a/b.jpg.png or "
-                        "LABELS/a/b.png, a number for each segment and 0 for none. They correct "
-                        "textureless regions; see tsar_refine --help")
     parser.add_argument("--undistorted_size", type=int, metavar="PIXELS",
                         help="longer side of the undistorted images (default: as the photos)")
     add_options(parser, "OUTPUT")

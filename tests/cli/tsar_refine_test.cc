@@ -4,6 +4,7 @@
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <map>
+#include <utility>
 
 #include "tests/cli/tsar_refine_fixture.h"
 #include "tests/support/external_writers.h"
@@ -11,11 +12,6 @@
 
 namespace tsar {
 namespace {
-
-TEST_F(TsarRefineTest, TakesWhatAllCommandsOfColmapTake) {
-  EXPECT_EQ(Run({"--random_seed", "7", "--log_to_stderr", "1"}).exit_code, 0);
-  EXPECT_EQ(UsedOptions()["seed"], "7");
-}
 
 TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
   const auto before = ReadTree(root_);
@@ -40,133 +36,57 @@ TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
   EXPECT_EQ(restored.exit_code, 0) << restored.err;
   EXPECT_EQ(restored.out, "Put the original maps of 4 images back.\n");
   EXPECT_TRUE(ReadTree(root_) == before);
-  ExpectFailure({"--restore", "1"}, {"nothing to restore"});
 }
 
 // As the programs leave it that train on the undistorted images.
-TEST_F(TsarRefineTest, TakesAModelInTheFolder0) {
+TEST_F(TsarRefineTest, TellsToCopyAModelInTheFolder0) {
   std::filesystem::rename(root_ / "sparse", root_ / "0");
   std::filesystem::create_directory(root_ / "sparse");
   std::filesystem::rename(root_ / "0", root_ / "sparse/0");
-  const std::string output = (folder_.Path() / "out").string();
-  const Outcome second = Run({"--output_path", output});
-  EXPECT_EQ(second.exit_code, 0) << second.err;
-  EXPECT_THAT(second.out, testing::Not(testing::HasSubstr("first copy")));
-  EXPECT_TRUE(
-      std::filesystem::exists(folder_.Path() / "out/sparse/images.txt"));
   const Outcome refined = Run({});
   EXPECT_EQ(refined.exit_code, 0) << refined.err;
   EXPECT_THAT(refined.out,
               testing::HasSubstr((root_ / "sparse").string() +
                                  " itself: first copy there what is in " +
                                  (root_ / "sparse/0").string() + "\nNext: "));
-  const auto run = [&](CommandFunction command,
-                       const std::string& option,
-                       const std::string& name) {
-    const std::filesystem::path path = folder_.Path() / name;
-    const Outcome outcome =
-        RunCaptured("colmap",
-                    {"--workspace_path", root_.string(), option, path.string()},
-                    command);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    EXPECT_TRUE(std::filesystem::exists(path));
-  };
-  run([](int argc,
-         char** argv) { return RunCommand(&RunTsarReport, argc, argv); },
-      "--report_path",
-      "page");
-  run([](int argc,
-         char** argv) { return RunCommand(&RunTsarPlanes, argc, argv); },
-      "--output_path",
-      "planes.json");
-  // Once it is copied, nothing is to be done again.
-  for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
-    std::filesystem::copy(root_ / "sparse/0" / name, root_ / "sparse" / name);
-  }
-  const Outcome again = Run({});
-  EXPECT_THAT(again.out, testing::HasSubstr("4 done before"));
-  EXPECT_THAT(again.out, testing::Not(testing::HasSubstr("first copy")));
 }
 
-TEST_F(TsarRefineTest, TellsOfHowManyImagesThereAreMasks) {
+// Masks, priors, a list of images, a second workspace and its maps.
+TEST_F(TsarRefineTest, TellsWhatItWasGiven) {
+  const auto before = ReadTree(root_);
   const std::filesystem::path masks = folder_.Path() / "masks";
-  ExpectFailure({"--mask_path", masks.string()},
-                {"ERROR: " + masks.string() + ": there is no such folder",
-                 "check --mask_path"});
+  const std::filesystem::path priors = folder_.Path() / "priors";
+  const std::string output = (folder_.Path() / "out").string();
+  const std::string list = (folder_.Path() / "list.txt").string();
   WriteMask(
       masks / "left/v2.png.png", 96, 72, [](int x, int) { return x < 9; });
-  const Outcome outcome = Run({"--mask_path", masks.string()});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(
-      outcome.out,
-      testing::HasSubstr("4 images: 4 refined\n  masks for 1 of 4 images\n"));
-  ExpectFailure({"--mask_path", masks.string(), "--restore", "1"},
-                {"leave --mask_path out"});
-}
-
-TEST_F(TsarRefineTest, TellsOfHowManyImagesThereArePriors) {
-  const std::filesystem::path priors = folder_.Path() / "priors";
-  ExpectFailure({"--prior_path", priors.string()},
-                {"ERROR: " + priors.string() + ": there is no such folder",
-                 "check --prior_path"});
   std::filesystem::create_directories(priors / "left");
   WriteText(priors / "left/v2.pfm",
             PfmBytes(4, 3, 1, std::vector<float>(12, 2.f), true));
-  const Outcome outcome =
-      Run({"--prior_path", priors.string(), "--prior_type", "metric"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out,
-              testing::HasSubstr(
-                  "4 images: 4 refined\n  depth priors for 1 of 4 images, 1 of "
-                  "them not used (stereo/tsar/manifest.json says why)\n"));
-  ExpectFailure({"--prior_path", priors.string(), "--restore", "1"},
-                {"leave --prior_path out"});
-  ExpectFailure({"--prior_type", "metric"}, {"--prior_type", "--prior_path"});
-  ExpectFailure({"--prior_path", priors.string(), "--prior_type", "depth"},
-                {"--prior_type", "auto, metric, relative, inverse"});
-}
-
-TEST_F(TsarRefineTest, TakesLabelImages) {
-  const std::filesystem::path regions = folder_.Path() / "regions";
-  ExpectFailure({"--region_path", regions.string()},
-                {"ERROR: " + regions.string() + ": there is no such folder",
-                 "check --region_path"});
-  WriteMask(regions / "left/v2.png", 48, 36, [](int x, int) { return x < 9; });
-  const Outcome outcome = Run({"--region_path", regions.string()});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  ExpectFailure({"--region_path", regions.string(), "--restore", "1"},
-                {"leave --region_path out"});
-}
-
-TEST_F(TsarRefineTest, RefinesListedImagesAlone) {
-  const std::string list = (folder_.Path() / "list.txt").string();
+  Words words = {"--mask_path",
+                 masks.string(),
+                 "--prior_path",
+                 priors.string(),
+                 "--prior_type",
+                 "metric",
+                 "--image_list_path",
+                 list,
+                 "--output_path",
+                 output,
+                 "--input_type",
+                 "photometric"};
   WriteText(list, "v1.png\nv9.png\n");
-  ExpectFailure({"--image_list_path", list},
-                {"ERROR: " + list + ": line 2 names v9.png"});
-  WriteText(list,
-            std::string("\x7F"
-                        "ELF\x02\x01\0\0\n",
-                        9));
-  ExpectFailure({"--image_list_path", list}, {"line 1 is no image name"});
-  WriteText(list, "v1.png\nv3.png\n");
-  ExpectFailure({"--image_list_path", list, "--restore", "1"},
-                {"leave --image_list_path out"});
-  ExpectFailure({"--image_list_path", list, "--TsarRefine.pass", "observe"},
-                {"--image_list_path", "--TsarRefine.pass all"});
-  const Outcome outcome = Run({"--image_list_path", list});
+  ExpectFailure(words, {"list.txt", "v9.png"});
+  WriteText(list, "v1.png\nleft/v2.png\n");
+  const Outcome outcome = Run(words);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   EXPECT_THAT(outcome.out,
-              testing::HasSubstr("4 images: 2 refined, 2 not in the list\n"));
-}
-
-TEST_F(TsarRefineTest, WritesASecondWorkspace) {
-  const auto before = ReadTree(root_);
-  const std::string output = (folder_.Path() / "out").string();
-  const Outcome outcome =
-      Run({"--output_path", output, "--input_type", "photometric"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out,
-              testing::HasSubstr(output + " --input_type photometric"));
+              testing::AllOf(
+                  testing::HasSubstr(
+                      "4 images: 2 refined, 2 not in the list\n  masks for 1 "
+                      "of 4 images\n  depth priors for 1 of 4 images, 1 of "
+                      "them not used (stereo/tsar/manifest.json says why)\n"),
+                  testing::HasSubstr(output + " --input_type photometric")));
   EXPECT_TRUE(ReadTree(root_) == before);
   EXPECT_TRUE(std::filesystem::is_regular_file(
       folder_.Path() / "out/stereo/depth_maps/left/v2.png.photometric.bin"));
@@ -178,12 +98,17 @@ TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   ASSERT_EQ(paper.at("view_agreement"), "0");
   ASSERT_NE(paper.at("num_iterations"), "2");
   WriteText(folder_.Path() / "project.ini",
-            "[TsarRefine]\npreset = paper\nseed = 2\n"
-            "experiment = num_iterations=2\n");
+            "random_seed = 2\n[TsarRefine]\npreset = paper\n"
+            "num_iterations = 2\ngpu_index = 0,2\n");
   const Outcome outcome = Run({"--project_path",
                                (folder_.Path() / "project.ini").string(),
-                               "--TsarRefine.seed=3"});
+                               "--log_to_stderr",
+                               "1",
+                               "--random_seed=3"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(nlohmann::json::parse(ReadText(
+                root_ / "stereo/tsar/manifest.json"))["runtime"]["gpu_index"],
+            "0,2");
   for (const auto& [name, value] : paper) {
     EXPECT_EQ(UsedOptions()[name],
               name == "num_iterations" ? "2"
@@ -193,46 +118,59 @@ TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   }
 }
 
-TEST_F(TsarRefineTest, TakesThePaperAsPrinted) {
-  const Outcome outcome = Run({"--TsarRefine.preset", "paper_strict"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  for (const auto& [name, value] :
-       RefineOptionsText(PresetOptions(RefinePreset::kPaperStrict))) {
-    EXPECT_EQ(UsedOptions()[name], value) << name;
-  }
-}
-
 TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
-  ExpectFailure({"--TsarRefine.num_thread", "3"},
-                {"--TsarRefine.num_thread", "num_threads"});
-  ExpectFailure({"--TsarRefine.experiment", "num_iteration=3"},
-                {"--TsarRefine.experiment", "num_iterations"});
-  ExpectFailure({"--TsarRefine.experiment",
-                 "filter_confidence=0,filter_discontinuity=0,view_agreement=0"},
-                {"--TsarRefine.experiment filter: nothing is left"});
-  ExpectFailure({"--TsarRefine.num_threads", "0"}, {"num_threads"});
-  ExpectFailure({"--TsarRefine.gpu_index", "0,-3"}, {"gpu_index", "-3"});
-  ExpectFailure({"--TsarRefine.gpu_index", "first"}, {"gpu_index", "first"});
-  ExpectFailure({"--TsarRefine.preset", "best"}, {"preset", "paper"});
-  ExpectFailure({"--input_type", "normal"}, {"input_type", "photometric"});
-  ExpectFailure({"--restore", "1", "--output_path", "out"}, {"--output_path"});
-  ExpectFailure({"--output_path", root_.string()}, {"--output_path"});
-  EXPECT_THAT(RunCommandWith<&RunTsarRefine>({}).err,
-              testing::HasSubstr("--workspace_path"));
-}
-
-TEST_F(TsarRefineTest, WrongShardsAreOneLine) {
+  const std::string here = root_.string();
+  const std::string nowhere = (folder_.Path() / "nowhere").string();
+  const std::pair<Words, Words> failures[] = {
+      {{"--TsarRefine.num_thread", "3"},
+       {"--TsarRefine.num_thread", "num_threads"}},
+      {{"--TsarRefine.num_iterations", "0"},
+       {"--TsarRefine.num_iterations", "'0'", "from 1 to 10"}},
+      {{"--TsarRefine.filter_confidence=0",
+        "--TsarRefine.filter_discontinuity=0",
+        "--TsarRefine.view_agreement=0"},
+       {"--TsarRefine.filter: nothing is left"}},
+      {{"--TsarRefine.num_threads", "0"}, {"num_threads"}},
+      {{"--TsarRefine.gpu_index", "0,-3"}, {"gpu_index", "-3"}},
+      {{"--TsarRefine.gpu_index", "first"}, {"gpu_index", "first"}},
+      {{"--TsarRefine.preset", "best"}, {"preset", "paper"}},
+      {{"--input_type", "normal"}, {"input_type", "photometric"}},
+      {{"--prior_type", "metric"}, {"--prior_type", "--prior_path"}},
+      {{"--prior_path", nowhere, "--prior_type", "depth"},
+       {"--prior_type", "auto, metric, relative, inverse"}},
+      {{"--prior_path", nowhere},
+       {"ERROR: " + nowhere + ": there is no such folder",
+        "check --prior_path"}},
+      {{"--mask_path", nowhere},
+       {"ERROR: " + nowhere + ": there is no such folder",
+        "check --mask_path"}},
+      {{"--output_path", here}, {"--output_path"}},
+      {{"--image_list_path", here, "--TsarRefine.pass", "observe"},
+       {"--image_list_path", "--TsarRefine.pass all"}},
+      {{"--restore", "1", "--image_list_path", here},
+       {"leave --image_list_path out"}},
+      {{"--restore", "1", "--output_path", "out"}, {"--output_path"}},
+      {{"--restore", "1", "--mask_path", here}, {"leave --mask_path out"}},
+      {{"--restore", "1", "--prior_path", here}, {"leave --prior_path out"}},
+      {{"--restore", "1"}, {"nothing to restore"}},
+      {{"--TsarRefine.shard", "0/2"}, {"TsarRefine.pass observe"}},
+      {{"--TsarRefine.pass", "half"}, {"pass", "compose"}},
+      {{"--TsarRefine.pass", "compose", "--TsarRefine.shard", "1/2"},
+       {"0, 1 have not", "pass observe"}},
+      {{"--TsarRefine.pass", "merge"}, {"4 of 4 images"}},
+  };
+  for (const auto& [arguments, texts] : failures) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    ExpectFailure(arguments, texts);
+  }
   for (const char* shard : {"3/", "0/0", "-1/2", "1/2x", "2/2"}) {
     ExpectFailure({"--TsarRefine.pass",
                    "observe",
                    std::string("--TsarRefine.shard=") + shard},
                   {"TsarRefine.shard", "i/n"});
   }
-  ExpectFailure({"--TsarRefine.shard", "0/2"}, {"TsarRefine.pass observe"});
-  ExpectFailure({"--TsarRefine.pass", "half"}, {"pass", "compose"});
-  ExpectFailure({"--TsarRefine.pass", "compose", "--TsarRefine.shard", "1/2"},
-                {"was not observed", "pass observe"});
-  ExpectFailure({"--TsarRefine.pass", "merge"}, {"4 of 4 images"});
+  EXPECT_THAT(RunCommandWith<&RunTsarRefine>({}).err,
+              testing::HasSubstr("--workspace_path"));
 }
 
 TEST_F(TsarRefineTest, RefinesInShards) {
@@ -265,38 +203,23 @@ TEST_F(TsarRefineTest, BrokenWorkspacesAreOneLine) {
   ExpectFailure({"--restore", "1"}, {"stereo", "no such folder"});
 }
 
-TEST_F(TsarRefineTest, TakesListsOfGpus) {
-  const Outcome outcome = Run({"--TsarRefine.gpu_index", "0,2"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(nlohmann::json::parse(ReadText(
-                root_ / "stereo/tsar/manifest.json"))["runtime"]["gpu_index"],
-            "0,2");
-}
-
 TEST(TsarRefine, HelpTeaches) {
   const Outcome outcome = RunCommandWith<&RunTsarRefine>({"--help"});
-  EXPECT_EQ(outcome.exit_code, 0);
   for (const char* text : {"after patch_match_stereo",
                            "--restore 1",
                            "colmap tsar_refine --workspace_path dense",
-                           "--TsarRefine.preset default|paper|paper_strict",
+                           "--TsarRefine.preset default|paper (=default)",
                            "manifest.json"}) {
     EXPECT_THAT(outcome.out, testing::HasSubstr(text));
   }
-  const Outcome experiments =
-      RunCommandWith<&RunTsarRefine>({"--TsarRefine.experiment", "help"});
-  EXPECT_EQ(experiments.exit_code, 0);
+  const Outcome all = RunCommandWith<&RunTsarRefine>({"--help_all"});
   RefineOptions options;
   for (const RefineField& field : ListRefineFields(&options)) {
-    const std::string name = field.is_option
-                                 ? "\n  --TsarRefine." + field.name + " "
-                                 : "\n  " + field.name + " ";
-    EXPECT_THAT(field.is_option ? outcome.out : experiments.out,
-                testing::HasSubstr(name));
+    EXPECT_THAT(all.out,
+                testing::HasSubstr("\n  --TsarRefine." + field.name + " "));
   }
-  EXPECT_THAT(
-      experiments.out,
-      testing::HasSubstr("cost_ratio 0|1 (default: 0; paper_strict: 1)"));
+  EXPECT_THAT(RunCommandWith<&RunTsarRefine>({"--help_json"}).out,
+              testing::HasSubstr("In the preset paper: 1."));
 }
 
 }  // namespace

@@ -14,19 +14,6 @@ class TsarStereoTest : public CommandTest<&RunTsarStereo> {
   void SetUp() override { MakeSyntheticWorkspace(root_); }
 };
 
-TEST(TsarStereo, HelpTeaches) {
-  const Outcome outcome = RunCommandWith<&RunTsarStereo>({"--help"});
-  EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* text : {"after image_undistorter",
-                           "colmap tsar_stereo --workspace_path dense",
-                           "--TsarStereo.window_radius INT (default: 5)",
-                           "--TsarStereo.geom_consistency 0|1 (default: 1)",
-                           "--prior_path PATH",
-                           "--overwrite"}) {
-    EXPECT_THAT(outcome.out, testing::HasSubstr(text));
-  }
-}
-
 TEST_F(TsarStereoTest, FailsWithOneLineAndLeavesTheWorkspaceAsItIs) {
   ExpectFailure({"--TsarStereo.num_iteration", "3"},
                 "--TsarStereo.num_iterations");

@@ -122,7 +122,7 @@ def test_planes_of_the_scene(scene):
     expect_refusal(
         workspace,
         ["was not observed with these options"],
-        scene.shard(workspace, "compose", 1, "--TsarRefine.experiment", "segment=0"),
+        scene.shard(workspace, "compose", 1, "--TsarRefine.segment", "0"),
         "a shard with other options",
     )
     check_restore(scene, workspace, "after a shard was killed while it observed")
@@ -171,7 +171,7 @@ def test_planes_of_the_scene(scene):
 
 def test_images_by_themselves(scene):
     """Where shards read the originals of images that others are refining."""
-    options = ["--TsarRefine.scene_planes", "0", "--TsarRefine.experiment", "segment=0"]
+    options = ["--TsarRefine.scene_planes", "0", "--TsarRefine.segment", "0"]
     expected = scene.whole("whole_by_themselves", *options)
     workspace = scene.copy("by_themselves")
     for pass_name in ("observe", "compose"):

@@ -49,65 +49,6 @@ TEST_F(RefineImageTest, FillsTheBarePartWithTheWall) {
   EXPECT_GT(num_right, 0.95 * num_bare);
 }
 
-// A bare box stands before the bare part, without an edge between them.
-TEST_F(RefineImageTest, ASegmentTellsABoxFromTheWallBehindIt) {
-  SyntheticViewsOptions drawn;
-  drawn.width = 240;
-  drawn.height = 180;
-  drawn_ = MakeSyntheticViews(drawn);
-  ViewData& view = drawn_.views[0];
-  const auto is_on_box = [&](int x, int y) {
-    return IsBare(x, y) && x > drawn.width / 2 + 10;
-  };
-  constexpr float kBox = 0.8f;  // Its depth, as a share of the wall's.
-  int num_missing = 0;
-  for (int y = 0; y < drawn.height; ++y) {
-    for (int x = 0; x < drawn.width; ++x) {
-      if (IsBare(x, y)) {
-        const bool is_missing = is_on_box(x, y) && (x + y) % 2 == 0;
-        num_missing += is_missing ? 1 : 0;
-        view.depth(x, y) =
-            is_missing ? 0.f
-                       : drawn_.truth(x, y) * (is_on_box(x, y) ? kBox : 1.f);
-        view.normal(x, y) = drawn_.wall.normal;
-        view.is_to_refine(x, y) = is_missing ? 0 : 1;
-      }
-    }
-  }
-  // All that the map holds counts, and every region has one plane.
-  RefineOptions options;
-  options.filter = false;
-  options.refine = false;
-  options.max_region_planes = 1;
-  // Missing depths that were filled with that of the wall, and of the box.
-  const auto count_filled = [&] {
-    const RefinedMaps maps = Refine(options).maps;
-    std::pair<int, int> counts = {0, 0};
-    for (int y = 0; y < drawn.height; ++y) {
-      for (int x = 0; x < drawn.width; ++x) {
-        if (is_on_box(x, y) && !(view.depth(x, y) > 0.f)) {
-          const float share = maps.depth(x, y) / drawn_.truth(x, y);
-          counts.first += std::abs(share - 1.f) < 5e-3f ? 1 : 0;
-          counts.second += std::abs(share - kBox) < 5e-3f ? 1 : 0;
-        }
-      }
-    }
-    return counts;
-  };
-  // The rest is too far from the wall's samples.
-  EXPECT_GT(count_filled().first, 0.4 * num_missing);
-  // At half the size.
-  view.segments = Image<uint16_t>(drawn.width / 2, drawn.height / 2);
-  for (int y = 0; y < drawn.height / 2; ++y) {
-    for (int x = 0; x < drawn.width / 2; ++x) {
-      view.segments(x, y) = is_on_box(2 * x, 2 * y) ? 300 : 0;
-    }
-  }
-  const auto [as_wall, as_box] = count_filled();
-  EXPECT_LT(as_wall, 0.05 * num_missing);
-  EXPECT_GT(as_box, 0.9 * num_missing);
-}
-
 TEST_F(RefineImageTest, NoDepthThatWasRightByAMarginGetsWrong) {
   const Image<float> after = Refine().maps.depth;
   double error_before = 0.0;
@@ -178,10 +119,6 @@ TEST_F(RefineImageTest, EverySwitchLeavesSoundMaps) {
   const RefineResult paper = Refine(PresetOptions(RefinePreset::kPaper));
   ExpectSoundMaps(paper.maps);
   EXPECT_EQ(paper.reason_to_keep, "");
-  SCOPED_TRACE("paper_strict");
-  const RefineResult strict = Refine(PresetOptions(RefinePreset::kPaperStrict));
-  ExpectSoundMaps(strict.maps);
-  EXPECT_EQ(strict.reason_to_keep, "");
 }
 
 TEST_F(RefineImageTest, WithoutAnyStageKeepsTheDepths) {

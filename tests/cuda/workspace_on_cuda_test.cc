@@ -268,8 +268,7 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuRefineToTheSameBytes) {
   MakeSyntheticWorkspace(root_);
   const std::pair<const char*, RefineOptions> presets[] = {
       {"default", RefineOptions()},
-      {"paper", PresetOptions(RefinePreset::kPaper)},
-      {"paper_strict", PresetOptions(RefinePreset::kPaperStrict)}};
+      {"paper", PresetOptions(RefinePreset::kPaper)}};
   for (const auto& [name, options] : presets) {
     const std::string preset = name;
     EXPECT_EQ(Refine(Cpu(), preset + " on the CPU", options).num_refined, 4);

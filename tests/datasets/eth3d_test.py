@@ -99,11 +99,11 @@ class Eth3dTest(DatasetTest):
         """Another preset and fusion repeat what follows from them, on a copy."""
         copy = self.folder / "paper"
         shutil.copytree(self.output / "room", copy / "room", symlinks=True)
-        text = self.run_well(self.scenes, "--output_path", copy, "--preset", "paper_strict",
+        text = self.run_well(self.scenes, "--output_path", copy, "--preset", "paper",
                              "--fusion", "paper", "--min_num_pixels", 2)
         self.assertEqual(text.count("done before"), 2)  # The workspace and stereo.
         logs = copy / "room" / "logs"
-        self.assertIn("--TsarRefine.preset paper_strict",
+        self.assertIn("--TsarRefine.preset paper",
                       (logs / "refinement.log").read_text())
         self.assertIn("--StereoFusion.min_num_pixels 2", (logs / "fusion_before.log").read_text())
         self.assertIn("--TsarFuse.preset paper --TsarFuse.min_num_views 2",
@@ -116,12 +116,12 @@ class Eth3dTest(DatasetTest):
         are handed on; on copies."""
         copy = self.folder / "priors"
         command = (self.scenes, "--output_path", copy / "gp", "--prior", "gp", "--paper_size")
-        self.run_well(*command, "--TsarStereo.num_levels", 1, "--TsarRefine.experiment", "segment=0")
+        self.run_well(*command, "--TsarStereo.num_levels", 1, "--TsarRefine.segment", 0)
         room = copy / "gp" / "room"
         log = (room / "logs" / "stereo.log").read_text()
         self.assertIn("--TsarStereo.max_image_size 320", log)  # Half of the images' 640.
         self.assertIn("--TsarStereo.geom_consistency 0 --TsarStereo.num_levels 1", log)
-        self.assertIn("--TsarRefine.experiment segment=0", (room / "logs" / "refinement.log").read_text())
+        self.assertIn("--TsarRefine.segment 0", (room / "logs" / "refinement.log").read_text())
         maps = room / "dense" / "stereo" / "depth_maps"
         self.assertEqual({p.name.split(".")[-2] for p in maps.rglob("*.bin")}, {"photometric"})
 

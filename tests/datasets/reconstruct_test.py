@@ -58,20 +58,6 @@ class ReconstructTest(StandInTest):
         (self.photos / "e.png").write_bytes(PHOTO + b"changed")
         self.assertEqual(self.commands(*options), COMMANDS)
 
-    def test_regions_are_inputs_of_the_refinement(self):
-        self.refuses("nowhere: no such folder", "--region_path", self.root / "nowhere")
-        labels = self.write("labels/a.png", "1")
-        options = ("--region_path", labels.parent)
-        self.run_well()
-        _, calls = self.run_well(*options)
-        self.assertEqual([c.split()[0] for c in calls if c[0] != " "],
-                         COMMANDS[COMMANDS.index("tsar_refine"):])
-        self.assertIn(f" --region_path {labels.parent}", calls[0])
-        self.assertEqual(self.commands(*options), [])
-        labels.write_text("other segments")
-        self.assertEqual(self.commands(*options), COMMANDS[COMMANDS.index("tsar_refine"):])
-        self.refuses("is the output folder", "--region_path", self.output)
-
     def test_options_reach_their_command(self):
         mask = self.write("masks/a.png", "1")
         options = ("--StereoFusion.mask_path", mask.parent, "--StereoFusion.min_num_pixels=3",

@@ -180,7 +180,7 @@ def main():
     if command == "--version":
         print("colmap_tsar (stand-in)")
         return
-    if words in (["-h"], ["--help"]):
+    if words in (["-h"], ["--help_all"]):
         print_help(command)
         return
     with open(FOLDER / "calls.txt", "a", encoding="utf-8") as calls:

@@ -106,10 +106,10 @@ class SubmissionTest(FolderTest):
         self.assertEqual(strecha.kind("castle-P19"), "castlep19")
 
     def test_options_that_are_handed_on(self):
-        words, passed = take_passed(["a", "--TsarRefine.experiment", "filter=0",
+        words, passed = take_passed(["a", "--TsarRefine.filter", "0",
                                      "--TsarStereo.num_levels=3", "--output_path", "b"])
         self.assertEqual(words, ["a", "--output_path", "b"])
-        self.assertEqual(passed, {"TsarRefine.experiment": "filter=0", "TsarStereo.num_levels": "3"})
+        self.assertEqual(passed, {"TsarRefine.filter": "0", "TsarStereo.num_levels": "3"})
         args = make_parser("x", "", "", {"set": ()}, "").parse_args([*words, "--fusion", "paper"])
         args.stereo = PRIORS["gp"]
         self.assertEqual(dense_commands(args),

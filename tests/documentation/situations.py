@@ -187,9 +187,6 @@ SITUATIONS = {
     "A depth prior is of another shape": lambda: write(
         "priors/v000.pfm", b"Pf\n6 8\n-1\n" + struct.pack("<48f", *[1.0] * 48)),
     "A depth prior is a picture": lambda: write("priors/v000.png", png(8, 640, 480)),
-    "The folder of label images holds none": lambda: write("labels/v000.tif", "II"),
-    "A label image is of another shape": lambda: write("labels/v000.png", png(16, 100, 100)),
-    "A label image is a picture": lambda: write("labels/v000.png", png(8, 640, 480, 3)),
     "The originals are gone": lambda: write(
         "dense/stereo/provenance_maps/v000.jpg.geometric.png", "of a refinement"),
     "Restoring leaves maps as they are": depth_alone_made_anew,

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/io/masks_and_labels.h"
+#include "colmap_tsar/io/image_masks.h"
 
 #include <algorithm>
 #include <string>

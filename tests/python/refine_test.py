@@ -26,7 +26,7 @@ def manifest_of(workspace):
 
 class RefineTest(SampleTest):
     def test_gives_the_same_bytes_as_the_program(self):
-        for preset in ("default", "paper", "paper_strict"):
+        for preset in ("default", "paper"):
             with self.subTest(preset=preset):
                 other = self.new_workspace("by_program_" + preset)
                 run_program(
@@ -142,17 +142,6 @@ class RefineTest(SampleTest):
         ):
             with self.subTest(text=text), self.assertRaisesRegex(kind, text):
                 refine(self.workspace, **PLANES, **options)
-
-    def test_regions(self):
-        regions = self.workspace / "regions"
-        write_black_mask(regions / "v000.png", 320, 240)
-        plain = self.new_workspace("plain")
-        refine(plain, **QUICK)
-        refine(self.workspace, **QUICK, region_path=regions)
-        # A label image of zeros has no segment.
-        self.assertEqual(results(self.workspace), results(plain))
-        with self.assertRaises(colmap_tsar.NotFoundError):
-            refine(self.workspace, **QUICK, region_path=self.workspace / "sparse")
 
     def test_second_workspace(self):
         before = digests(self.workspace)

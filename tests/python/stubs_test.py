@@ -1,8 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""The types agree with the module: those of keywords are what
-scripts/write_python_stubs.py writes, and mypy finds no difference. The second is skipped where mypy cannot be had from the
-package index."""
+"""The types agree with the module: mypy finds no difference. Skipped where mypy cannot be had
+from the package index."""
 import os
 import pathlib
 import subprocess
@@ -11,7 +10,7 @@ import tempfile
 
 import colmap_tsar
 from sample_testing import call, check, run
-from support import REPOSITORY, SKIPPED, WORK_FOLDER
+from support import SKIPPED, WORK_FOLDER
 from virtual_environment import VirtualEnvironment
 
 USE = """\
@@ -24,8 +23,8 @@ image_of_depth: object = None
 def tell(name: str, done: int, total: int) -> None: ...
 
 summary = workspace.refine(scene_planes=False, device="cpu", progress=tell)
-workspace.refine(preset="paper", experiment={"segment": False, "num_iterations": 3})
-colmap_tsar.refine("dense", seed=1, pass_="observe", experiment="segment=0")
+workspace.refine(preset="paper", segment=False, num_iterations=3)
+colmap_tsar.refine("dense", seed=1, pass_="observe", cylinders=False)
 share: float = summary.counts["depth_after"] / summary.counts["pixels"]
 workspace.stereo(num_levels=1, device="auto", gpu_index=0)
 workspace.refine(priors={"a.jpg": image_of_depth}, prior_type="metric")
@@ -56,12 +55,6 @@ def main():
     package = pathlib.Path(colmap_tsar.__file__).parent
     with tempfile.TemporaryDirectory(dir=WORK_FOLDER) as folder:
         folder = pathlib.Path(folder)
-        script = REPOSITORY / "scripts" / "write_python_stubs.py"
-        run(sys.executable, script, folder / "written.py")
-        check(
-            (folder / "written.py").read_text() == (package / "_keywords.py").read_text(),
-            "_keywords.py is what scripts/write_python_stubs.py writes",
-        )
         check((package / "py.typed").is_file(), "the package says that it has types")
 
         environment = VirtualEnvironment(WORK_FOLDER / "mypy_environment")

@@ -16,9 +16,9 @@ REPOSITORY = pathlib.Path(os.environ["TSAR_SOURCE_DIR"])
 WORK_FOLDER = pathlib.Path(os.environ["TSAR_WORK_FOLDER"])
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE.
 # Options of refine() that leave out what takes most of the time.
-QUICK = {"scene_planes": False, "experiment": {"segment": False, "num_iterations": 1}}
+QUICK = {"scene_planes": False, "segment": False, "num_iterations": 1}
 # The same with the planes of the scene.
-PLANES = {"experiment": QUICK["experiment"]}
+PLANES = {"segment": False, "num_iterations": 1}
 
 
 def run_program(*arguments):

@@ -23,7 +23,7 @@ import json, pathlib, sys
 import colmap_tsar
 assert pathlib.Path(colmap_tsar.__file__).is_relative_to(sys.prefix)
 summary = colmap_tsar.refine(
-    sys.argv[1], scene_planes=False, experiment={"num_iterations": 1}, progress=False)
+    sys.argv[1], scene_planes=False, num_iterations=1, progress=False)
 assert summary.num_refined == 8, summary
 try:
     colmap_tsar.evaluate_cloud(sys.argv[1] + "/a.ply", sys.argv[1] + "/scans.mlp")

@@ -55,7 +55,7 @@ class WorkspaceRunsTest(SampleTest):
         self.assertEqual(results(self.workspace), results(other))
         self.assertEqual(self.ws.restore().num_restored, self.num_images)
         self.assertEqual(results(self.workspace), results(self.sample))
-        paper = {"preset": "paper", "experiment": "segment=0,num_iterations=1"}
+        paper = {"preset": "paper", "segment": False, "num_iterations": 1}
         self.ws.refine(**paper, device="cpu", progress=False)
         again = colmap_tsar.refine(self.workspace, **paper, device="cpu", progress=False)
         self.assertEqual(again.num_skipped, self.num_images)
@@ -65,7 +65,7 @@ class WorkspaceRunsTest(SampleTest):
         for method, keywords, error, text in (
             (self.ws.refine, {"num_thread": 1}, TypeError, "did you mean num_threads"),
             (self.ws.stereo, {"num_source": 1}, TypeError, "did you mean num_sources"),
-            (self.ws.stereo, {"num_sources": 0}, ValueError, "^num_sources: 0 is too s"),
+            (self.ws.stereo, {"num_sources": 0}, ValueError, "^num_sources: '0' is not"),
             (self.ws.stereo, {"num_sources": 1.5}, TypeError, "^num_sources: .* integer"),
             (self.ws.stereo, {"num_sources": True}, TypeError, "^num_sources: "),
             (self.ws.stereo, {"depth_min": "1"}, TypeError, "^depth_min: give a number"),

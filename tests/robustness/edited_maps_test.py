@@ -141,7 +141,7 @@ for changes in itertools.product(CHANGES, repeat=2):
     what = f"refining again: depth {changes[0]}, normals {changes[1]}"
     change(start.refined, changes)
     before = read_tree(work)
-    command = ["tsar_refine", work, "--TsarRefine.experiment", "superpixel_size=300"]
+    command = ["tsar_refine", work, "--TsarRefine.superpixel_size", 300]
     is_edited = not {"masked", "thresholded"}.isdisjoint(changes)
     if is_edited or changes.count("made anew") == 1:
         program.fails_with_one_line(*command, texts=[MAP, "--restore 1"])
@@ -167,8 +167,7 @@ for name, content in (("changed", b"1&1&1&\0\0\0\0"), ("empty", b""), ("gone", N
     else:
         synthetic_workspace.write(kept, content)
     before = read_tree(work)
-    for command in (["tsar_refine", work, "--TsarRefine.experiment",
-                     "superpixel_size=300"],
+    for command in (["tsar_refine", work, "--TsarRefine.superpixel_size", 300],
                     ["tsar_refine", work, "--restore", 1]):
         program.fails_with_one_line(*command, texts=[MAP])
         after = read_tree(work)

@@ -222,36 +222,5 @@ TEST_F(ComposeTest, DoubtfulDepthsAreDropped) {
   }
 }
 
-TEST_F(ComposeTest, RegionsReplaceWhatTheyAreAppliedTo) {
-  const auto lay =
-      [&](float own, bool trusted, float superpixel, float region) {
-        const Image<Plane> superpixel_plane =
-            PlaneAt(superpixel, kSuperpixelNormal);
-        const Image<Plane> region_plane = PlaneAt(region, kRegionNormal);
-        const Image<uint8_t> mask(1, 1, trusted ? 1 : 0);
-        ComposedMap map =
-            ComposeMap(OwnMap(own),
-                       {on_device_(mask), Raster(superpixel_plane), {}},
-                       {},
-                       options_,
-                       *device_);
-        ApplyRegionPlanes(Raster(region_plane), {}, options_, &map, *device_);
-        return Composed{map.map.depth.ToHost()(0, 0),
-                        map.map.normal.ToHost()(0, 0),
-                        static_cast<Provenance>(map.provenance.ToHost()(0, 0))};
-      };
-  Expect(
-      lay(4.f, true, 0.f, 5.f), 5.f, kRegionNormal, Provenance::kRegionPlane);
-  Expect(
-      lay(4.f, true, 0.f, 4.02f), 4.02f, kRegionNormal, Provenance::kMeasured);
-  Expect(lay(4.f, false, 4.f, 4.02f),
-         4.02f,
-         kRegionNormal,
-         Provenance::kRegionPlane);
-  Expect(
-      lay(4.f, false, 0.f, 5.f), 5.f, kRegionNormal, Provenance::kRegionPlane);
-  Expect(lay(4.f, true, 0.f, 0.f), 4.f, kOwnNormal, Provenance::kMeasured);
-}
-
 }  // namespace
 }  // namespace tsar

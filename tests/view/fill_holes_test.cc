@@ -38,28 +38,14 @@ RefinedMaps FillAroundOnePixel(const RefineOptions& options) {
   return maps;
 }
 
-TEST(FillHoles, LeavesWideHolesUnlessAskedToFillThem) {
-  RefineOptions options;
-  for (const bool fills : {false, true}) {
-    options.fill_wide_holes = fills;
-    const RefinedMaps maps = FillAroundOnePixel(options);
-    EXPECT_EQ(maps.depth(kMiddle, kMiddle), 4.f);
-    EXPECT_EQ(maps.provenance(kMiddle, kMiddle),
-              static_cast<uint8_t>(Provenance::kMeasured));
-    EXPECT_EQ(maps.depth(kMiddle + 3, kMiddle), fills ? 4.f : 0.f);
-    EXPECT_EQ(maps.provenance(kMiddle + 3, kMiddle),
-              static_cast<uint8_t>(fills ? Provenance::kInterpolated
-                                         : Provenance::kNone));
-    EXPECT_EQ(maps.depth(0, 0), 0.f);
-  }
-}
-
-TEST(FillHoles, DistancesInPixelsEndWhereNoWeightIsLeft) {
-  // A map of 21 pixels stands for one of 3110: its next pixel is 148 away.
-  RefineOptions options;
-  options.fill_wide_holes = true;
-  options.pixel_distances = true;
-  EXPECT_EQ(FillAroundOnePixel(options).depth(kMiddle + 1, kMiddle), 0.f);
+TEST(FillHoles, LeavesWideHoles) {
+  const RefinedMaps maps = FillAroundOnePixel({});
+  EXPECT_EQ(maps.depth(kMiddle, kMiddle), 4.f);
+  EXPECT_EQ(maps.provenance(kMiddle, kMiddle),
+            static_cast<uint8_t>(Provenance::kMeasured));
+  EXPECT_EQ(maps.depth(kMiddle + 3, kMiddle), 0.f);
+  EXPECT_EQ(maps.provenance(kMiddle + 3, kMiddle),
+            static_cast<uint8_t>(Provenance::kNone));
 }
 
 TEST(Download, TiltsNormalsThatFaceAwayAndNoOthers) {

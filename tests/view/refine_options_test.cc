@@ -54,29 +54,12 @@ TEST(RefineFields, HaveNamesDescriptionsAndDefaultsInRange) {
   }
   EXPECT_NO_THROW(RefineOptions().Check());
   EXPECT_NO_THROW(PresetOptions(RefinePreset::kPaper).Check());
-  EXPECT_NO_THROW(PresetOptions(RefinePreset::kPaperStrict).Check());
-}
-
-TEST(RefineOptions, PaperStrictAddsToPaper) {
-  const std::map<std::string, std::string> paper =
-      RefineOptionsText(PresetOptions(RefinePreset::kPaper));
-  const std::map<std::string, std::string> defaults = RefineOptionsText({});
-  int num_added = 0;
-  for (const auto& [name, value] :
-       RefineOptionsText(PresetOptions(RefinePreset::kPaperStrict))) {
-    if (value == paper.at(name)) {
-      continue;
-    }
-    ++num_added;
-    EXPECT_EQ(paper.at(name), defaults.at(name)) << name;
-  }
-  EXPECT_EQ(num_added, 12);
 }
 
 // S_sp, kappa and upsilon as printed, on a map 3110 wide with its raster of
 // 777.
 TEST(RefineOptions, TakeTheSizesThatThePaperPrints) {
-  RefineOptions options = PresetOptions(RefinePreset::kPaperStrict);
+  RefineOptions options = PresetOptions(RefinePreset::kPaper);
   options.superpixel_size = 400 / 16;
   options.min_region_size = 8000 / 16;
   options.hough_max_gap = 4;  // 3.75

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/io/image_masks.h"
 #include "colmap_tsar/io/map_shape.h"
-#include "colmap_tsar/io/masks_and_labels.h"
 #include "colmap_tsar/io/photo.h"
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/store/originals.h"
@@ -218,32 +218,6 @@ std::shared_ptr<DepthPrior> Workspace::ReadPrior(int image) const {
 }
 
 void Workspace::CheckPrior(int image) const { ReadPrior(image); }
-
-void Workspace::UseLabelImages(const std::filesystem::path& folder) {
-  label_images_.clear();
-  if (folder.empty()) {
-    return;
-  }
-  const std::string option = OptionName("region_path");
-  RequireNoImageFolder(folder, root_ / "images", "label images", option);
-  label_images_ = FindLabelImages(folder, NamesOf(model_), option);
-}
-
-std::filesystem::path Workspace::LabelImagePath(int image) const {
-  return label_images_.empty() ? std::filesystem::path()
-                               : label_images_.at(static_cast<size_t>(image));
-}
-
-Image<uint16_t> Workspace::ReadLabels(int image) const {
-  const std::filesystem::path path = LabelImagePath(image);
-  return path.empty() ? Image<uint16_t>()
-                      : ReadLabelImage(path, SizeOfImage(image));
-}
-
-int64_t Workspace::CheckLabels(int image) const {
-  const std::filesystem::path path = LabelImagePath(image);
-  return path.empty() ? 0 : CheckLabelImage(path, SizeOfImage(image));
-}
 
 bool Workspace::HasMaps(int image, MapType type) const {
   const MapPaths paths = SourcePaths(image, type);

@@ -6,10 +6,10 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/io/image_lists.h"
+#include "colmap_tsar/io/image_masks.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/io/map_shape.h"
-#include "colmap_tsar/io/masks_and_labels.h"
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/priors/prior_folder.h"
@@ -97,7 +97,7 @@ class Workspace {
   // maps. Stored maps of other images and types may be outdated.
   void TrustStoredOriginals();
 
-  // From now on, images have the masks in this folder, see masks_and_labels.h;
+  // From now on, images have the masks in this folder, see image_masks.h;
   // none where it is empty. Throws Error: what FindImageMasks throws,
   // kBadOption (it is the folder of the images).
   void UseMasks(const std::filesystem::path& folder);
@@ -122,18 +122,6 @@ class Workspace {
   std::shared_ptr<DepthPrior> ReadPrior(int image) const;
   // Throws what ReadPrior throws.
   void CheckPrior(int image) const;
-  // From now on, images have the label images in this folder, see
-  // masks_and_labels.h; none where it is empty. Throws Error: what
-  // FindLabelImages throws, kBadOption (it is the folder of the images).
-  void UseLabelImages(const std::filesystem::path& folder);
-  // Empty where the image has no label image.
-  std::filesystem::path LabelImagePath(int image) const;
-  // The segments of the image; empty where it has no label image. Throws what
-  // ReadLabelImage throws.
-  Image<uint16_t> ReadLabels(int image) const;
-  // Checks the label image without reading it, see CheckLabelImage, and returns
-  // its number of pixels; 0 where there is none.
-  int64_t CheckLabels(int image) const;
 
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
@@ -160,7 +148,6 @@ class Workspace {
   std::vector<bool> trusts_stored_;           // By image; empty: none.
   std::vector<std::filesystem::path> masks_;  // By image; empty: none.
   PriorFolder priors_;
-  std::vector<std::filesystem::path> label_images_;  // By image; as masks_.
   MapType type_;
   std::filesystem::path model_folder_;
   SparseModel model_;

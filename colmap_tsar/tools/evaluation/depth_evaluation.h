@@ -23,7 +23,7 @@ struct DepthEvaluationOptions {
   // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown);
   // empty: ground_truth/depth in the workspace.
   std::filesystem::path ground_truth_path;
-  // Folder of masks (io/masks_and_labels.h), or empty. Masked pixels do not
+  // Folder of masks (io/image_masks.h), or empty. Masked pixels do not
   // count.
   std::filesystem::path mask_path;
   // Correct depths are off by less, in units of the model; ascending, > 0.

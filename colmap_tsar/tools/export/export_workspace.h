@@ -19,7 +19,7 @@ struct ExportOptions {
 
   ExportFormat format = ExportFormat::kNpy;
   std::filesystem::path output_path;
-  // The folder with the masks of images, see io/masks_and_labels.h; empty:
+  // The folder with the masks of images, see io/image_masks.h; empty:
   // none. Masked pixels are exported as if they had no depth.
   std::filesystem::path mask_path;
   // For kNerfstudio: a PLY file in the sparse model's world, or empty.

@@ -25,7 +25,7 @@ struct StereoImageFiles {
   // those of a run on all images, which an empty path stands for. The
   // photometric maps of the images that they depend on are kept, too.
   std::filesystem::path image_list_path;
-  // The folder with the masks of images, see io/masks_and_labels.h. Masked
+  // The folder with the masks of images, see io/image_masks.h. Masked
   // pixels get no depth, and those of sources confirm none.
   std::filesystem::path mask_path;
   // The folder with the depth priors of images, see priors/prior_folder.h, and

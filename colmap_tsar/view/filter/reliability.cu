@@ -55,9 +55,7 @@ struct SelectKernel {
 
 struct ConfidenceKernel {
   ImageView<const float> min_cost;
-  ImageView<const float> second_cost;
   ImageView<const float> left_right_difference;
-  ConfidenceOptions options;
 
   TSAR_HD float operator()(int x, int y) const {
     const float min = min_cost(x, y);
@@ -66,16 +64,10 @@ struct ConfidenceKernel {
     }
     float sum = 0.5f * (2.f - min);
     int num_terms = 1;
-    const float second = second_cost(x, y);
-    if (options.use_ratio && second != kUndefinedCost) {
-      ++num_terms;
-      // Two costs of 0 have no quotient; their ratio counts as 1.
-      sum += second > 0.f ? min / second : 1.f;
-    }
     // The LRD is undefined where the costs were read from a file and the
     // windows of this program lack contrast.
     const float difference = left_right_difference(x, y);
-    if (options.use_left_right_difference && difference != kUndefinedCost) {
+    if (difference != kUndefinedCost) {
       ++num_terms;
       sum += 1.f - difference;
     }
@@ -108,15 +100,12 @@ DeviceImage<uint8_t> SelectReliable(ImageView<const float> score,
 }
 
 DeviceImage<float> ComputeConfidence(const MatchingCosts& costs,
-                                     const ConfidenceOptions& options,
                                      Device& device) {
   return MapPixels<float>(device,
                           costs.min_cost.Width(),
                           costs.min_cost.Height(),
                           ConfidenceKernel{costs.min_cost.View(),
-                                           costs.second_cost.View(),
-                                           costs.left_right_difference.View(),
-                                           options});
+                                           costs.left_right_difference.View()});
 }
 
 }  // namespace tsar

@@ -38,20 +38,13 @@ DeviceImage<uint8_t> SelectReliable(ImageView<const float> score,
                                     float min_aggregated_score,
                                     Device& device);
 
-struct ConfidenceOptions {
-  // Whether to use c_min / c_sec as printed, which is high if two views agree.
-  // It compares two views at one plane, not two hypotheses; without it the sum
-  // ranks pixels better on every scene (docs/ablation.md).
-  bool use_ratio = false;
-  bool use_left_right_difference = true;
-};
-
-// n_cost of Eq. 1, divided by its number of terms so that it lies in [0, 1]:
-// the mean of (2 - c_min) / 2, the ratio term and 1 - LRD. Terms without a
-// second view are left out; 0 where the cost is undefined, since the ratio and
-// the LRD of textureless windows are perfect but meaningless.
+// n_cost of Eq. 1 without its ratio c_min / c_sec, divided by its number of
+// terms so that it lies in [0, 1]: the mean of (2 - c_min) / 2 and 1 - LRD. The
+// ratio is high where two views agree; it compares two views at one plane, not
+// two hypotheses, and without it the sum ranks pixels better on every scene.
+// The LRD is left out where it is undefined; 0 where the cost is undefined,
+// since the LRD of textureless windows is perfect but meaningless.
 DeviceImage<float> ComputeConfidence(const MatchingCosts& costs,
-                                     const ConfidenceOptions& options,
                                      Device& device);
 
 }  // namespace tsar

@@ -20,13 +20,8 @@ struct PlaneTolerance {
   // Lower bound, as a share of the relative depth of one pixel of disparity: it
   // equals the paper's 10^-3 at the paper's image size.
   float pixels = 0.3f;
-  // If above 0, replaces both by this distance in the unit of the depths.
-  float absolute = 0.f;
 
   TSAR_HD float At(float depth, const DepthResolution& resolution) const {
-    if (absolute > 0.f) {
-      return absolute / depth;
-    }
     const float by_disparity = pixels * resolution.RelativeDepthError(depth);
     return by_disparity > relative ? by_disparity : relative;
   }

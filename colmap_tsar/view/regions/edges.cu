@@ -19,12 +19,8 @@ namespace {
 struct RobertsKernel {
   ImageView<const Rgb> color;
   float min_gradient;  // Threshold of the squared differences.
-  bool takes_roots;
 
-  TSAR_HD float Gray(int x, int y) const {
-    const float gray = GrayLevel(color(x, y));
-    return takes_roots ? sqrtf(gray) : gray;
-  }
+  TSAR_HD float Gray(int x, int y) const { return GrayLevel(color(x, y)); }
 
   TSAR_HD uint8_t operator()(int x, int y) const {
     // The last row and column repeat themselves.
@@ -35,16 +31,6 @@ struct RobertsKernel {
     return first * first + second * second > min_gradient ? 1 : 0;
   }
 };
-
-DeviceImage<uint8_t> Detect(ImageView<const Rgb> color,
-                            float min_gradient,
-                            bool takes_roots,
-                            Device& device) {
-  return MapPixels<uint8_t>(device,
-                            color.width,
-                            color.height,
-                            RobertsKernel{color, min_gradient, takes_roots});
-}
 
 constexpr int kNumAngles = 180;
 constexpr int kThreadsPerAngle = 2048;
@@ -249,13 +235,10 @@ struct DrawKernel {
 DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
                                         float threshold,
                                         Device& device) {
-  return Detect(color, threshold * threshold, false, device);
-}
-
-DeviceImage<uint8_t> DetectEdgesOfRoots(ImageView<const Rgb> color,
-                                        float threshold,
-                                        Device& device) {
-  return Detect(color, threshold, true, device);
+  return MapPixels<uint8_t>(device,
+                            color.width,
+                            color.height,
+                            RobertsKernel{color, threshold * threshold});
 }
 
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,

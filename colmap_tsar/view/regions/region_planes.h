@@ -70,18 +70,4 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                              const RegionPlaneOptions& options,
                              Device& device);
 
-// Removes each plane whose mean gap to its surroundings is max_gap or more (Eq.
-// 16 as printed). The gap of a pixel on the region's border, one that has a
-// neighbor outside of the region, is that between the plane's depth in the
-// pixel and the mean depth of the samples in its eight neighbors; border pixels
-// beside which there is no sample do not count, and without any the plane
-// stays. samples: z = 0 for none; intrinsics: those of the regions' raster;
-// max_gap: gamma, in the unit of the depths.
-void RejectByBoundary(const Regions& regions,
-                      ImageView<const RayDepth> samples,
-                      const Intrinsics& intrinsics,
-                      float max_gap,
-                      Device& device,
-                      RegionPlanes* planes);
-
 }  // namespace tsar

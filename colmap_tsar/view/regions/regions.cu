@@ -18,24 +18,6 @@ struct OffEdges {
   TSAR_HD bool Connected(int /*i*/, int /*j*/) const { return true; }
 };
 
-struct InSegments {
-  const uint16_t* segments;
-  TSAR_HD bool Contains(int i) const { return segments[i] != 0; }
-  TSAR_HD bool Connected(int i, int j) const {
-    return segments[i] == segments[j];
-  }
-};
-
-struct DropEdgesKernel {
-  const uint8_t* edges;
-  int* labels;
-  TSAR_HD void operator()(int64_t i) const {
-    if (edges[i] != 0) {
-      labels[i] = -1;
-    }
-  }
-};
-
 struct IsLargeKernel {
   const int* sizes;
   int min_size;
@@ -113,12 +95,15 @@ DeviceImage<int> Repeat(ImageView<const int> labels,
   return result;
 }
 
-// Labels the components of more than min_size pixels. labels: for each pixel,
-// the representative pixel of its component, or -1.
-Regions LabelLarge(DeviceImage<int> labels, int min_size, Device& device) {
+}  // namespace
+
+Regions FindRegions(ImageView<const uint8_t> edges,
+                    int min_size,
+                    Device& device) {
   Regions regions;
-  regions.labels = std::move(labels);
+  regions.labels = DeviceImage<int>(device, edges.width, edges.height);
   const ImageView<int> view = regions.labels.View();
+  LabelComponents(device, OffEdges{edges.data}, Connectivity::kFour, view);
   Buffer<int> sizes(device, view.NumPixels());
   Fill(device, sizes.Data(), sizes.Size(), 0);
   CountComponentPixels(device, view, sizes.Data());
@@ -132,30 +117,6 @@ Regions LabelLarge(DeviceImage<int> labels, int min_size, Device& device) {
   ParallelFor(device, count, RenameKernel{names.Data(), view});
   device.CopyToHost(&regions.count, names.Data() + count, sizeof(int));
   return regions;
-}
-
-}  // namespace
-
-Regions FindRegions(ImageView<const uint8_t> edges,
-                    int min_size,
-                    Device& device) {
-  DeviceImage<int> labels(device, edges.width, edges.height);
-  LabelComponents(
-      device, OffEdges{edges.data}, Connectivity::kFour, labels.View());
-  return LabelLarge(std::move(labels), min_size, device);
-}
-
-Regions FindSegments(ImageView<const uint16_t> segments,
-                     ImageView<const uint8_t> edges,
-                     int min_size,
-                     Device& device) {
-  DeviceImage<int> labels(device, segments.width, segments.height);
-  LabelComponents(
-      device, InSegments{segments.data}, Connectivity::kFour, labels.View());
-  ParallelFor(device,
-              static_cast<int64_t>(segments.NumPixels()),
-              DropEdgesKernel{edges.data, labels.View().data});
-  return LabelLarge(std::move(labels), min_size, device);
 }
 
 DeviceImage<int> GrowLabels(ImageView<const int> labels,

@@ -22,14 +22,6 @@ Regions FindRegions(ImageView<const uint8_t> edges,
                     int min_size,
                     Device& device);
 
-// Finds the connected components of segments, which edges do not divide,
-// without the edge pixels. Components of at most min_size such pixels are
-// dropped; labels are ordered by first pixel. segments: 0 for none.
-Regions FindSegments(ImageView<const uint16_t> segments,
-                     ImageView<const uint8_t> edges,
-                     int min_size,
-                     Device& device);
-
 // Gives the pixels without a label the smallest label among their four
 // neighbors, num_steps times over: each region grows by that many pixels and
 // never into another one.

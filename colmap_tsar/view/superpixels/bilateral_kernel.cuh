@@ -57,14 +57,10 @@ class BilateralKernelTable {
     taps_.stride =
         std::max(1, static_cast<int>(std::lround(options.radius / kTapRadius)));
     const float sigma = options.spatial_sigma;
-    const float spacing = options.distance_unit > 0.f
-                              ? taps_.stride / options.distance_unit
-                              : 1.f;
     for (int row = 0; row <= kTapRadius; ++row) {
       for (int column = 0; column <= kTapRadius; ++column) {
         taps_.spatial[row][column] = std::exp(
-            -spacing *
-            std::sqrt(static_cast<float>(row * row + column * column)) /
+            -std::sqrt(static_cast<float>(row * row + column * column)) /
             (sigma * sigma));
       }
     }

@@ -40,8 +40,7 @@ WeightedMedianOptions FilterOfRound(const CorrelationOptions& options,
                                     int round,
                                     int width,
                                     int height) {
-  const int exponent =
-      options.num_iterations - round + (options.small_windows ? 0 : 1);
+  const int exponent = options.num_iterations - round + 1;
   WeightedMedianOptions filter;
   filter.spatial_sigma = options.spatial_sigma;
   filter.color_sigma = options.color_sigma;
@@ -49,9 +48,6 @@ WeightedMedianOptions FilterOfRound(const CorrelationOptions& options,
       options.window_radius * std::exp2(static_cast<float>(exponent)),
       width,
       height);
-  if (options.pixel_distances) {
-    filter.distance_unit = ScaledRadius(1.f, width, height);
-  }
   return filter;
 }
 
@@ -78,22 +74,12 @@ CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
   if (options.use_superpixel_planes) {
     groups = GroupPixels(superpixels.labels.View(), superpixels.count, device);
   }
-  DeviceImage<InverseDepthPlane> estimate;
-  if (options.spread_medians) {
-    result.spread = CopyMap(own, device);
-  } else {
-    estimate = DeviceImage<InverseDepthPlane>(device, width, height);
-  }
+  DeviceImage<InverseDepthPlane> estimate(device, width, height);
   for (int round = 1; round <= options.num_iterations; ++round) {
     DeviceImage<Plane> planes;
     if (options.use_superpixel_planes) {
       const DeviceImage<RayDepth> samples = SampleMeasurements(
-          options.spread_medians ? result.spread.depth.View() : own.depth,
-          score,
-          result.trusted.View(),
-          intrinsics,
-          raster,
-          device);
+          own.depth, score, result.trusted.View(), intrinsics, raster, device);
       SuperpixelPlaneOptions plane_options = options.planes;
       plane_options.ransac.iteration = round;
       result.planes = FitSuperpixelPlanes(groups,
@@ -114,13 +100,14 @@ CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
                          scale,
                          options.disparity_tolerance / round,
                          options.readmit_filtered};
-    const ImageView<uint8_t> trusted = result.trusted.View();
-    if (options.spread_medians) {
-      SpreadRound(on_map, color, filter, gate, &result.spread, trusted, device);
-    } else {
-      GateRound(
-          own, on_map, color, filter, gate, estimate.View(), trusted, device);
-    }
+    GateRound(own,
+              on_map,
+              color,
+              filter,
+              gate,
+              estimate.View(),
+              result.trusted.View(),
+              device);
   }
   return result;
 }

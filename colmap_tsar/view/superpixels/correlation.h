@@ -22,15 +22,6 @@ struct CorrelationOptions {
   // Whether pixels that were not reliable may become trusted, as by the paper's
   // gate. It improves a weak mask and degrades a strong one (docs/ablation.md).
   bool readmit_filtered = false;
-  // Whether pixels that pass the gate take the depth of the filter, for the
-  // next rounds and the result, as in the paper; see SpreadRound().
-  bool spread_medians = false;
-  // Whether F_A has windows of delta 2^(N_t - N_c), as printed, instead of
-  // twice that.
-  bool small_windows = false;
-  // Whether the weights of F_A fall with the distance in paper pixels, as
-  // printed, instead of in taps.
-  bool pixel_distances = false;
   bool use_superpixel_planes = true;
   bool use_weighted_median = true;
   SuperpixelPlaneOptions planes;
@@ -38,22 +29,18 @@ struct CorrelationOptions {
 
 // The result of R1: the trusted pixels, and the planes fitted to them.
 struct CorrelationResult {
-  // Nonzero where the pixel's own depth is trusted, or with spread_medians that
-  // of `spread`.
+  // Nonzero where the pixel's own depth is trusted.
   DeviceImage<uint8_t> trusted;
   Buffer<Plane> planes;  // One per superpixel; may be invalid.
-  // With spread_medians, the depths of the trusted pixels, 0 elsewhere; else
-  // empty.
-  DepthNormalImages spread;
 };
 
 // R1 of the paper's iterative correlation refinement. Each round fits the
 // superpixels' planes to the trusted pixels, replaces the map's depths by them,
 // filters the result by F_A with a window that halves from round to round, and
 // trusts the pixels whose own disparity is within mu / (n_aggr N_c) of it (Eq.
-// 9). Trusted pixels keep their own depth, except with spread_medians. own: the
-// measured hypotheses; score: n_aggr; reliable: the pixels trusted initially;
-// all of the map's size. Superpixels live on raster.
+// 9). Trusted pixels keep their own depth. own: the measured hypotheses; score:
+// n_aggr; reliable: the pixels trusted initially; all of the map's size.
+// Superpixels live on raster.
 CorrelationResult RefineByCorrelation(const DepthNormalViews& own,
                                       ImageView<const float> score,
                                       DeviceImage<uint8_t> reliable,

@@ -25,18 +25,14 @@ struct AcceptKernel {
   int width;
   Intrinsics intrinsics;
   float min_support;
-  float min_inlier_share;
-  // May be null; else planes without an earlier one are rejected.
-  const Plane* earlier;
   Plane* planes;
 
   template <typename Team>
   TSAR_HD void operator()(const Team& team, int64_t k) const {
     const GroupPlane& fit = fits[k];
-    const bool is_supported =
-        fit.plane.Valid() && (earlier == nullptr || earlier[k].Valid()) &&
-        fit.num_samples > min_support * fit.num_pixels &&
-        fit.num_inliers >= min_inlier_share * fit.num_samples;
+    const bool is_supported = fit.plane.Valid() &&
+                              fit.num_samples > min_support * fit.num_pixels &&
+                              fit.num_inliers >= min_support * fit.num_samples;
     const bool is_acceptable = is_supported && IsInRange(team, fit, k);
     if (team.IsLeader()) {
       planes[k] = is_acceptable ? fit.plane : Plane{};
@@ -60,15 +56,14 @@ struct AcceptKernel {
   }
 };
 
-// Fits with one tolerance. earlier: null, or the planes of an earlier fit.
-Buffer<Plane> FitAndAccept(const PixelGroups& superpixels,
-                           ImageView<const RayDepth> samples,
-                           const Intrinsics& intrinsics,
-                           const DisparityScale& scale,
-                           const SuperpixelPlaneOptions& options,
-                           float min_inlier_share,
-                           const Plane* earlier,
-                           Device& device) {
+}  // namespace
+
+Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
+                                  ImageView<const RayDepth> samples,
+                                  const Intrinsics& intrinsics,
+                                  const DisparityScale& scale,
+                                  const SuperpixelPlaneOptions& options,
+                                  Device& device) {
   const Buffer<GroupPlane> fits =
       FitGroupPlanes(superpixels, samples, scale, options.ransac, device);
   Buffer<Plane> planes(device, superpixels.NumGroups());
@@ -79,41 +74,8 @@ Buffer<Plane> FitAndAccept(const PixelGroups& superpixels,
                                     samples.width,
                                     intrinsics,
                                     options.min_support,
-                                    min_inlier_share,
-                                    earlier,
                                     planes.Data()});
   return planes;
-}
-
-}  // namespace
-
-Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
-                                  ImageView<const RayDepth> samples,
-                                  const Intrinsics& intrinsics,
-                                  const DisparityScale& scale,
-                                  const SuperpixelPlaneOptions& options,
-                                  Device& device) {
-  const auto fit = [&](const SuperpixelPlaneOptions& with,
-                       float min_inlier_share,
-                       const Plane* earlier) {
-    return FitAndAccept(superpixels,
-                        samples,
-                        intrinsics,
-                        scale,
-                        with,
-                        min_inlier_share,
-                        earlier,
-                        device);
-  };
-  if (!(options.loose_tolerance > 0.f)) {
-    return fit(options, options.min_support, nullptr);
-  }
-  SuperpixelPlaneOptions loose = options;
-  loose.ransac.tolerance.absolute = options.loose_tolerance;
-  const Buffer<Plane> members = fit(loose, 0.f, nullptr);
-  SuperpixelPlaneOptions tight = options;
-  tight.ransac.tolerance.pixels = 0.f;
-  return fit(tight, 0.f, members.Data());
 }
 
 }  // namespace tsar

@@ -12,11 +12,6 @@ struct SuperpixelPlaneOptions {
   // sigma: the least share of a superpixel's pixels that must be reliable, and
   // of its reliable pixels that must lie on the plane.
   float min_support = 0.3f;
-  // If above 0, planes are first fitted with this tolerance in the unit of the
-  // depths (Eq. 5 as printed). Those of the superpixels in S (Eq. 4) are
-  // refitted with 10^-3 of the depth and need no share of inliers; the others
-  // are dropped.
-  float loose_tolerance = 0.f;
   // The tolerance of the inliers, t_k of Eq. 5, and the options of RANSAC.
   GroupPlaneOptions ransac;
 };

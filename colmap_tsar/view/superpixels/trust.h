@@ -57,7 +57,7 @@ void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
                           ImageView<uint8_t> trusted,
                           Device& device);
 
-// A round of R1 that keeps measured depths: trusts the pixels whose own
+// A round of R1: trusts the pixels whose own
 // disparity passes the gate around the estimate (Eq. 9), which is the plane of
 // the superpixel, else the trusted pixel's own, filtered by F_A. planes: on the
 // map's pixels; filter: null for none; estimate: working memory; all of the
@@ -70,21 +70,5 @@ void GateRound(const DepthNormalViews& own,
                ImageView<InverseDepthPlane> estimate,
                ImageView<uint8_t> trusted,
                Device& device);
-
-DepthNormalImages CopyMap(const DepthNormalViews& map, Device& device);
-
-// A round of R1 that propagates depths, as in the paper: replaces depths by the
-// planes of the superpixels, filters the result by F_A, keeps it where the
-// pixel's original disparity passes the gate around it (Eq. 9), and clears the
-// others. A pixel of score 0 passes: mu / 0 is no bound. planes: on the map's
-// pixels; filter: null for none; map: the trusted depths of the previous round;
-// all of the map's size. Changes map and trusted.
-void SpreadRound(const PlaneRaster& planes,
-                 ImageView<const Rgb> color,
-                 const WeightedMedianOptions* filter,
-                 const TrustGate& gate,
-                 DepthNormalImages* map,
-                 ImageView<uint8_t> trusted,
-                 Device& device);
 
 }  // namespace tsar

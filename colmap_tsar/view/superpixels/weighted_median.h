@@ -21,8 +21,6 @@ struct WeightedMedianOptions {
   // in units of the spacing of the taps and colors 0-255.
   float spatial_sigma = 2.f;
   float color_sigma = 3.f;
-  // If above 0, distances are in units of this many pixels of the map.
-  float distance_unit = 0.f;
   // The least share of the taps inside the image that must hold a depth.
   float min_support = 0.f;
 };

@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/view/regions/regions.h"
 
-#include "colmap_tsar/view/regions/region_planes.h"
-
 #include <algorithm>
 #include <cstdlib>
 
@@ -85,26 +83,13 @@ TEST_F(RegionsTest, SmallAreasHaveNoNumber) {
   }
 }
 
-TEST_F(RegionsTest, OfSegmentsReachAcrossEdgesAndEndAtTheirBorders) {
-  const auto find_in_row = [&](const std::vector<uint16_t>& segments,
-                               const std::vector<uint8_t>& edges) {
-    const int width = static_cast<int>(edges.size());
-    const Image<int> labels =
-        FindSegments(ImageView<const uint16_t>{segments.data(), width, 1},
-                     ImageView<const uint8_t>{edges.data(), width, 1},
-                     2,
-                     *device_)
-            .labels.ToHost();
-    return std::vector<int>(labels.begin(), labels.end());
-  };
-  EXPECT_EQ(find_in_row({9, 9, 9, 9, 9, 0, 0, 0}, {0, 0, 1, 0, 0, 0, 0, 0}),
-            (std::vector<int>{0, 0, -1, 0, 0, -1, -1, -1}));
-  EXPECT_EQ(find_in_row({5, 5, 5, 300, 300, 300, 5, 5, 5},
-                        {0, 0, 0, 0, 0, 0, 0, 0, 0}),
-            (std::vector<int>{0, 0, 0, 1, 1, 1, 2, 2, 2}));
-  // Two pixels, or two off the edges, are too few.
-  EXPECT_EQ(find_in_row({1, 1, 2, 2, 2, 3, 3, 3}, {0, 0, 0, 1, 0, 0, 0, 0}),
-            (std::vector<int>{-1, -1, -1, -1, -1, 0, 0, 0}));
+TEST_F(RegionsTest, OfAnImageWithoutEdgesIsOne) {
+  int count = 0;
+  const Image<int> labels = Find(Image<uint8_t>(17, 5, 0), 84, &count);
+  EXPECT_EQ(count, 1);
+  EXPECT_EQ(std::count(labels.begin(), labels.end(), 0), 85);
+  Find(Image<uint8_t>(17, 5, 1), 0, &count);
+  EXPECT_EQ(count, 0);
 }
 
 TEST_F(RegionsTest, GrowByOnePixelPerStep) {
@@ -158,75 +143,18 @@ TEST_F(RegionsTest, ShrinkByOnePixelPerStepButNotFromTheImagesBorder) {
   EXPECT_TRUE(std::equal(labels.begin(), labels.end(), same.begin()));
 }
 
-constexpr int kWidth = 40;
-constexpr int kHeight = 30;
-constexpr float kDepth = 4.f;
-
-// A region of 20 x 10 pixels with 56 on its border, and a plane that faces the
-// camera.
-class BoundaryTest : public testing::Test {
- protected:
-  BoundaryTest()
-      : device_(CreateTestDevice(2)),
-        camera_(SyntheticCamera(kWidth, kHeight, 50.0)) {
-    Image<uint8_t> edges(kWidth, kHeight, 1);
-    for (int y = 10; y < 20; ++y) {
-      for (int x = 10; x < 30; ++x) {
-        edges(x, y) = 0;
-      }
-    }
-    regions_ = FindRegions(on_device_(edges), 100, *device_);
-  }
-
-  // Around the region, and nowhere else.
-  void DrawSurroundings(float depth) {
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const bool is_inside = x >= 10 && x < 30 && y >= 10 && y < 20;
-        depth_(x, y) = is_inside ? 0.f : depth;
-      }
+TEST_F(RegionsTest, ThatTouchShrinkOnBothSides) {
+  Image<int> labels(10, 3, 0);
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 5; x < 10; ++x) {
+      labels(x, y) = 1;
     }
   }
-  bool Stands(float max_gap) const {
-    std::vector<SupportedPlane> planes(kMaxPlanesPerRegion);
-    planes[0].plane = {{0.f, 0.f, -1.f}, kDepth};
-    RegionPlanes fits{{}, Buffer<SupportedPlane>(*device_, planes)};
-    const DeviceImage<RayDepth> samples(*device_, ToSamples(depth_, camera_));
-    RejectByBoundary(regions_,
-                     samples.View(),
-                     camera_.GetIntrinsics(),
-                     max_gap,
-                     *device_,
-                     &fits);
-    return fits.planes.ToHost()[0].plane.Valid();
-  }
-
-  std::unique_ptr<Device> device_;
-  DeviceCopies on_device_{*device_};
-  Camera camera_;
-  Regions regions_;
-  Image<float> depth_{kWidth, kHeight, 0.f};
-};
-
-TEST_F(BoundaryTest, ComparesTheMeanGapInTheUnitOfTheDepths) {
-  for (const float gap : {0.05f, -0.05f}) {
-    DrawSurroundings(kDepth + gap);
-    EXPECT_TRUE(Stands(0.051f));
-    EXPECT_FALSE(Stands(0.049f));
-  }
-}
-
-TEST_F(BoundaryTest, OnlyNeighborsOfTheBorderCount) {
-  // Inside the region and two pixels outside of it are others.
-  DrawSurroundings(0.f);
-  for (int x = 5; x < 35; ++x) {
-    depth_(x, 15) = x > 11 && x < 28 ? 1.f : 0.f;
-    depth_(x, 22) = 1.f;
-  }
-  EXPECT_TRUE(Stands(0.001f));
-  depth_(20, 20) = kDepth + 0.5f;
-  EXPECT_FALSE(Stands(0.49f));
-  EXPECT_TRUE(Stands(0.51f));
+  const Image<int> shrunk = Shrink(labels, 1);
+  EXPECT_EQ(shrunk(3, 1), 0);
+  EXPECT_EQ(shrunk(4, 1), -1);
+  EXPECT_EQ(shrunk(5, 1), -1);
+  EXPECT_EQ(shrunk(6, 1), 1);
 }
 
 }  // namespace

@@ -115,28 +115,6 @@ TEST_F(SuperpixelPlanesTest, RejectsAPlaneThatLeavesTheDepthsItWasFittedTo) {
   ASSERT_TRUE(2.f > 1.2f * std::max(nearest, farthest) ||
               2.f < 0.8f * std::min(nearest, farthest));
   EXPECT_FALSE(Fit(depth).Valid());
-  SuperpixelPlaneOptions two_steps;
-  two_steps.loose_tolerance = 5e-3f;
-  EXPECT_FALSE(Fit(depth, two_steps).Valid());
-}
-
-TEST_F(SuperpixelPlanesTest, InTwoStepsNeedsNoInliers) {
-  // A fifth of the samples on the plane, the others anywhere about it.
-  Image<float> depth = DrawDepth(plane_, camera_);
-  Philox random(3, 0, 0);
-  for (float& z : depth) {
-    if (random.NextFloat() < 0.8f) {
-      z = 2.f + 6.f * random.NextFloat();
-    }
-  }
-  EXPECT_FALSE(Fit(depth).Valid());
-  SuperpixelPlaneOptions options;
-  options.loose_tolerance = 5e-3f;
-  options.ransac.num_hypotheses = 1000;
-  ExpectPlane(Fit(depth, options), plane_);
-  // But reliable pixels.
-  Thin(0.2f, &depth);
-  EXPECT_FALSE(Fit(depth, options).Valid());
 }
 
 TEST_F(SuperpixelPlanesTest, DoesNotDependOnTheScenesScale) {

@@ -173,18 +173,16 @@ TEST_F(WeightedMedianTest, DoesNotDependOnTheScenesScale) {
   }
 }
 
-TEST_F(WeightedMedianTest, DistancesInPixelsLetTheNearestTapsDecide) {
-  // Three of eleven columns of taps around column 24, four pixels apart.
-  const float near = 4.f;
-  const float beside = 5.f;
-  Draw(DrawnPlane({0.f, 0.f, -1.f}, beside), 0, kWidth);
-  Draw(DrawnPlane({0.f, 0.f, -1.f}, near), 20, 29);
-  options_.radius = 20.f;
+TEST_F(WeightedMedianTest, GivesUnitNormalsTowardsTheCamera) {
+  Draw(DrawnPlane({-0.5f, 0.3f, -1.f}, 4.2f), 24, kWidth);
   Filter();
-  EXPECT_FLOAT_EQ(filtered_(24, 18), beside);
-  options_.distance_unit = 1.f;
-  Filter();
-  EXPECT_FLOAT_EQ(filtered_(24, 18), near);
+  const Intrinsics intrinsics = camera_.GetIntrinsics();
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      ASSERT_NEAR(Norm(filtered_normal_(x, y)), 1.f, 1e-5f);
+      ASSERT_LT(Dot(filtered_normal_(x, y), intrinsics.Ray(x, y)), 0.f);
+    }
+  }
 }
 
 }  // namespace

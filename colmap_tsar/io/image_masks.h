@@ -14,19 +14,12 @@
 
 namespace tsar {
 
-// Masks and label images: PNG files that users give with the undistorted
-// images, in a folder of their own.
-//
-// Masks follow COLMAP's mask_path: that of the image sub/a.jpg is sub/a.jpg.png
-// in the folder of masks. The mask of an image sub/a.png may also have its name
-// if there is no sub/a.png.png. Pixels of value 0 (black) are masked, all
-// others are not; colors are converted to gray. Images without a mask are used
-// entirely.
-//
-// Label images hold a segmentation of an image by another program, in one
-// channel of up to 16 bits: pixels of one value are a segment, and 0 is none.
-// That of sub/a.jpg is sub/a.jpg.png or sub/a.png. They may have any size, but
-// must have the aspect ratio of the image.
+// Masks: PNG files that users give with the undistorted images, in a folder of
+// their own. They follow COLMAP's mask_path: that of the image sub/a.jpg is
+// sub/a.jpg.png in the folder of masks. The mask of an image sub/a.png may also
+// have its name if there is no sub/a.png.png. Pixels of value 0 (black) are
+// masked, all others are not; colors are converted to gray. Images without a
+// mask are used entirely.
 
 // Throws Error kBadOption if a folder of other content is that of the images.
 // content: the expected content, such as "masks"; option: the option that names
@@ -36,14 +29,10 @@ void RequireNoImageFolder(const std::filesystem::path& folder,
                           const std::string& content,
                           const std::string& option);
 
-// The masks or label images of these images; empty for images without one.
-// option: the option that names the folder. Throw Error kNotFound if there is
-// no such folder or it holds no file of any of them.
+// The masks of these images; empty for images without one. option: the option
+// that names the folder. Throws Error kNotFound if there is no such folder or
+// it holds no mask of any of them.
 std::vector<std::filesystem::path> FindImageMasks(
-    const std::filesystem::path& folder,
-    const std::vector<std::string>& image_names,
-    const std::string& option);
-std::vector<std::filesystem::path> FindLabelImages(
     const std::filesystem::path& folder,
     const std::vector<std::string>& image_names,
     const std::string& option);
@@ -61,24 +50,10 @@ struct MaskSizes {
 Image<uint8_t> ReadImageMask(const std::filesystem::path& path,
                              const MaskSizes& sizes);
 
-// The longest side of a label image that was read, in pixels: the raster of
-// regions is smaller.
-constexpr int kMaxLabelImageSide = 1024;
-
-// Reads the segments, reduced to kMaxLabelImageSide by nearest-neighbor
-// sampling. image: the size of the undistorted image. Throws the errors of
-// ReadImageMask, kMismatch for another aspect ratio, and kUnsupported for
-// colors.
-Image<uint16_t> ReadLabelImage(const std::filesystem::path& path,
-                               const RasterSize& image);
-
-// Check only the beginning and the end of a file, and decode it only if the end
-// is not that of a complete one. Throw the errors of ReadImageMask and
-// ReadLabelImage; damage inside is found when the file is read.
+// Checks only the beginning and the end of a file, and decodes it only if the
+// end is not that of a complete one. Throws the errors of ReadImageMask; damage
+// inside is found when the file is read.
 void CheckImageMask(const std::filesystem::path& path, const MaskSizes& sizes);
-// Returns the number of pixels.
-int64_t CheckLabelImage(const std::filesystem::path& path,
-                        const RasterSize& image);
 
 // The mask at another size. A pixel is masked if any pixel that it covers is: a
 // depth that mixes masked content is useless.

@@ -2,28 +2,24 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes the types of the keywords that come from the options of the program, so that
-type checkers and editors know them. To be run after an option has changed, with the
-built package on the path:
+type checkers and editors know them. The build runs it:
 
-    PYTHONPATH=build/python python3 scripts/write_python_stubs.py [FILE]
+    write_keywords.py PACKAGE
 
-FILE: where to, by default the package's _keywords.py in python/."""
+PACKAGE: the folder of the built package, into which _keywords.py is written."""
 import inspect
 import pathlib
 import re
 import sys
 
-from colmap_tsar import _command_options as commands
-
 HEADER = """\
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-# Written by scripts/write_python_stubs.py.
 import os
 import typing
 """
 
-OF_TYPING = "Literal|Mapping|Optional|Sequence|Union"
+OF_TYPING = "Literal|Optional|Sequence|Union"
 
 # What the methods have as parameters of their own.
 OWN = {
@@ -41,7 +37,10 @@ def annotation_text(annotation):
     return re.sub(rf"(?<![.\w'])({OF_TYPING})\b(?!')", r"typing.\1", text).replace("NoneType", "None")
 
 
-def main(path):
+def main(package):
+    sys.path[0] = str(package.parent)  # Not the sources beside this file.
+    from colmap_tsar import _command_options as commands
+
     lines = []
     for name in ("Refine", "Stereo", "Fuse", "Import", "Report", "Export"):
         kind = name + "Keywords"
@@ -51,9 +50,8 @@ def main(path):
             for parameter in getattr(commands, name.upper()).parameters()
             if parameter.name not in OWN.get(kind, ())
         ]
-    path.write_text(HEADER + "\n".join(lines) + "\n")
+    (package / "_keywords.py").write_text(HEADER + "\n".join(lines) + "\n")
 
 
 if __name__ == "__main__":
-    package = pathlib.Path(__file__).parents[1] / "python" / "colmap_tsar"
-    main(pathlib.Path(sys.argv[1]) if sys.argv[1:] else package / "_keywords.py")
+    main(pathlib.Path(sys.argv[1]))

@@ -1,0 +1,201 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/io/image_masks.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/picture_file.h"
+#include "colmap_tsar/io/photo.h"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <utility>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+namespace tsar {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMaskAdvice =
+    "write it as a PNG file, black where the image is to be ignored";
+fs::path FindMask(const fs::path& folder, const std::string& name) {
+  constexpr std::string_view kExtension = ".png";
+  fs::path mask = folder / (name + ".png");
+  if (Exists(mask)) {
+    return mask;
+  }
+  mask = folder / name;
+  const bool is_png =
+      name.size() > kExtension.size() && FoldedCase(name).ends_with(kExtension);
+  return is_png && Exists(mask) ? mask : fs::path();
+}
+
+// An open PNG file; see PictureInput for more errors.
+class PngInput {
+ public:
+  // Throws Error kCorrupt if it is no PNG file.
+  explicit PngInput(const fs::path& path)
+      : file_(path, "mask", kMaskAdvice) {
+    const std::optional<PngHeader> header =
+        ReadPngHeader(file_.Read(0, kNumHeadBytes));
+    if (!header) {
+      throw Error::File(
+          ErrorCode::kCorrupt, Name(), "the mask is no PNG file", kMaskAdvice);
+    }
+    header_ = *header;
+  }
+
+  const std::string& Name() const { return file_.Name(); }
+  const PngHeader& Header() const { return header_; }
+  RasterSize Size() const {
+    return {static_cast<int>(header_.width), static_cast<int>(header_.height)};
+  }
+
+  // Whether the end of the file is that of a complete one.
+  bool EndsAsWhole() {
+    const uint64_t tail = file_.Size() - kNumTailBytes;
+    return EndsInMarker(file_.Read(0, kNumHeadBytes),
+                        file_.Read(tail, kNumTailBytes));
+  }
+
+  // mode: that of cv::imdecode.
+  cv::Mat Decode(int mode) {
+    cv::Mat pixels = DecodePicture(file_.ReadAll(), mode);
+    if (pixels.empty()) {
+      throw Error::File(ErrorCode::kCorrupt,
+                        Name(),
+                        "the mask is damaged or breaks off",
+                        "write it again");
+    }
+    return pixels;
+  }
+
+ private:
+  PictureInput file_;
+  PngHeader header_;
+};
+
+bool HasSize(const PngHeader& header, const RasterSize& size) {
+  return header.width == size.width && header.height == size.height;
+}
+
+// Throws if, by its header, the file is no mask for an image of these sizes.
+void RequireMask(const MaskSizes& sizes, const PngInput& file) {
+  if (!HasSize(file.Header(), sizes.image) &&
+      !HasSize(file.Header(), sizes.maps)) {
+    const bool has_own_maps = sizes.maps.width != sizes.image.width ||
+                              sizes.maps.height != sizes.image.height;
+    throw Error::File(
+        ErrorCode::kMismatch,
+        file.Name(),
+        "the mask has " + ToString(file.Size()) +
+            " pixels, its undistorted image " + ToString(sizes.image) +
+            (has_own_maps ? ", and its maps " + ToString(sizes.maps) : ""),
+        "masks of the photos do not fit: undistort them with "
+        "image_undistorter, as docs/guide.md tells under Masks");
+  }
+}
+
+Image<uint8_t> DecodeMask(PngInput* file) {
+  const cv::Mat pixels =
+      file->Decode(cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  Image<uint8_t> mask(pixels.cols, pixels.rows);
+  cv::Mat is_black(pixels.rows, pixels.cols, CV_8UC1, mask.Data());
+  cv::compare(pixels, 0, is_black, cv::CMP_EQ);
+  is_black &= 1;
+  return mask;
+}
+
+}  // namespace
+
+void RequireNoImageFolder(const fs::path& folder,
+                          const fs::path& images,
+                          const std::string& content,
+                          const std::string& option) {
+  std::error_code error;
+  if (fs::equivalent(folder, images, error)) {
+    throw Error::File(ErrorCode::kBadOption,
+                      folder.string(),
+                      "is the folder of the images",
+                      "give that of their " + content + " as " + option);
+  }
+}
+
+std::vector<fs::path> FindImageMasks(
+    const fs::path& folder,
+    const std::vector<std::string>& image_names,
+    const std::string& option) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "there is no such folder of masks",
+                      "check " + option);
+  }
+  std::vector<fs::path> paths;
+  for (const std::string& name : image_names) {
+    paths.push_back(FindMask(folder, name));
+  }
+  if (std::ranges::all_of(paths, &fs::path::empty)) {
+    const std::string example =
+        image_names.empty() ? ""
+                            : "; that of " + image_names.front() +
+                                  " would be " + image_names.front() + ".png";
+    throw Error::File(ErrorCode::kNotFound,
+                      folder.string(),
+                      "holds no mask of any image" + example,
+                      "check " + option);
+  }
+  return paths;
+}
+
+Image<uint8_t> ReadImageMask(const fs::path& path, const MaskSizes& sizes) {
+  PngInput file(path);
+  RequireMask(sizes, file);
+  return DecodeMask(&file);
+}
+
+void CheckImageMask(const fs::path& path, const MaskSizes& sizes) {
+  PngInput file(path);
+  RequireMask(sizes, file);
+  if (!file.EndsAsWhole()) {
+    // Data may have been appended after the end.
+    DecodeMask(&file);
+  }
+}
+
+Image<uint8_t> ResizeMask(const Image<uint8_t>& mask, const RasterSize& size) {
+  if (mask.Width() == size.width && mask.Height() == size.height) {
+    return mask;
+  }
+  // The half-open range of pixels of `from` that pixel i of `to` covers.
+  const auto covered = [](int64_t i, int64_t from, int64_t to) {
+    return std::pair(static_cast<int>(i * from / to),
+                     static_cast<int>(((i + 1) * from + to - 1) / to));
+  };
+  Image<uint8_t> resized(size.width, size.height);
+  for (int y = 0; y < size.height; ++y) {
+    const auto [begin_y, end_y] = covered(y, mask.Height(), size.height);
+    for (int x = 0; x < size.width; ++x) {
+      const auto [begin_x, end_x] = covered(x, mask.Width(), size.width);
+      for (int j = begin_y; j < end_y; ++j) {
+        const uint8_t* row = &mask(0, j);
+        if (std::any_of(row + begin_x, row + end_x, [](uint8_t value) {
+              return value != 0;
+            })) {
+          resized(x, y) = 1;
+          break;
+        }
+      }
+    }
+  }
+  return resized;
+}
+
+}  // namespace tsar
