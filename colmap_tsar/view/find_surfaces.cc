@@ -137,8 +137,6 @@ class SurfaceFinder {
                             device_);
     surfaces_.superpixel_planes = std::move(correlation.planes);
     surfaces_.trusted = std::move(correlation.trusted);
-    if (observer_ != nullptr && surfaces_.superpixel_planes.Size() > 0) {
-      }
     timer_.Finish("refinement");
   }
 
