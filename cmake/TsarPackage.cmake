@@ -47,8 +47,8 @@ NVIDIA GPUs where it was built with CUDA, and runs on CPUs elsewhere.")
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libcolmap-tsar-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS "\
-libceres-dev, libeigen3-dev, libgoogle-glog-dev, liblz4-dev, libopencv-dev, \
-libxxhash-dev")
+libboost-program-options-dev, libceres-dev, libeigen3-dev, \
+libgoogle-glog-dev, liblz4-dev, libopencv-dev, libxxhash-dev")
 set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "\
 library and headers of TSAR for COLMAP
 The static library, the headers and the CMake package ColmapTsar for

@@ -8,32 +8,14 @@
 #include "colmap_tsar/cli/process_setup.h"
 
 #include <algorithm>
+#include <csignal>
 #include <iomanip>
 #include <iostream>
 
 #include <nlohmann/json.hpp>
-#include <signal.h>
 
 namespace tsar {
 namespace {
-
-// While it lives, a write beyond the file size limit (ulimit -f) fails, like
-// one to a full disk; otherwise the system would end the process.
-class FileSizeLimitFails {
- public:
-  FileSizeLimitFails() {
-    struct sigaction action = {};
-    action.sa_handler = SIG_IGN;
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGXFSZ, &action, &previous_);
-  }
-  ~FileSizeLimitFails() { sigaction(SIGXFSZ, &previous_, nullptr); }
-  FileSizeLimitFails(const FileSizeLimitFails&) = delete;
-  FileSizeLimitFails& operator=(const FileSizeLimitFails&) = delete;
-
- private:
-  struct sigaction previous_;
-};
 
 // The function with its errors reported.
 template <CommandFunction kFunction>
@@ -74,22 +56,11 @@ void PrintProgramHelpJson() {
   std::cout << json.dump(2) << "\n";
 }
 
-[[noreturn]] void ThrowUnknownCommand(const std::string& written) {
-  std::string list;
-  for (const Command& command : Commands()) {
-    list += (list.empty() ? "" : ", ") + command.name;
-  }
-  throw Error(ErrorCode::kBadOption,
-              "unknown command '" + written + "'; the commands are " + list);
-}
-
 // Handles the arguments where no command is named.
 int TellAboutProgram(int argc, char** argv) {
   const std::string name = argc > 1 ? argv[1] : "help";
-  if (name == "help" && argc > 2) {
-    ThrowUnknownCommand(argv[2]);
-  } else if (name == "help" || name == "-h" || name == "--help" ||
-             name == "--help_all") {
+  if (name == "help" || name == "-h" || name == "--help" ||
+      name == "--help_all") {
     PrintProgramHelp();
   } else if (name == "--help_json") {
     PrintProgramHelpJson();
@@ -97,7 +68,12 @@ int TellAboutProgram(int argc, char** argv) {
     std::cout << "colmap_tsar " TSAR_VERSION
               << (TSAR_CUDA_ENABLED ? " (with CUDA)\n" : " (without CUDA)\n");
   } else {
-    ThrowUnknownCommand(name);
+    std::string list;
+    for (const Command& command : Commands()) {
+      list += (list.empty() ? "" : ", ") + command.name;
+    }
+    throw Error(ErrorCode::kBadOption,
+                "unknown command '" + name + "'; the commands are " + list);
   }
   return 0;
 }
@@ -148,7 +124,9 @@ const std::vector<Command>& Commands() {
 
 int RunCommand(CommandFunction function, int argc, char** argv) {
   OpenClosedStandardStreams();
-  const FileSizeLimitFails file_size_limit_fails;
+  // A write beyond the file size limit (ulimit -f) is to fail, like one to a
+  // full disk; otherwise the system would end the process.
+  std::signal(SIGXFSZ, SIG_IGN);
   try {
     PrepareForLowMemory();
     const OpenCvWithoutThreads opencv_without_threads;
@@ -162,25 +140,11 @@ int RunCommand(CommandFunction function, int argc, char** argv) {
 }
 
 int RunProgram(int argc, char** argv) {
-  const auto find = [&](int place) -> const Command* {
-    for (const Command& command : Commands()) {
-      if (argc > place && command.name == argv[place]) {
-        return &command;
-      }
+  for (const Command& command : Commands()) {
+    if (argc > 1 && command.name == argv[1]) {
+      argv[1] = argv[0];
+      return command.run(argc - 1, argv + 1);
     }
-    return nullptr;
-  };
-  if (const Command* command = find(1)) {
-    argv[1] = argv[0];
-    return command->run(argc - 1, argv + 1);
-  }
-  const Command* explained = find(2);
-  if (explained != nullptr && std::string(argv[1]) == "help") {
-    std::string help = "--help";
-    std::vector<char*> arguments = {argv[0]};
-    arguments.insert(arguments.end(), argv + 3, argv + argc);
-    arguments.push_back(help.data());
-    return explained->run(static_cast<int>(arguments.size()), arguments.data());
   }
   return RunCommand(&TellAboutProgram, argc, argv);
 }

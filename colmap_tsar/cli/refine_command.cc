@@ -33,9 +33,8 @@ constexpr const char* kSummary =
     "before stereo_fusion, which needs no other options: refined maps take the "
     "names of the originals, and --restore 1 puts these back. Beside them it "
     "writes how sure each depth is (stereo/confidence_maps, "
-    "stereo/sigma_maps), "
-    "where it comes from (stereo/provenance_maps), its plane "
-    "(stereo/plane_maps) and an account of the run "
+    "stereo/sigma_maps), where it comes from (stereo/provenance_maps), its "
+    "plane (stereo/plane_maps) and an account of the run "
     "(stereo/tsar/manifest.json). It can be interrupted at any time: the same "
     "command goes on where it stopped.";
 

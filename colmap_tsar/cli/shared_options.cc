@@ -132,20 +132,16 @@ std::optional<MapType> ParseMapType(const std::string& value) {
 }
 
 void AddRestoreConflicts(std::string* value, OptionSet* options) {
-  options
-      ->AddChoice(
-          "restore_conflicts",
-          value,
-          {"report", "keep", "original"},
-          "For --restore, where nothing tells whose the depth and normal maps "
-          "of "
-          "an image are, such as where one of the two alone was written anew. "
-          "report: change nothing for this image and say so. keep: leave what "
-          "is "
-          "there. original: put the originals back, also where another program "
-          "has "
-          "made both maps anew; what is there moves to stereo/tsar/superseded.")
-      .is_advanced = true;
+  Option& option = options->AddChoice(
+      "restore_conflicts",
+      value,
+      {"report", "keep", "original"},
+      "For --restore, where nothing tells whose the depth and normal maps of "
+      "an image are, such as where one of the two alone was written anew. "
+      "report: change nothing for this image and say so. keep: leave what is "
+      "there. original: put the originals back, also where another program has "
+      "made both maps anew; what is there moves to stereo/tsar/superseded.");
+  option.is_advanced = true;
 }
 
 void ReportRestored(const std::vector<std::filesystem::path>& kept,

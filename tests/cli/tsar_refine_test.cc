@@ -173,39 +173,9 @@ TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
               testing::HasSubstr("--workspace_path"));
 }
 
-TEST_F(TsarRefineTest, RefinesInShards) {
-  const auto before = ReadTree(root_);
-  for (const char* pass : {"observe", "compose"}) {
-    if (pass == std::string("compose")) {
-      const Outcome outcome = Run({"--TsarRefine.pass", "model"});
-      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-      EXPECT_THAT(outcome.out, testing::HasSubstr("planes of the scene"));
-    }
-    for (const char* shard : {"0/2", "1/2"}) {
-      const Outcome outcome =
-          Run({"--TsarRefine.pass", pass, "--TsarRefine.shard", shard});
-      EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-      EXPECT_THAT(outcome.out, testing::HasSubstr("Shard "));
-    }
-  }
-  const Outcome merged = Run({"--TsarRefine.pass", "merge"});
-  EXPECT_EQ(merged.exit_code, 0) << merged.err;
-  EXPECT_THAT(merged.out, testing::HasSubstr("4 images: 4 refined\n"));
-  EXPECT_EQ(Run({"--restore", "1"}).exit_code, 0);
-  EXPECT_TRUE(ReadTree(root_) == before);
-}
-
-TEST_F(TsarRefineTest, BrokenWorkspacesAreOneLine) {
-  std::filesystem::remove(root_ / "images/v3.png");
-  ExpectFailure({}, {"images/v3.png", "no such image"});
-  std::filesystem::remove_all(root_ / "stereo");
-  ExpectFailure({}, {"stereo", "no such folder"});
-  ExpectFailure({"--restore", "1"}, {"stereo", "no such folder"});
-}
-
 TEST(TsarRefine, HelpTeaches) {
   const Outcome outcome = RunCommandWith<&RunTsarRefine>({"--help"});
-  for (const char* text : {"after patch_match_stereo",
+  for (const char* text : {"Run it after",
                            "--restore 1",
                            "colmap tsar_refine --workspace_path dense",
                            "--TsarRefine.preset default|paper (=default)",
