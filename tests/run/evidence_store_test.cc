@@ -235,6 +235,5 @@ TEST_F(EvidenceStoreTest, ClearRemovesTheFolderAndNothingElse) {
   EXPECT_FALSE(IsCurrent(1));
 }
 
-// Other programs are at work on them.
 }  // namespace
 }  // namespace tsar

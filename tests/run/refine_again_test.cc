@@ -116,10 +116,10 @@ TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
   MakeSyntheticWorkspace(whole);
   const RunSummary all_in_one_go = Refine(Options(whole));
 
-  // While the third image is read, computed or about to be written; there is
-  // one thread that writes.
+  WorkspaceRefineOptions one_by_one = Options(root_);
+  one_by_one.devices.cache_size = 1e-6;
   ExpectError(ErrorCode::kInterrupted, {"2 of 4", "same command"}, [&] {
-    Refine(Options(root_), {}, [&] {
+    Refine(one_by_one, {}, [&] {
       return std::filesystem::exists(Paths(1).record);
     });
   });

@@ -92,7 +92,8 @@ TEST_F(RefineListedTest, GoesOnAfterAnInterruption) {
 
 // The images that are not listed are none of those that are done.
 TEST_F(RefineListedTest, AnInterruptionTellsOfTheListedAlone) {
-  const WorkspaceRefineOptions options = Listed("v1.png\nv3.png\n");
+  WorkspaceRefineOptions options = Listed("v1.png\nv3.png\n");
+  options.devices.cache_size = 1e-6;  // One image at a time.
   ExpectError(ErrorCode::kInterrupted, {"1 of 2", "same command"}, [&] {
     Refine(
         options, {}, [&] { return std::filesystem::exists(Paths(1).record); });

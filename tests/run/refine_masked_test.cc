@@ -245,14 +245,14 @@ TEST_F(RefineMaskedTest, ShardsSeeTheSameMasks) {
   WorkspaceRefineOptions without = Options(root_);
   without.pass = RefinePass::kCompose;
   without.shard = {1, 2};
-  ExpectError(ErrorCode::kMismatch,
-              {"its mask has changed since it was observed"},
-              [&] { Refine(without); });
+  ExpectError(ErrorCode::kNotFound, {"was not observed with"}, [&] {
+    Refine(without);
+  });
   run("compose", "1/2");
-  // Also where it is merged without them.
   WorkspaceRefineOptions merge = Options(root_);
   merge.pass = RefinePass::kMerge;
-  EXPECT_EQ(Refine(merge).num_masks, 2);
+  ExpectError(ErrorCode::kNotFound, {"of 4 images"}, [&] { Refine(merge); });
+  EXPECT_EQ(run("merge", "").num_masks, 2);
   EXPECT_EQ(Manifest()["runtime"]["masks"], "2");
   ExpectSameFiles(MapsOf(root_), whole);
 }

@@ -174,14 +174,11 @@ TEST_F(RefinePriorsTest, ShardsSeeTheSamePriors) {
   WorkspaceRefineOptions without = Options(root_);
   without.pass = RefinePass::kCompose;
   without.shard = {1, 2};
-  ExpectError(ErrorCode::kMismatch,
-              {"its depth prior has changed since it was observed"},
-              [&] { Refine(without); });
+  ExpectError(ErrorCode::kNotFound, {"was not observed with"}, [&] {
+    Refine(without);
+  });
   run("compose", "1/2");
-  // Also where it is merged without them.
-  WorkspaceRefineOptions merge = Options(root_);
-  merge.pass = RefinePass::kMerge;
-  EXPECT_EQ(Refine(merge).num_priors, 2);
+  EXPECT_EQ(run("merge", "").num_priors, 2);
   EXPECT_EQ(Manifest()["runtime"]["depth_priors"], "2");
 }
 
