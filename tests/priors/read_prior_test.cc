@@ -59,12 +59,10 @@ class ReadPriorTest : public testing::Test {
   }
   static Image<float> ReadDepth(const fs::path& path,
                                 const RasterSize& photo = kPhoto) {
-    CheckPrior({path, {}}, photo);
     return ReadPrior({path, {}}, PriorType::kAuto, photo).values;
   }
   static Image<Vec3f> ReadNormals(const fs::path& path,
                                   const RasterSize& photo = kPhoto) {
-    CheckPrior({{}, path}, photo);
     return ReadPrior({{}, path}, PriorType::kAuto, photo).normals;
   }
   static void ExpectRefused(const PriorFiles& files,
@@ -74,7 +72,6 @@ class ReadPriorTest : public testing::Test {
         (files.depth.empty() ? files.normals : files.depth).string());
     ExpectError(
         code, texts, [&] { ReadPrior(files, PriorType::kAuto, kPhoto); });
-    ExpectError(code, texts, [&] { CheckPrior(files, kPhoto); });
   }
 
   TemporaryFolder folder_;
