@@ -51,7 +51,7 @@ class DistinctMatchesTest : public testing::Test {
 
   Image<uint8_t> Count() {
     DeviceImage<uint8_t> counts(*device_, Image<uint8_t>(kWidth, kHeight));
-    for (const SourceView& source : scene_.Sources().ToHost()) {
+    for (const SourceView& source : scene_.HostSources()) {
       AddDistinctMatches(
           scene_.Reference(), source, options_, counts.View(), *device_);
     }

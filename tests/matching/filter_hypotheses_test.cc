@@ -42,7 +42,7 @@ class FilterHypothesesTest : public testing::TestWithParam<float> {
   // units of 1.
   Image<float> Filter() {
     const float scale = GetParam();
-    std::vector<SourceView> sources = scene_.Sources().ToHost();
+    std::vector<SourceView> sources = scene_.HostSources();
     DeviceCopies on_device(*device_);
     for (size_t i = 0; i < sources.size(); ++i) {
       sources[i].from_reference.translation =

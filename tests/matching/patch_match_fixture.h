@@ -66,7 +66,7 @@ class PatchMatchTest : public testing::Test {
   }
   // The sources of a scene without their depth maps, with all lengths scaled.
   Buffer<SourceView> Images(TexturedPlane& scene, float scale = 1.f) {
-    std::vector<SourceView> sources = scene.Sources().ToHost();
+    std::vector<SourceView> sources = scene.HostSources();
     for (SourceView& source : sources) {
       source.depth = {};
       source.from_reference.translation =

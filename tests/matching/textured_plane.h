@@ -50,14 +50,18 @@ class TexturedPlane {
             on_device_(normal_)};
   }
   Buffer<SourceView> Sources() {
+    Buffer<SourceView> sources(device_, HostSources());
+    // Other devices may read them.
+    device_.Synchronize();
+    return sources;
+  }
+  // The same, in the host's memory; their rasters are in the device's.
+  const std::vector<SourceView>& HostSources() {
     for (size_t i = 0; i < views_.size(); ++i) {
       views_[i].gray = on_device_(PairsOf(rasters_[i].gray));
       views_[i].depth = on_device_(rasters_[i].depth);
     }
-    Buffer<SourceView> sources(device_, views_);
-    // Other devices may read them.
-    device_.Synchronize();
-    return sources;
+    return views_;
   }
 
   Image<float>& Gray() { return gray_; }

@@ -58,9 +58,10 @@ TEST(Download, TiltsNormalsThatFaceAwayAndNoOthers) {
   ComposedMap map;
   map.map.depth = DeviceImage<float>(*device, Image<float>(3, 1, 4.f));
   map.map.normal = DeviceImage<Vec3f>(*device, normal);
-  map.provenance = DeviceImage<uint8_t>(*device, 3, 1);
+  map.provenance = DeviceImage<uint8_t>(*device, Image<uint8_t>(3, 1));
   RefinedMaps maps;
-  Download(map, DeviceImage<float>(*device, 3, 1), intrinsics, &maps);
+  const DeviceImage<float> confidence(*device, Image<float>(3, 1));
+  Download(map, confidence, intrinsics, &maps);
   for (int x = 0; x < 2; ++x) {
     EXPECT_EQ(maps.normal(x, 0).x, normal(x, 0).x);
     EXPECT_EQ(maps.normal(x, 0).y, normal(x, 0).y);
