@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/text_stream.h"
-#include "colmap_tsar/cli/export_command.h"
 #include "colmap_tsar/cli/fuse_command.h"
 #include "colmap_tsar/cli/import_command.h"
 #include "colmap_tsar/cli/name_suggestion.h"
@@ -15,7 +14,6 @@
 #include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/export/export_workspace.h"
 #include "colmap_tsar/tools/import/import_store.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 #include "colmap_tsar/tools/report/write_page.h"
@@ -280,17 +278,6 @@ py::dict Report(const py::dict& options, const py::tuple& listeners) {
                   "num_images"_a = num_images);
 }
 
-py::dict Export(const py::dict& options, const py::tuple& listeners) {
-  const auto command = ToCommand<ExportCommand>(options);
-  const ExportSummary summary = Run("export", command, listeners);
-  return py::dict("output_path"_a = command.options.output_path,
-                  "num_images"_a = summary.num_images,
-                  "num_with_depth"_a = summary.num_with_depth,
-                  "num_masks"_a = summary.num_masks,
-                  "num_pixels"_a = summary.num_pixels,
-                  "num_depths"_a = summary.num_depths);
-}
-
 }  // namespace
 
 void BindCommands(py::module_* module) {
@@ -299,7 +286,6 @@ void BindCommands(py::module_* module) {
   module->def("help_json_of_fuse", &HelpJson<FuseCommand>);
   module->def("help_json_of_import", &HelpJson<ImportCommand>);
   module->def("help_json_of_report", &HelpJson<ReportCommand>);
-  module->def("help_json_of_export", &HelpJson<ExportCommand>);
   module->def("suggest_names", &SuggestNames);
   module->def("refine", &Refine);
   module->def("restore", &RestoreOriginals);
@@ -308,7 +294,6 @@ void BindCommands(py::module_* module) {
   module->def("import_maps", &ImportMaps);
   module->def("undo_imports", &UndoImports);
   module->def("report", &Report);
-  module->def("export", &Export);
 }
 
 }  // namespace tsar

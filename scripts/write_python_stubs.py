@@ -29,7 +29,6 @@ OF_TYPING = "Literal|Mapping|Optional|Sequence|Union"
 OWN = {
     "FuseKeywords": {"output_path"},
     "ImportKeywords": {"input_path", "format"},
-    "ExportKeywords": {"output_path", "format"},
 }
 
 
@@ -43,7 +42,7 @@ def annotation_text(annotation):
 
 def main(path):
     lines = []
-    for name in ("Refine", "Stereo", "Fuse", "Import", "Report", "Export"):
+    for name in ("Refine", "Stereo", "Fuse", "Import", "Report"):
         kind = name + "Keywords"
         lines += ["", f"class {kind}(typing.TypedDict, total=False):"]
         lines += [

@@ -143,11 +143,6 @@ const std::vector<Command>& Commands() {
      "Write walls, floors and other planes of a refined workspace",
      &Reported<&RunTsarPlanes>},
 #endif
-#if TSAR_TOOL_EXPORT
-    {"tsar_export",
-     "Export depth, normals and more for other programs",
-     &Reported<&RunTsarExport>},
-#endif
 #if TSAR_TOOL_EVALUATION
     {"tsar_evaluate",
      "Score depth maps or a point cloud against ground truth",

@@ -98,10 +98,3 @@ class ReportKeywords(typing.TypedDict, total=False):
     num_threads: int
     output_path: typing.Union[str, os.PathLike[str], None]
     num_images: int
-
-class ExportKeywords(typing.TypedDict, total=False):
-    mask_path: typing.Union[str, os.PathLike[str], None]
-    cloud_path: typing.Union[str, os.PathLike[str], None]
-    depth_scale: float
-    overwrite: bool
-    num_threads: int

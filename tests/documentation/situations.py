@@ -195,9 +195,6 @@ SITUATIONS = {
     "Restoring leaves maps as they are": depth_alone_made_anew,
     "The report comes before the refinement": lambda: None,
     "The planes come before the refinement": lambda: None,
-    "Two images have the same name but for the extension": lambda: (
-        edit("dense/sparse/images.txt", "v001.jpg", "v000.png"),
-        edit("dense/stereo/patch-match.cfg", "v001.jpg", "v000.png")),
     "Something goes into the workspace's own folders": lambda: None,
     "There is a cloud already": lambda: write("dense/fused.ply", "of stereo_fusion"),
     "tsar_stereo finds maps of COLMAP": lambda: None,

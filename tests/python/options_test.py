@@ -30,7 +30,6 @@ class OptionsTest(unittest.TestCase):
             (Workspace.fuse, "tsar_fuse"),
             (Workspace.import_maps, "tsar_import"),
             (Workspace.report, "tsar_report"),
-            (Workspace.export, "tsar_export"),
         ):
             parameters = dict(inspect.signature(method).parameters)
             for option in options_of(command):

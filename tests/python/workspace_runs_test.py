@@ -6,7 +6,6 @@ Needs NumPy: the Python's own, or that of a virtual environment that is kept in 
 build folder. Skipped where it cannot be had."""
 import contextlib
 import io
-import json
 import pathlib
 import signal
 import sys
@@ -87,11 +86,6 @@ class WorkspaceRunsTest(SampleTest):
             ),
             (self.ws.report, {}, colmap_tsar.NotFoundError, "run tsar_refine"),
             (self.ws.report, {"tolerances": [2, 1]}, ValueError, "^tolerances: .*rise"),
-            (self.ws.export, {"output_path": "a", "format": "x"}, ValueError, "^format: 'x"),
-            (
-                *(self.ws.export, {"output_path": self.workspace / "images", "format": "npy"}),
-                *(colmap_tsar.Error, "images"),
-            ),
         ):
             with self.subTest(keywords=keywords):
                 with self.assertRaisesRegex(error, text) as caught:
@@ -273,33 +267,6 @@ class WorkspaceRunsTest(SampleTest):
         self.assertEqual(page.num_images, self.num_images)
         with self.assertRaisesRegex(colmap_tsar.Error, "picture.png.*overwrite=True"):
             self.ws.report(output_path=self.folder / "picture.png")
-
-    def test_export_is_the_command(self):
-        output = self.folder / "by_method"
-        other = self.folder / "by_program"
-        steps = []
-        summary = self.ws.export(
-            output, "npy", progress=lambda *step: steps.append(step)
-        )
-        run_program(
-            *("tsar_export", "--workspace_path", self.workspace, "--format", "npy"),
-            *("--output_path", other),
-        )
-        self.assertEqual(digests(output), digests(other))
-        self.assertEqual(summary.output_path, output)
-        self.assertEqual((summary.num_images, summary.num_with_depth), (8, 8))
-        depths = [image.depth for image in self.ws.images]
-        self.assertEqual(summary.num_pixels, sum(depth.size for depth in depths))
-        self.assertEqual(summary.num_depths, sum(map(np.count_nonzero, depths)))
-        self.assertEqual([done for _, done, _ in steps], list(range(9)))
-        with self.assertRaisesRegex(colmap_tsar.Error, "by_method.*overwrite=True"):
-            self.ws.export(output, "npy", progress=False)
-        chosen = colmap_tsar.Workspace(self.workspace, input_type="photometric")
-        photometric = chosen.export(self.folder / "photometric", "npy", progress=False)
-        manifest = json.loads((photometric.output_path / "manifest.json").read_text())
-        self.assertEqual(manifest["map_type"], "photometric")
-        with self.assertRaises(Enough):
-            self.ws.export(self.folder / "stopped", "npy", progress=stop_at_the_first)
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kills tsar_report or tsar_export before each call by which it changes files.
+"""Kills tsar_report before each call by which it changes files.
 After every kill a whole folder stands under its name, the former or the new one,
 and the next call ends with the new one and nothing else beside it. Only where
 the file system cannot exchange two folders there may be none until that call."""
@@ -24,14 +24,9 @@ start.make(program)
 debug = os.path.join(folder.name, "debug")
 program.run("tsar_refine", start.refined, "--TsarRefine.debug_path", debug)
 OPTIONS = [start.refined, "--num_threads", 1, "--overwrite", 1]
-if args.command == "report":
-    COMMAND = ["tsar_report", *OPTIONS, "--report_path", output]
-    OTHER = [*COMMAND, "--debug_path", debug, "--max_points", 1]
-    DATA, LIST, MARKER = "data/report.js", "data/files.txt", "unfinished_page"
-else:
-    COMMAND = ["tsar_export", *OPTIONS, "--output_path", output, "--format", "npy"]
-    OTHER = [*COMMAND[:-1], "png16"]
-    DATA, LIST, MARKER = "manifest.json", "files.txt", "unfinished_export"
+COMMAND = ["tsar_report", *OPTIONS, "--report_path", output]
+OTHER = [*COMMAND, "--debug_path", debug, "--max_points", 1]
+DATA, LIST, MARKER = "data/report.js", "data/files.txt", "unfinished_page"
 
 
 def read_output():
