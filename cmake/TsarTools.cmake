@@ -25,6 +25,8 @@ function(tsar_require_tools what)
   endforeach()
 endfunction()
 
+# The filter of imported maps is that of stereo.
+tsar_require_tools(TSAR_TOOL_IMPORT stereo)
 # The page shows scores and planes.
 tsar_require_tools(TSAR_TOOL_REPORT evaluation plane_export)
 tsar_require_tools(TSAR_PYTHON ${TSAR_TOOLS})

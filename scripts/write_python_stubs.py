@@ -28,7 +28,7 @@ OF_TYPING = "Literal|Mapping|Optional|Sequence|Union"
 # What the methods have as parameters of their own.
 OWN = {
     "FuseKeywords": {"output_path"},
-    "ImportKeywords": {"input_path", "format"},
+    "ImportKeywords": {"input_path", "format", "output_path"},
 }
 
 

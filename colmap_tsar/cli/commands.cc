@@ -130,7 +130,7 @@ const std::vector<Command>& Commands() {
      &Reported<&RunTsarFuse>},
 #if TSAR_TOOL_IMPORT
     {"tsar_import",
-     "Bring depth of other programs and sensors into a workspace",
+     "Make a workspace of depth of other programs and sensors",
      &Reported<&RunTsarImport>},
 #endif
 #if TSAR_TOOL_REPORT

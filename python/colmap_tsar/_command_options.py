@@ -114,8 +114,7 @@ def _lines(fields, indentation):
             facts.append(f"default {field['default']}")
         for preset, value in field.get("presets", {}).items():
             facts.append(f"{preset} {value}")
-        text = field["description"].replace("--restore 1", "undo_imports()")
-        text = text.replace("--", "")
+        text = field["description"].replace("--", "")
         yield textwrap.fill(
             f"{name}: {text}" + (f" ({', '.join(facts)})" if facts else ""),
             width=80,

@@ -19,7 +19,6 @@ class RefineKeywords(typing.TypedDict, total=False):
     debug_path: typing.Union[str, os.PathLike[str], None]
     shard: typing.Union[str, float, typing.Sequence[float], None]
     pass_: typing.Literal['all', 'observe', 'model', 'compose', 'merge']
-    distrust_unmatched: bool
     scene_planes: bool
     min_confidence: float
     sigma_maps: bool
@@ -72,14 +71,15 @@ class FuseKeywords(typing.TypedDict, total=False):
 class ImportKeywords(typing.TypedDict, total=False):
     normal_path: typing.Union[str, os.PathLike[str], None]
     output_type: typing.Literal['geometric', 'photometric']
-    index_order: typing.Literal['image_id', 'name']
     image_list: typing.Union[str, os.PathLike[str], None]
     depth_scale: float
     scale_to_sparse: bool
     check_scale: bool
-    normal_frame: typing.Literal['auto', 'world', 'camera']
-    import_costs: bool
     overwrite: bool
+    device: typing.Literal['auto', 'cuda', 'cpu']
+    gpu_index: typing.Union[str, float, typing.Sequence[float]]
+    cache_size: float
+    num_threads: int
 
 class ReportKeywords(typing.TypedDict, total=False):
     report_path: typing.Union[str, os.PathLike[str], None]

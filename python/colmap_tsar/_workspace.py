@@ -170,14 +170,15 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
         self,
         input_path: _Path,
         format: str,
+        output_path: _Path,
         *,
         progress: _Progress = True,
         **options: "Unpack[ImportKeywords]",
     ) -> ImportSummary:
-        """Brings depth and normal maps of other programs and sensors into the
-        workspace: what the command tsar_import does. undo_imports() takes them back."""
-        self._planes = None
-        given = {"input_path": input_path, "format": format, **options}
+        """Makes a workspace of these photos and this sparse model with the depth and
+        normal maps of another program or sensor: what the command tsar_import does."""
+        given = {"input_path": input_path, "format": format, "output_path": output_path}
+        given.update(options)
         return ImportSummary(
             **_core.import_maps(self._to_command(IMPORT, given), tell_steps(progress))
         )
@@ -219,13 +220,6 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
         """Puts COLMAP's maps back; see restore()."""
         self._planes = None
         return restore(self._path, conflicts)
-
-    def undo_imports(self, conflicts: str = "report") -> RestoreSummary:
-        """Undoes all imports: puts the former maps back and removes what was imported.
-        What others wrote in its place since is never removed. conflicts: as in
-        restore()."""
-        self._planes = None
-        return RestoreSummary(**_core.undo_imports(self._path, conflicts))
 
     def _to_command(self, command, options):
         return {"workspace_path": os.fsencode(self._path), **command.to_text(options)}

@@ -31,7 +31,6 @@ extern const FuzzTarget kProjectIniTarget;
 extern const FuzzTarget kEvidenceTarget;
 extern const FuzzTarget kSceneModelTarget;
 extern const FuzzTarget kRecordTarget;
-extern const FuzzTarget kImportRecordTarget;
 extern const FuzzTarget kShardRecordTarget;
 extern const FuzzTarget kOutputMarkerTarget;
 extern const FuzzTarget kDmbTarget;

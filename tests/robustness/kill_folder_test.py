@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kills tsar_report before each call by which it changes files.
+"""Kills tsar_report or tsar_import before each call by which it changes files.
 After every kill a whole folder stands under its name, the former or the new one,
 and the next call ends with the new one and nothing else beside it. Only where
 the file system cannot exchange two folders there may be none until that call."""
@@ -21,12 +21,19 @@ site, kept = (os.path.join(folder.name, name) for name in ("site", "kept"))
 output = os.path.join(site, args.command)
 start = StartWorkspaces(folder.name)
 start.make(program)
-debug = os.path.join(folder.name, "debug")
-program.run("tsar_refine", start.refined, "--TsarRefine.debug_path", debug)
-OPTIONS = [start.refined, "--num_threads", 1, "--overwrite", 1]
-COMMAND = ["tsar_report", *OPTIONS, "--report_path", output]
-OTHER = [*COMMAND, "--debug_path", debug, "--max_points", 1]
-DATA, LIST, MARKER = "data/report.js", "data/files.txt", "unfinished_page"
+if args.command == "report":
+    debug = os.path.join(folder.name, "debug")
+    program.run("tsar_refine", start.refined, "--TsarRefine.debug_path", debug)
+    OPTIONS = [start.refined, "--num_threads", 1, "--overwrite", 1]
+    COMMAND = ["tsar_report", *OPTIONS, "--report_path", output]
+    OTHER = [*COMMAND, "--debug_path", debug, "--max_points", 1]
+    DATA, LIST, MARKER = "data/report.js", "data/files.txt", "unfinished_page"
+else:
+    COMMAND = ["tsar_import", start.mapped, "--input_path", start.external, "--format", "depth",
+               "--output_path", output, "--overwrite", 1]
+    OTHER = [*COMMAND, "--check_scale", 0, "--depth_scale", 2, "--output_type", "photometric"]
+    DATA = LIST = "stereo/tsar_import_files.txt"
+    MARKER = "unfinished_import"
 
 
 def read_output():

@@ -37,8 +37,6 @@ program.run("tsar_refine", large)
 CASES = {
     "refine": (["tsar_refine", work], start.mapped),
     "restore": (["tsar_refine", work, "--restore", 1], start.refined),
-    "import": (["tsar_import", work, *start.import_options], start.mapped),
-    "undo": (["tsar_import", work, "--restore", 1], start.imported),
     "stereo": (["tsar_stereo", work, *STEREO], start.bare),
     "report": (["tsar_report", work], start.refined),
     "picture": (["tsar_report", work, "--output_path", os.path.join(work, "picture.png")],
