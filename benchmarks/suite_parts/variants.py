@@ -10,7 +10,7 @@ from suite_parts.simulated_priors import KINDS, name_of
 
 EXPERIMENT = "--TsarRefine.experiment"
 # Those of the method that are options of their own.
-OPTIONS = ("TsarRefine.scene_planes", "TsarRefine.distrust_unmatched")
+OPTIONS = ("TsarRefine.scene_planes",)
 DEFAULT = "default"
 
 

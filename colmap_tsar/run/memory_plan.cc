@@ -11,7 +11,6 @@
 #include "colmap_tsar/scene/model_scene.h"
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/refined_maps.h"
-#include "colmap_tsar/view/unmatched_depths.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
@@ -70,11 +69,6 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   plan.uploaded_view = UploadedViewBytes(num_pixels);
   plan.view = ViewBytes(overview);
   plan.load = LoadBytes(overview);
-  if (options.distrust_unmatched) {
-    plan.load = std::max(
-        plan.load,
-        UnmatchedDepthsWorkingBytes(num_pixels, overview.max_num_image_pixels));
-  }
   plan.result =
       RefinedMapsBytes(num_pixels) +
       std::max(kEncodingBytesPerPixel * num_pixels, ReadMaskBytes(overview));
@@ -109,8 +103,7 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
     plan.whole_view = plan.view;
     plan.view = ReducedViewBytes(overview);
     // Rows of both types of maps, or the full view until it has been reduced.
-    plan.load += options.distrust_unmatched ? plan.whole_view
-                                            : 2 * RowsOfSquaresBytes(overview);
+    plan.load += 2 * RowsOfSquaresBytes(overview);
   }
   return plan;
 }

@@ -39,9 +39,6 @@ struct ViewData {
   Image<uint16_t> segments;
   // The depth prior; null if there is none.
   std::shared_ptr<const DepthPrior> prior;
-  // Whether the map to refine has few holes (see view/unmatched_depths.h), also
-  // counting depths without a normal.
-  bool is_unfiltered = false;
 
   size_t NumBytes() const;
 };

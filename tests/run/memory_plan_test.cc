@@ -114,13 +114,9 @@ TEST(PlanRefinement, CountsReducedViewsWhereMapsAreLarge) {
   EXPECT_EQ(larger.neighbor_evidence, plan.neighbor_evidence);
   EXPECT_EQ(plan.whole_view, 0);
   EXPECT_EQ(larger.whole_view, ViewBytes(overview));
-  // Whole views are never there at once, but where depths are compared first.
+  // Whole views are never there at once.
   EXPECT_GT(larger.load, LoadBytes(overview));
   EXPECT_LT(larger.load, LoadBytes(overview) + larger.whole_view / 100);
-  RefineOptions distrusting;
-  distrusting.distrust_unmatched = true;
-  EXPECT_GE(PlanRefinement(distrusting, overview).load,
-            LoadBytes(overview) + larger.whole_view);
   // Its sources are as small, whatever the size of the map.
   const MemoryPlan huge = PlanRefinement({}, OverviewOf(100000000, 10));
   EXPECT_EQ(huge.view, plan.view);

@@ -77,7 +77,7 @@ class RefinePassesTest : public testing::Test {
                     HashRefineOptions(options),
                     scene_planes ? model.PlanesFingerprint() : "",
                     /*reuses_results=*/true);
-    ViewLoader loader(workspace, plan, options.distrust_unmatched);
+    ViewLoader loader(workspace);
     const WorkspaceRefineOptions workspace_options;
     const std::vector<std::vector<size_t>> shards = {{0, 1, 2, 3}};
     const RefineRun run = {workspace_options,
