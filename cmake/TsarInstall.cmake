@@ -24,8 +24,6 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   FILES_MATCHING PATTERN "*.h"
   ${headers_left_out}
   PATTERN "run/store/json_file.h" EXCLUDE
-  PATTERN "tools/export/scene_files.h" EXCLUDE
-  PATTERN "export/*_exporter.h" EXCLUDE
   PATTERN "device/connected_components.h" EXCLUDE
   PATTERN "device/cuda_*.h" EXCLUDE
   PATTERN "device/parallel_for*.h" EXCLUDE)

@@ -2,7 +2,7 @@
 # in the order in which they may include each other. With
 # -DTSAR_TOOL_<NAME>=OFF a tool is left out, and with it its commands and tests.
 # TSAR_TOOLS_LEFT_OUT lists those, TSAR_TOOL_DEFINITIONS tells C++ of all.
-set(TSAR_TOOLS stereo import evaluation plane_export report export)
+set(TSAR_TOOLS stereo import evaluation plane_export report)
 set(TSAR_TOOLS_LEFT_OUT "")
 set(TSAR_TOOL_DEFINITIONS "")
 foreach(tool IN LISTS TSAR_TOOLS)
@@ -25,5 +25,7 @@ function(tsar_require_tools what)
   endforeach()
 endfunction()
 
+# The filter of imported maps is that of stereo.
+tsar_require_tools(TSAR_TOOL_IMPORT stereo)
 tsar_require_tools(TSAR_PYTHON ${TSAR_TOOLS})
 tsar_require_tools(TSAR_BENCHMARKS ${TSAR_TOOLS})

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/io/map_paths.h"
 
 #include <string>
@@ -28,6 +29,9 @@ void BindCommands(pybind11::module_* module);
 // The images of a workspace, and the maps of each, also by their paths.
 void BindImages(pybind11::module_* module);
 
+// What an export reads of a workspace.
+void BindExport(pybind11::module_* module);
+
 // ExportPlanes.
 void BindPlanes(pybind11::module_* module);
 
@@ -37,5 +41,20 @@ pybind11::str ToText(const std::string& text);
 
 // "geometric" or "photometric"; throws kBadOption for anything else.
 MapType ToMapType(const std::string& input_type);
+
+// Width, height, and the pixels row by row, as they lie in memory.
+template <typename Pixel>
+pybind11::tuple ToTuple(const Image<Pixel>& map) {
+  PyObject* const pixels = PyByteArray_FromStringAndSize(
+      reinterpret_cast<const char*>(map.Data()),
+      static_cast<Py_ssize_t>(sizeof(Pixel) * map.NumPixels()));
+  if (pixels == nullptr) {
+    throw pybind11::error_already_set();
+  }
+  return pybind11::make_tuple(
+      map.Width(),
+      map.Height(),
+      pybind11::reinterpret_steal<pybind11::object>(pixels));
+}
 
 }  // namespace tsar

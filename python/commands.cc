@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/base/text_stream.h"
-#include "colmap_tsar/cli/export_command.h"
 #include "colmap_tsar/cli/fuse_command.h"
 #include "colmap_tsar/cli/import_command.h"
 #include "colmap_tsar/cli/option_set.h"
@@ -14,8 +13,6 @@
 #include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/export/export_workspace.h"
-#include "colmap_tsar/tools/import/import_store.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 
 #include <filesystem>
@@ -112,25 +109,6 @@ py::list ToTexts(const std::vector<std::filesystem::path>& paths) {
   return list;
 }
 
-// Undoes the work of a command on a workspace. num_restored: tells of the
-// result of how many images.
-template <typename Undo, typename NumRestored>
-py::dict Undone(const std::filesystem::path& workspace_path,
-                const std::string& conflicts,
-                const Undo& undo,
-                const NumRestored& num_restored) {
-  PrepareStreams();
-  const auto result = [&] {
-    const py::gil_scoped_release release;
-    const WorkspaceLock lock(workspace_path);
-    return undo(workspace_path, ParseRestoreConflicts(conflicts));
-  }();
-  return py::dict("num_restored"_a = num_restored(result),
-                  "kept"_a = ToTexts(result.kept),
-                  "superseded"_a = ToTexts(result.superseded),
-                  "conflicts"_a = ToTexts(result.conflicts));
-}
-
 template <typename Summary>
 py::str TextOf(const Summary& summary) {
   TextStream text;
@@ -185,18 +163,20 @@ py::dict Refine(const py::dict& options, const py::tuple& listeners) {
 
 py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
                           const std::string& conflicts) {
-  const auto restore = [](const std::filesystem::path& path,
-                          RestoreConflicts choice) {
-    RestoreResult result = Restore(path, choice);
-    // Those are for the user to decide about as well.
-    result.conflicts.insert(
-        result.conflicts.end(), result.lost.begin(), result.lost.end());
-    return result;
-  };
-  return Undone(
-      workspace_path, conflicts, restore, [](const RestoreResult& result) {
-        return result.num_restored;
-      });
+  PrepareStreams();
+  RestoreResult result;
+  {
+    const py::gil_scoped_release release;
+    const WorkspaceLock lock(workspace_path);
+    result = Restore(workspace_path, ParseRestoreConflicts(conflicts));
+  }
+  // Those are for the user to decide about as well.
+  result.conflicts.insert(
+      result.conflicts.end(), result.lost.begin(), result.lost.end());
+  return py::dict("num_restored"_a = result.num_restored,
+                  "kept"_a = ToTexts(result.kept),
+                  "superseded"_a = ToTexts(result.superseded),
+                  "conflicts"_a = ToTexts(result.conflicts));
 }
 
 py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
@@ -243,15 +223,15 @@ py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
   for (const std::string& warning : summary.warnings) {
     warnings.append(ToText(warning));
   }
-  return py::dict("workspace_path"_a = summary.workspace_path,
+  return py::dict("output_path"_a = summary.output_path,
                   "output_type"_a = ToString(summary.type),
                   "num_images"_a = summary.num_images,
                   "num_imported"_a = summary.num_imported,
                   "num_without_image"_a = summary.num_without_image,
                   "num_with_normals"_a = summary.num_with_normals,
-                  "num_with_costs"_a = summary.num_with_costs,
                   "num_pixels"_a = summary.num_pixels,
                   "num_with_depth"_a = summary.num_with_depth,
+                  "num_kept"_a = summary.num_kept,
                   "scale"_a = summary.scale.num_images > 0
                                   ? py::object(py::float_(summary.scale.median))
                                   : py::object(py::none()),
@@ -259,30 +239,11 @@ py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
                   "text"_a = TextOf(summary));
 }
 
-py::dict UndoImports(const std::filesystem::path& workspace_path,
-                     const std::string& conflicts) {
-  return Undone(
-      workspace_path, conflicts, &UndoImport, [](const UndoResult& result) {
-        return result.num_images;
-      });
-}
-
 py::dict Report(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<ReportCommand>(options);
   const ReportSummary summary = Run("report", command, listeners);
   return py::dict("page_path"_a = summary.page_path,
                   "num_images"_a = summary.num_images);
-}
-
-py::dict Export(const py::dict& options, const py::tuple& listeners) {
-  const auto command = ToCommand<ExportCommand>(options);
-  const ExportSummary summary = Run("export", command, listeners);
-  return py::dict("output_path"_a = command.options.output_path,
-                  "num_images"_a = summary.num_images,
-                  "num_with_depth"_a = summary.num_with_depth,
-                  "num_masks"_a = summary.num_masks,
-                  "num_pixels"_a = summary.num_pixels,
-                  "num_depths"_a = summary.num_depths);
 }
 
 }  // namespace
@@ -294,9 +255,7 @@ void BindCommands(py::module_* module) {
   module->def("stereo", &Stereo);
   module->def("fuse", &Fuse);
   module->def("import_maps", &ImportMaps);
-  module->def("undo_imports", &UndoImports);
   module->def("report", &Report);
-  module->def("export", &Export);
 }
 
 }  // namespace tsar

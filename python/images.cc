@@ -59,19 +59,6 @@ py::dict ReadImages(const std::filesystem::path& workspace_path) {
   return images;
 }
 
-// Width, height, and the pixels row by row, as they lie in memory.
-template <typename Pixel>
-py::tuple ToTuple(const Image<Pixel>& map) {
-  PyObject* const pixels = PyByteArray_FromStringAndSize(
-      reinterpret_cast<const char*>(map.Data()),
-      static_cast<Py_ssize_t>(sizeof(Pixel) * map.NumPixels()));
-  if (pixels == nullptr) {
-    throw py::error_already_set();
-  }
-  return py::make_tuple(
-      map.Width(), map.Height(), py::reinterpret_steal<py::object>(pixels));
-}
-
 template <typename Read>
 py::tuple ReadWithoutGil(const std::filesystem::path& path, const Read& read) {
   const auto map = [&] {

@@ -10,6 +10,7 @@ PYBIND11_MODULE(_core, module) {
   tsar::BindErrors(&module);
   tsar::BindEvaluate(&module);
   tsar::BindCommands(&module);
+  tsar::BindExport(&module);
   tsar::BindImages(&module);
   tsar::BindPlanes(&module);
 }

@@ -24,8 +24,7 @@ OF_TYPING = "Literal|Optional|Sequence|Union"
 # What the methods have as parameters of their own.
 OWN = {
     "FuseKeywords": {"output_path"},
-    "ImportKeywords": {"input_path", "format"},
-    "ExportKeywords": {"output_path", "format"},
+    "ImportKeywords": {"input_path", "format", "output_path"},
 }
 
 
@@ -42,7 +41,7 @@ def main(package):
     from colmap_tsar import _command_options as commands
 
     lines = []
-    for name in ("Refine", "Stereo", "Fuse", "Import", "Report", "Export"):
+    for name in ("Refine", "Stereo", "Fuse", "Import", "Report"):
         kind = name + "Keywords"
         lines += ["", f"class {kind}(typing.TypedDict, total=False):"]
         lines += [

@@ -63,6 +63,8 @@ packages=(
   # The sample scene and the comparison with COLMAP's own fusion.
   colmap
   python3-numpy
+  # Pictures that the Python module exports.
+  python3-opencv
 )
 
 # Other systems may name their packages otherwise.

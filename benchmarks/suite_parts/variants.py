@@ -9,7 +9,7 @@ from programs import CommandFailed, run
 from suite_parts.simulated_priors import KINDS, name_of
 
 # Parts of the method that --help tells of, beside those that --help_all does.
-OPTIONS = ("TsarRefine.scene_planes", "TsarRefine.distrust_unmatched")
+OPTIONS = ("TsarRefine.scene_planes",)
 DEFAULT = "default"
 
 

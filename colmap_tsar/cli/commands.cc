@@ -95,7 +95,7 @@ const std::vector<Command>& Commands() {
      &Reported<&RunTsarFuse>},
 #if TSAR_TOOL_IMPORT
     {"tsar_import",
-     "Bring depth of other programs and sensors into a workspace",
+     "Make a workspace of depth of other programs and sensors",
      &Reported<&RunTsarImport>},
 #endif
 #if TSAR_TOOL_REPORT
@@ -107,11 +107,6 @@ const std::vector<Command>& Commands() {
     {"tsar_planes",
      "Write walls, floors and other planes of a refined workspace",
      &Reported<&RunTsarPlanes>},
-#endif
-#if TSAR_TOOL_EXPORT
-    {"tsar_export",
-     "Export depth, normals and more for other programs",
-     &Reported<&RunTsarExport>},
 #endif
 #if TSAR_TOOL_EVALUATION
     {"tsar_evaluate",

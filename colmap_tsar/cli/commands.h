@@ -41,7 +41,6 @@ int RunTsarFuse(int argc, char** argv);
 int RunTsarImport(int argc, char** argv);
 int RunTsarReport(int argc, char** argv);
 int RunTsarPlanes(int argc, char** argv);
-int RunTsarExport(int argc, char** argv);
 int RunTsarEvaluate(int argc, char** argv);
 
 }  // namespace tsar

@@ -8,11 +8,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/cli/shared_options.h"
-#include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/import/import_store.h"
 
-#include <filesystem>
 #include <functional>
 #include <iostream>
 
@@ -20,127 +16,77 @@ namespace tsar {
 namespace {
 
 constexpr const char* kSummary =
-    "Brings depth and normal maps of other programs and sensors into a dense "
-    "workspace, so that tsar_refine and stereo_fusion can use them: maps of "
-    "ACMH, ACMM, ACMP, ACMMP and Gipuma (acm), of APD (apd), of OpenMVS "
-    "(openmvs), and depth images of any origin (depth). The workspace needs "
-    "images/ and a sparse model in sparse/; the maps must have been made from "
-    "both. Everything is checked before the first file is written. Maps that "
-    "were there are kept in stereo/tsar_import, and --restore 1 puts them "
-    "back.";
+    "Makes a dense workspace of depth and normal maps of other programs and "
+    "sensors, for tsar_refine and stereo_fusion: maps of ACMH, ACMM, ACMP, "
+    "ACMMP and Gipuma (acm), of APD (apd), of OpenMVS (openmvs), and depth "
+    "images of any origin (depth). Photos and sparse model are those of the "
+    "workspace that is given, from which the maps must have been made; nothing "
+    "in it is changed. Everything is checked before the first map is written. "
+    "acm's and apd's geometric maps are filtered: depths stay that the photos "
+    "and maps of two other images confirm.";
 
-int UndoImports(const ImportCommand& command) {
-  if (!command.options.match.input_path.empty() || !command.format.empty()) {
-    throw Error(
-        ErrorCode::kBadOption,
-        "--restore undoes imports; leave --input_path and --format out");
-  }
-  const std::filesystem::path& root = command.options.workspace_path;
-  const WorkspaceLock lock(root);
-  const UndoResult result =
-      UndoImport(root, ParseRestoreConflicts(command.restore_conflicts));
-  std::cout << "Undid the import of " << Counted(result.num_images, "image")
-            << ".\n";
-  ReportRestored(result.kept, result.superseded, result.conflicts);
-  return 0;
-}
+}  // namespace
 
-void AddInputOptions(ImportCommand* command, OptionSet* set) {
+void ImportCommand::AddTo(OptionSet* set) {
   set->AddRequired("workspace_path",
-                   &command->options.workspace_path,
-                   "The dense workspace to import into.");
-  set->Add("input_path",
-           &command->options.match.input_path,
-           "The folder with the other program's maps; for acm and apd also "
-           "the one above it, which holds cams/.");
+                   &options.workspace_path,
+                   "The dense workspace with images/ and sparse/.");
+  set->AddRequired("input_path",
+                   &options.match.input_path,
+                   "The folder with the other program's maps; for acm and apd "
+                   "also the one above it, which holds cams/.");
+  set->AddRequired("output_path",
+                   &options.output_path,
+                   "The workspace to make. It must not be there, or be empty, "
+                   "or hold an earlier import (--overwrite 1).");
   set->AddChoice("format",
-                 &command->format,
+                 &format,
                  {"acm", "apd", "openmvs", "depth"},
-                 "Whose maps they are; depth: PNG of 16 bits, EXR, TIFF, "
-                 "PFM or NPY, called as the images are.");
+                 "Whose maps they are, must be given; depth: PNG of 16 bits, "
+                 "EXR, TIFF, PFM or NPY, called as the images are.");
   set->Add("normal_path",
-           &command->options.match.normal_path,
+           &options.match.normal_path,
            "For depth: a folder with normal maps (EXR, TIFF, PFM or NPY of "
            "three channels, x right, y down, z forward). If empty, normals "
            "are computed from depth.");
   AddMapType(
       "output_type",
-      &command->output_type,
+      &output_type,
       "The type of maps to write; for acm also which of its depth maps is "
-      "taken.",
+      "taken. Photometric maps are not filtered.",
       set);
-  set->AddChoice("index_order",
-                 &command->index_order,
-                 {"image_id", "name"},
-                 "Which images acm's and apd's numbers mean: ordered by "
-                 "COLMAP's image id, as colmap2mvsnet does, or by name.");
   set->Add("image_list",
-           &command->options.match.image_list,
-           "A file with one image name per line, for the numbers 0, 1, 2, "
-           "... in the names of the maps. For openmvs and depth, numbers "
-           "count instead of names then.");
-}
-
-void AddConversionOptions(ImportCommand* command, OptionSet* set) {
+           &options.match.image_list,
+           "A file with one image name per line, for the numbers 0, 1, 2, ... "
+           "in the names of the maps. If empty, acm's and apd's numbers follow "
+           "COLMAP's image ids. For openmvs and depth, numbers count instead "
+           "of names then.");
   set->Add("depth_scale",
-           &command->options.depth_scale,
+           &options.depth_scale,
            "Units of the sparse model per stored unit of depth. 0: 0.001 "
            "for depth images of integers (millimeters), otherwise 1.",
            {0.0, 1e12});
   set->Add("scale_to_sparse",
-           &command->options.scale_to_sparse,
+           &options.scale_to_sparse,
            "Give the depths of each image a scale of their own, by the "
            "sparse points that it sees, as depth from one image needs.");
   set->Add("check_scale",
-           &command->options.check_scale,
+           &options.check_scale,
            "Refuse depths that are off those of the sparse points by over "
            "20 % in all images alike.");
-  set->AddChoice("normal_frame",
-                 &command->normal_frame,
-                 {"auto", "world", "camera"},
-                 "The frame of the other program's normals; auto: world "
-                 "for acm and apd, camera for the others.");
-  set->Add("import_costs",
-           &command->options.import_costs,
-           "Take acm's costs over instead of letting tsar_refine compute "
-           "its own. They are noise where the image has no texture.");
   set->Add("overwrite",
-           &command->options.overwrite,
-           "Replace maps of this type that another program wrote. They are "
-           "kept for --restore 1.");
-  set->Add("restore",
-           &command->restore,
-           "Undo all imports: put the former maps back, remove what was "
-           "imported, and do nothing else. What others wrote in its place "
-           "since is never removed.");
-  AddRestoreConflicts(&command->restore_conflicts, set);
-}
-
-ExternalFormat ToFormat(const std::string& text) {
-  return text == "acm"       ? ExternalFormat::kAcm
-         : text == "apd"     ? ExternalFormat::kApd
-         : text == "openmvs" ? ExternalFormat::kOpenMvs
-                             : ExternalFormat::kDepth;
-}
-
-void RequireGiven(const std::string& name, bool is_given) {
-  if (!is_given) {
-    throw Error(ErrorCode::kBadOption,
-                OptionName(name) + " is missing; give it");
-  }
-}
-
-}  // namespace
-
-void ImportCommand::AddTo(OptionSet* set) {
-  AddInputOptions(this, set);
-  AddConversionOptions(this, set);
+           &options.overwrite,
+           "Replace an earlier import. A folder with anything else in it, such "
+           "as what tsar_refine writes, is never touched.");
+  AddDeviceArguments("TsarImport.", &device, set);
 }
 
 ImportSummary ImportCommand::Run(
     Progress& progress, const std::function<bool()>& should_stop) const {
-  RequireGiven("format", !format.empty());
-  RequireGiven("input_path", !options.match.input_path.empty());
+  if (format.empty()) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("format") + " is missing; give it");
+  }
   if (!options.match.normal_path.empty() && format != "depth") {
     throw Error(ErrorCode::kBadOption,
                 OptionName("normal_path") + " is for " + OptionName("format") +
@@ -148,13 +94,12 @@ ImportSummary ImportCommand::Run(
                     "their depth");
   }
   ImportOptions parsed = options;
-  parsed.match.format = ToFormat(format);
+  parsed.match.format = format == "acm"       ? ExternalFormat::kAcm
+                        : format == "apd"     ? ExternalFormat::kApd
+                        : format == "openmvs" ? ExternalFormat::kOpenMvs
+                                              : ExternalFormat::kDepth;
   parsed.match.type = *ParseMapType(output_type);
-  parsed.match.index_order =
-      index_order == "name" ? IndexOrder::kName : IndexOrder::kImageId;
-  parsed.normal_frame = normal_frame == "world"    ? NormalFrame::kWorld
-                        : normal_frame == "camera" ? NormalFrame::kCamera
-                                                   : NormalFrame::kAuto;
+  parsed.device = device.Parse();
   return ImportWorkspace(parsed, progress, should_stop);
 }
 
@@ -163,13 +108,10 @@ int RunTsarImport(int argc, char** argv) {
   OptionSet options("tsar_import",
                     kSummary,
                     "tsar_import --format acm --input_path scene "
-                    "--workspace_path dense");
+                    "--workspace_path dense --output_path imported");
   command.AddTo(&options);
   if (!options.Parse(argc, argv)) {
     return 0;
-  }
-  if (command.restore) {
-    return UndoImports(command);
   }
   PrintSummary(RunInterruptibly(std::bind_front(&ImportCommand::Run, &command)),
                std::cout);

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 
 #include <functional>
@@ -16,17 +17,14 @@ namespace tsar {
 struct ImportCommand {
   std::string format;
   std::string output_type = ToString(MapType::kGeometric);
-  std::string index_order = "image_id";
-  std::string normal_frame = "auto";
-  bool restore = false;
-  std::string restore_conflicts = "report";
+  DeviceArguments device;
   // The options that the members above do not hold.
   ImportOptions options;
 
   void AddTo(OptionSet* set);
 
-  // Imports, unless that is to be undone. Throws kBadOption where something is
-  // missing or does not fit the format, and what ImportWorkspace throws.
+  // Throws kBadOption where something does not fit the format, and what
+  // ImportWorkspace throws.
   ImportSummary Run(Progress& progress,
                     const std::function<bool()>& should_stop) const;
 };

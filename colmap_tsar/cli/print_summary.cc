@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
-#include "colmap_tsar/view/unmatched_depths.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -260,11 +259,13 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
   }
   out << "Normals came with " << summary.num_with_normals
       << " of them, and are computed from depth otherwise\n";
-  if (summary.num_with_costs > 0) {
-    out << "Costs came with " << summary.num_with_costs << "\n";
-  }
   out << "Pixels with depth: "
-      << Percent(summary.num_with_depth, summary.num_pixels) << "\n";
+      << Percent(summary.num_with_depth, summary.num_pixels);
+  if (summary.num_kept < summary.num_with_depth) {
+    out << "; " << Percent(summary.num_kept, summary.num_pixels)
+        << " after the filter";
+  }
+  out << "\n";
   if (summary.scale.num_images > 0) {
     out << (summary.has_own_scales
                 ? "Before scaling, depth over that of the sparse points: "
@@ -275,13 +276,6 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
         << Fixed(summary.scale.largest, 3) << " over "
         << summary.scale.num_images << " images)\n";
   }
-  if (summary.far > 0.f && summary.sparse_far > 0.f) {
-    TextStream range;
-    range << std::setprecision(4) << "Depths from " << summary.near << " to "
-          << summary.far << ", sparse points from " << summary.sparse_near
-          << " to " << summary.sparse_far << "\n";
-    out << range.str();
-  }
   constexpr size_t kMaxWarnings = 20;
   const size_t num_shown = std::min(summary.warnings.size(), kMaxWarnings);
   for (size_t i = 0; i < num_shown; ++i) {
@@ -291,14 +285,8 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
     out << "WARNING: and " << summary.warnings.size() - num_shown
         << " more like these\n";
   }
-  if (IsUnfiltered(summary.num_with_depth, summary.num_pixels)) {
-    out << "These maps have hardly any holes. If they are of a stereo program "
-           "that fills bare walls, as ACMMP and APD do, "
-           "--TsarRefine.distrust_unmatched 1 lets only those depths count "
-           "that the images confirm\n";
-  }
   out << "Next: colmap_tsar tsar_refine --workspace_path "
-      << Quoted(summary.workspace_path) << " --input_type "
+      << Quoted(summary.output_path) << " --input_type "
       << ToString(summary.type) << "\n";
 }
 

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/matching/filter_hypotheses.h"
 
-#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/reprojection.cuh"
@@ -14,18 +13,13 @@
 namespace tsar {
 namespace {
 
-// The tests of a pixel's hypothesis against a source.
-struct SourceTest {
+struct FilterKernel {
   ReferenceView reference;
+  const SourceView* sources;
+  int num_sources;
+  ImageView<const Plane> prior;  // May be empty.
   HypothesisFilterOptions options;
   float max_cos_angle;
-
-  SourceTest(const ReferenceView& view,
-             const HypothesisFilterOptions& filter_options)
-      : reference(view),
-        options(filter_options),
-        max_cos_angle(
-            std::cos(options.min_triangulation_angle * 3.14159265f / 180.f)) {}
 
   // Whether the depth map of the source reprojects the point to the pixel.
   TSAR_HD bool IsConsistent(const SourceView& source,
@@ -52,12 +46,6 @@ struct SourceTest {
   TSAR_HD bool IsMatch(float cost) const {
     return cost != kUndefinedCost && cost <= 1.f - options.min_ncc;
   }
-};
-
-struct FilterKernel : SourceTest {
-  const SourceView* sources;
-  int num_sources;
-  ImageView<const Plane> prior;  // May be empty.
 
   TSAR_HD float operator()(int x, int y) const {
     const float depth = reference.depth(x, y);
@@ -110,70 +98,6 @@ struct FilterKernel : SourceTest {
   }
 };
 
-struct DistinctMatchKernel : SourceTest {
-  SourceView source;
-  ImageView<uint8_t> num_matches;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const float depth = reference.depth(x, y);
-    if (num_matches(x, y) >= options.min_num_consistent || !(depth > 0.f)) {
-      return;
-    }
-    const Vec3f ray = reference.intrinsics.Ray(x, y);
-    if (IsConsistent(source, x, y, ray * depth) &&
-        MatchesDistinctly(x, y, ray, depth)) {
-      ++num_matches(x, y);
-    }
-  }
-
-  TSAR_HD bool MatchesDistinctly(int x,
-                                 int y,
-                                 const Vec3f& ray,
-                                 float depth) const {
-    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    const auto cost_at = [&](float z) {
-      return Cost(
-          source, patch, Plane::FromPoint(ray, z, reference.normal(x, y)));
-    };
-    const float cost = cost_at(depth);
-    if (!IsMatch(cost)) {
-      return false;
-    }
-    constexpr int kNumSteps = 2;  // Steps to either side.
-    constexpr float kStep = 2.f;  // Pixels per step.
-    const float change = ChangePerPixel(ray, depth);
-    for (int step = -kNumSteps; step <= kNumSteps; ++step) {
-      const float factor = 1.f + static_cast<float>(step) * kStep * change;
-      if (step == 0 || !(factor > 0.f)) {
-        continue;
-      }
-      const float cost_beside = cost_at(depth / factor);
-      if (cost_beside != kUndefinedCost && !(cost < cost_beside)) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  // The relative change of inverse depth that moves the point by one pixel in
-  // the source.
-  TSAR_HD float ChangePerPixel(const Vec3f& ray, float depth) const {
-    constexpr float kChange = 0.01f;
-    float x = 0.f;
-    float y = 0.f;
-    float moved_x = 0.f;
-    float moved_y = 0.f;
-    const RelativePose& pose = source.from_reference;
-    source.intrinsics.Project(pose * (ray * depth), &x, &y);
-    source.intrinsics.Project(
-        pose * (ray * (depth / (1.f + kChange))), &moved_x, &moved_y);
-    const float dx = moved_x - x;
-    const float dy = moved_y - y;
-    // The clamp avoids a division by 0 for a zero triangulation angle.
-    return kChange / fmaxf(sqrtf(dx * dx + dy * dy), kChange);
-  }
-};
-
 }  // namespace
 
 DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
@@ -181,24 +105,17 @@ DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
                                     ImageView<const Plane> prior,
                                     const HypothesisFilterOptions& options,
                                     Device& device) {
+  const float max_cos_angle =
+      std::cos(options.min_triangulation_angle * 3.14159265f / 180.f);
   return MapPixels<float>(device,
                           reference.depth.width,
                           reference.depth.height,
-                          FilterKernel{{reference, options},
+                          FilterKernel{reference,
                                        sources.Data(),
                                        static_cast<int>(sources.Size()),
-                                       prior});
-}
-
-void AddDistinctMatches(const ReferenceView& reference,
-                        const SourceView& source,
-                        const HypothesisFilterOptions& options,
-                        ImageView<uint8_t> num_matches,
-                        Device& device) {
-  ParallelFor(device,
-              num_matches.width,
-              num_matches.height,
-              DistinctMatchKernel{{reference, options}, source, num_matches});
+                                       prior,
+                                       options,
+                                       max_cos_angle});
 }
 
 }  // namespace tsar

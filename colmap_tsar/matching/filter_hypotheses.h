@@ -8,8 +8,6 @@
 #include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/view/denoise/window_variance.h"
 
-#include <cstdint>
-
 namespace tsar {
 
 struct HypothesisFilterOptions {
@@ -37,18 +35,5 @@ DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
                                     ImageView<const Plane> prior,
                                     const HypothesisFilterOptions& options,
                                     Device& device);
-
-// Adds one at each pixel whose depth the source confirms as in FilterHypotheses
-// and that also matches better than the depths two and four pixels beside it in
-// the source. On shading and on textureless surfaces any depth matches well; so
-// a depth on which views agree due to a common prior passes that filter, but
-// not this test.
-//
-// Skips pixels that have options.min_num_consistent already.
-void AddDistinctMatches(const ReferenceView& reference,
-                        const SourceView& source,
-                        const HypothesisFilterOptions& options,
-                        ImageView<uint8_t> num_matches,
-                        Device& device);
 
 }  // namespace tsar

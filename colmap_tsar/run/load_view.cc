@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/view/unmatched_depths.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
@@ -69,11 +68,9 @@ class HypothesisReader {
   void Read(size_t first_pixel, const HypothesisPiece& piece);
 
   // Counts over all pieces that were read: NaN or infinite values of both
-  // types; pixels that are not masked; depths of the map to refine there; those
-  // of them that have a normal and evidence.
+  // types; depths of the map to refine that are not masked and have a normal
+  // and evidence.
   int64_t NumNotFinite() const;
-  int64_t NumPixelsInUse() const { return num_pixels_in_use_; }
-  int64_t NumDepths() const { return num_depths_; }
   int64_t NumDepthsToRefine() const { return num_depths_to_refine_; }
 
  private:
@@ -99,8 +96,6 @@ class HypothesisReader {
   std::vector<Vec3f> normal_;
   std::vector<float> min_cost_;
   std::vector<float> second_cost_;
-  int64_t num_pixels_in_use_ = 0;
-  int64_t num_depths_ = 0;
   int64_t num_depths_to_refine_ = 0;
 };
 
@@ -199,8 +194,6 @@ void HypothesisReader::ReadOwn(size_t first_pixel,
   own_.depth.Read(first_pixel, piece.depth);
   own_.normal.Read(first_pixel, piece.normal);
   RemoveMasked(first_pixel, piece);
-  num_depths_ += std::ranges::count_if(piece.depth,
-                                       [](float depth) { return depth > 0.f; });
   if (own_costs_) {
     ReadCosts(*own_costs_, 0, first_pixel, piece.min_cost);
     ReadCosts(*own_costs_, 1, first_pixel, piece.second_cost);
@@ -227,7 +220,6 @@ void HypothesisReader::ReadOwn(size_t first_pixel,
 
 void HypothesisReader::RemoveMasked(size_t first_pixel,
                                     const HypothesisPiece& piece) {
-  num_pixels_in_use_ += static_cast<int64_t>(piece.depth.size());
   if (mask_.Empty()) {
     return;
   }
@@ -235,7 +227,6 @@ void HypothesisReader::RemoveMasked(size_t first_pixel,
     if (IsMasked(first_pixel + i)) {
       piece.depth[i] = 0.f;
       piece.normal[i] = {};
-      --num_pixels_in_use_;
     }
   }
 }
@@ -326,8 +317,6 @@ ViewData LoadView(const Workspace& workspace, int image) {
   });
   view.num_depths_to_refine = reader.NumDepthsToRefine();
   view.num_not_finite = reader.NumNotFinite();
-  view.is_unfiltered =
-      IsUnfiltered(reader.NumDepths(), reader.NumPixelsInUse());
   view.color = workspace.ReadImage(image, width, height);
   view.camera = workspace.CameraOf(image).Resized(width, height);
   view.prior = LoadPrior(workspace, image, reader.Mask());
@@ -359,17 +348,6 @@ ViewData LoadReducedView(const Workspace& workspace, int image, int max_side) {
   reduced.num_not_finite = reader.NumNotFinite();
   reduced.prior = LoadPrior(workspace, image, reader.Mask());
   return reduced;
-}
-
-ViewData LoadDepthAndColor(const Workspace& workspace, int image) {
-  ViewData view;
-  view.depth = ReadOriginalDepth(workspace, image);
-  const int width = view.depth.Width();
-  const int height = view.depth.Height();
-  ClearMasked(workspace.ReadMask(image, {width, height}), &view.depth);
-  view.color = workspace.ReadImage(image, width, height);
-  view.camera = workspace.CameraOf(image).Resized(width, height);
-  return view;
 }
 
 bool IsMaskedAway(const Workspace& workspace, int image) {

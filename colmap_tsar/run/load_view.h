@@ -31,10 +31,6 @@ std::shared_ptr<const DepthPrior> LoadPrior(const Workspace& workspace,
                                             int image,
                                             const Image<uint8_t>& mask);
 
-// Reads only the camera, the colors and the depths of the map to refine, which
-// are 0 where the image is masked.
-ViewData LoadDepthAndColor(const Workspace& workspace, int image);
-
 // Whether the map to refine has depths, and all of them are masked.
 bool IsMaskedAway(const Workspace& workspace, int image);
 

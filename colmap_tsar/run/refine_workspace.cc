@@ -154,7 +154,7 @@ RunSummary RefineController::Run() {
   if (NeedsEvidence(refine_options_)) {
     plan.RequireOthersFit(options_.image_list_path);
   }
-  ViewLoader loader(workspace_, plan, refine_options_.distrust_unmatched);
+  ViewLoader loader(workspace_);
   const RefineRun run = {options_,
                          refine_options_,
                          workspace_,

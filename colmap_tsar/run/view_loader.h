@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/view/view_data.h"
 
@@ -17,11 +16,9 @@ namespace tsar {
 // mask and depth prior. Can be used from several threads.
 class ViewLoader {
  public:
-  // All references must outlive this object. distrust_unmatched: see
-  // RefineOptions.
-  ViewLoader(const Workspace& workspace,
-             const RefinePlan& plan,
-             bool distrust_unmatched);
+  // workspace must outlive this object.
+  explicit ViewLoader(const Workspace& workspace)
+      : workspace_(workspace), mutexes_(workspace.Model().images.size()) {}
 
   std::shared_ptr<const ViewData> Load(int image);
   // The view reduced to the size at which depths are judged, see reduce_view.h.
@@ -35,11 +32,7 @@ class ViewLoader {
   }
 
  private:
-  void DropUnmatchedDepths(int image, ViewData* view);
-
   const Workspace& workspace_;
-  const RefinePlan& plan_;
-  const bool distrust_unmatched_;
   std::vector<std::mutex> mutexes_;  // By image of the sparse model.
 };
 

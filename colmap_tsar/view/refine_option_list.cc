@@ -39,13 +39,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
                       "regions, textures and borders are found. Matching sees "
                       "the images as they are.",
        .paper = 0},
-      {TSAR_FIELD(distrust_unmatched),
-       .description =
-           "In maps without holes, from which no filter removed anything, let "
-           "depths count only where two sources agree and match better there "
-           "than at depths beside. For maps that fill bare walls by guesses, "
-           "as ACMMP's do; not for those of sensors and networks.",
-       .is_option = true},
       {TSAR_FIELD(filter),
        .description = "Tell reliable depths from wrong ones. If 0, every depth "
                       "counts as reliable."},

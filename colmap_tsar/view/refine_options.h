@@ -12,9 +12,6 @@ namespace tsar {
 struct RefineOptions {
   bool denoise = true;
 
-  // Applies to unfiltered maps only.
-  bool distrust_unmatched = false;
-
   // Joint hypothesis filtering.
   bool filter = true;
   bool filter_confidence = true;

@@ -36,9 +36,6 @@ struct ViewData {
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
   // The depth prior; null if there is none.
   std::shared_ptr<const DepthPrior> prior;
-  // Whether the map to refine has few holes (see view/unmatched_depths.h), also
-  // counting depths without a normal.
-  bool is_unfiltered = false;
 
   size_t NumBytes() const;
 };

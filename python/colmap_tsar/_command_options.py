@@ -77,8 +77,7 @@ def _lines(fields, indentation):
         facts = [" | ".join(field["choices"])] if field["choices"] else []
         if field["default"] != "":
             facts.append(f"default {field['default']}")
-        text = field["description"].replace("--restore 1", "undo_imports()")
-        text = text.replace("--", "")
+        text = field["description"].replace("--", "")
         yield textwrap.fill(
             f"{name}: {text}" + (f" ({', '.join(facts)})" if facts else ""),
             width=80,
@@ -138,4 +137,3 @@ STEREO = CommandOptions("stereo", _core.help_json("stereo"))
 FUSE = CommandOptions("fuse", _core.help_json("fuse"))
 IMPORT = CommandOptions("import_maps", _core.help_json("import"))
 REPORT = CommandOptions("report", _core.help_json("report"))
-EXPORT = CommandOptions("export", _core.help_json("export"))

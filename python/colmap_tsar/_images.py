@@ -113,11 +113,15 @@ class WorkspaceImage:
         return self._read("planes", "uint16").astype("int32") - 1
 
     @functools.cached_property
+    def photo_camera(self) -> Camera:
+        """The camera for the pixels of the photo."""
+        return Camera(*(self._facts[key] for key in ("width", "height", "fx", "fy", "cx", "cy")))
+
+    @functools.cached_property
     def camera(self) -> Camera:
         """The camera for the pixels of the depth map, or of the image where there is
         none."""
-        facts = {key: self._facts[key] for key in ("width", "height", "fx", "fy", "cx", "cy")}
-        camera = Camera(**facts)
+        camera = self.photo_camera
         where = (self._workspace_path, self._name, self._input_type)
         if not _core.has_depth_map(*where):
             return camera

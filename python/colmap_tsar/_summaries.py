@@ -119,7 +119,8 @@ class ImportSummary(PrintedResult):
     """What Workspace.import_maps() did. str() of it is the account that the command
     prints."""
 
-    workspace_path: pathlib.Path
+    output_path: pathlib.Path
+    """The workspace that was made."""
     output_type: str
     """The maps that were written: "geometric" or "photometric"."""
     num_images: int
@@ -129,9 +130,11 @@ class ImportSummary(PrintedResult):
     """Maps of images that the model does not hold."""
     num_with_normals: int
     """Images whose normals came with them; those of others are made from depth."""
-    num_with_costs: int
     num_pixels: int
     num_with_depth: int
+    """Pixels with depth as the maps came."""
+    num_kept: int
+    """Those of them that are in the maps that were written."""
     scale: Optional[float]
     """Depth over that of the sparse points, the median over the images, before any
     scaling; None where too few points tell."""

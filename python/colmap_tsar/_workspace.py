@@ -7,7 +7,8 @@ import typing
 from typing import Any, Callable, Iterator, Optional, Tuple, Union
 
 from . import _core
-from ._command_options import EXPORT, FUSE, IMPORT, REFINE, REPORT, STEREO, advice
+from ._command_options import FUSE, IMPORT, REFINE, REPORT, STEREO, advice
+from ._export import DEPTH_SCALE, export
 from ._images import WorkspaceImage
 from ._planes import Planes, read_planes
 from ._priors import Priors
@@ -27,7 +28,6 @@ if typing.TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._keywords import (
-        ExportKeywords,
         FuseKeywords,
         ImportKeywords,
         RefineKeywords,
@@ -170,14 +170,15 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
         self,
         input_path: _Path,
         format: str,
+        output_path: _Path,
         *,
         progress: _Progress = True,
         **options: "Unpack[ImportKeywords]",
     ) -> ImportSummary:
-        """Brings depth and normal maps of other programs and sensors into the
-        workspace: what the command tsar_import does. undo_imports() takes them back."""
-        self._planes = None
-        given = {"input_path": input_path, "format": format, **options}
+        """Makes a workspace of these photos and this sparse model with the depth and
+        normal maps of another program or sensor: what the command tsar_import does."""
+        given = {"input_path": input_path, "format": format, "output_path": output_path}
+        given.update(options)
         return ImportSummary(
             **_core.import_maps(self._to_command(IMPORT, given), tell_steps(progress))
         )
@@ -195,26 +196,30 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
         output_path: _Path,
         format: str,
         *,
+        mask_path: Optional[_Path] = None,
+        cloud_path: Optional[_Path] = None,
+        depth_scale: float = DEPTH_SCALE,
+        overwrite: bool = False,
         progress: _Progress = True,
-        **options: "Unpack[ExportKeywords]",
     ) -> ExportSummary:
         """Writes the maps into a folder of their own, with cameras and poses, for other
-        programs and for training: what the command tsar_export does."""
-        given = {"output_path": output_path, "format": format, **options}
-        command = {**self._to_command(EXPORT, given), **self._to_type()}
-        return ExportSummary(**_core.export(command, tell_steps(progress)))
+        programs and for training: what `python -m colmap_tsar export` does.
+
+        format: npy, exr or png16 for maps alone; nerfstudio or 3dgs for a folder to train
+        on. All but npy need OpenCV (pip install opencv-python-headless). mask_path: no
+        depth where a mask is black; nerfstudio gets the masks as well. cloud_path, for
+        nerfstudio: a cloud (PLY) that its methods start from. depth_scale, for png16: units
+        of the sparse model per step of depth. overwrite: replace an earlier export; a
+        folder with anything else in it is never touched."""
+        return export(
+            *(self, output_path, format, self._chosen_type, mask_path),
+            *(cloud_path, depth_scale, overwrite, progress),
+        )
 
     def restore(self, conflicts: str = "report") -> RestoreSummary:
         """Puts COLMAP's maps back; see restore()."""
         self._planes = None
         return restore(self._path, conflicts)
-
-    def undo_imports(self, conflicts: str = "report") -> RestoreSummary:
-        """Undoes all imports: puts the former maps back and removes what was imported.
-        What others wrote in its place since is never removed. conflicts: as in
-        restore()."""
-        self._planes = None
-        return RestoreSummary(**_core.undo_imports(self._path, conflicts))
 
     def _to_command(self, command, options):
         return {"workspace_path": os.fsencode(self._path), **command.to_text(options)}
@@ -231,4 +236,3 @@ STEREO.document(Workspace.stereo)
 FUSE.document(Workspace.fuse)
 IMPORT.document(Workspace.import_maps)
 REPORT.document(Workspace.report)
-EXPORT.document(Workspace.export)

@@ -99,13 +99,22 @@ def make_maps(scene, args, programs, masks):
 
     def action(step):
         if not step.continued or given:
-            for folder in ("depth_maps", "normal_maps", "cost_maps", "consistency_graphs", "tsar",
-                           "tsar_import"):
+            for folder in ("depth_maps", "normal_maps", "cost_maps", "consistency_graphs", "tsar"):
                 remove(dense / "stereo" / folder)
             make_map_folders(dense, image_names(dense))
         elif args.stereo == "colmap":
             remove_partial_maps(dense)
-        step.run(program, command, "--workspace_path", dense, *as_words(options))
+        if args.stereo != "acm":
+            step.run(program, command, "--workspace_path", dense, *as_words(options))
+            return
+        part = scene.folder / "part.import"
+        remove(part)
+        step.run(program, command, "--workspace_path", dense, "--output_path", part,
+                 *as_words(options))
+        for folder in ("depth_maps", "normal_maps"):
+            remove(dense / "stereo" / folder)
+            os.rename(part / "stereo" / folder, dense / "stereo" / folder)
+        remove(part)
 
     scene.step("stereo", action, outputs=[dense / "stereo" / "depth_maps"], removes=False,
                resumes=True, after=["workspace"], inputs=[*given, *files_named_by(options)], options={

@@ -5,11 +5,13 @@ by COLMAP, with texture if wanted, and exports."""
 import math
 import os
 import re
+import subprocess
+import sys
 
 import ply
 from dense import REFINED, mask_options
 from files import DatasetError
-from programs import as_words, files_named_by
+from programs import REPOSITORY, as_words, files_named_by
 from steps import remove
 
 MESHES = ("poisson", "delaunay")
@@ -23,7 +25,10 @@ def add_product_options(parser):
     parser.add_argument("--texture", action="store_true", help="put the photos on each mesh, "
                         "whatever masks say; needs COLMAP 4.0 or later with CGAL")
     parser.add_argument("--export", choices=EXPORTS, action="append", default=[],
-                        help="export the refined maps by tsar_export; may be given several times")
+                        help="export the refined maps by python -m colmap_tsar export; may be given "
+                        "several times")
+    parser.add_argument("--python", metavar="PATH", default=sys.executable,
+                        help="the Python that has the module colmap_tsar (default: this one)")
     parser.add_argument("--depth_scale", type=float, metavar="UNITS", help="of --export png16: units of the "
                         "model per step of depth (default: 0.001)")
 
@@ -49,6 +54,14 @@ def check_products(args, programs):
         raise DatasetError("--depth_scale: is for --export png16")
     if args.depth_scale is not None and not 0 < args.depth_scale < math.inf:
         raise DatasetError(f"--depth_scale {args.depth_scale}: is not a number above 0")
+    # The module that was built here, where none is installed.
+    paths = os.environ.get("PYTHONPATH", ""), str(REPOSITORY / "build" / "python")
+    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, paths))
+    modules = "colmap_tsar, numpy" + (", cv2" if set(args.export) - {"npy"} else "")
+    if args.export and subprocess.run([args.python, "-c", f"import {modules}"],
+                                      stderr=subprocess.DEVNULL).returncode != 0:
+        raise DatasetError(f"--export: {args.python} cannot import {modules}; install what is "
+                           "missing, or name another by --python")
     for kind in args.mesh:
         text = programs.colmap_help(f"{kind}_mesher")
         if f"{kind.capitalize()}Meshing." not in text:
@@ -147,7 +160,7 @@ def make_export(scene, args, programs, form, masks):
 
     def action(step):
         # The command replaces its own files alone: a trainer may have written there.
-        step.run(programs.tsar, "tsar_export", "--workspace_path", scene.folder / REFINED,
+        step.run(args.python, "-m", "colmap_tsar", "export", "--workspace_path", scene.folder / REFINED,
                  "--format", form, "--output_path", scene.folder / name, "--overwrite", 1,
                  *as_words(options))
         # Whether the format holds the depths well depends on the model's scale.

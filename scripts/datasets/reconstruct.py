@@ -44,7 +44,7 @@ PNG). The steps:
   report              a page to look at (tsar_report)
   mesh, texture       if asked for: poisson_mesher or delaunay_mesher, and
                       mesh_texturer, which puts the photos on the mesh
-  export              if asked for: tsar_export
+  export              if asked for: python -m colmap_tsar export
 
 What comes out:
 

@@ -32,11 +32,11 @@ class MasksTest(StandInTest):
         text, calls = self.run_well(*self.options, "--export", "nerfstudio")
         self.assertIn("step 5 of 11: masks", text)
         self.assertEqual([c.split()[0] for c in calls if c[0] != " "],
-                         COMMANDS[:1] + AFTER_FEATURES + ["tsar_export"])
+                         COMMANDS[:1] + AFTER_FEATURES + ["export"])
         call = lambda command: [c for c in calls if c.startswith(command)]
         self.assertIn(f"--ImageReader.mask_path {self.masks}", calls[0])
         masks = self.output / "masks"
-        for command in ("tsar_stereo", "tsar_refine", "tsar_export"):
+        for command in ("tsar_stereo", "tsar_refine", "export"):
             self.assertIn(f" --mask_path {masks}", call(command)[0])
         for fusion in call("stereo_fusion"):
             self.assertIn(f"--StereoFusion.mask_path {masks}", fusion)

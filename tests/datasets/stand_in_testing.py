@@ -33,6 +33,7 @@ class StandInTest(FolderTest):
             [str(part) for part in (
                 REPOSITORY / "scripts" / "reconstruct.sh", self.photos if photos is None else photos,
                 self.output if output is None else output, "--colmap", program, "--colmap_tsar", program,
+                "--python", program,
                 "--stereo", stereo, *options)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "STAND_IN_FOLDER": str(self.root)})

@@ -171,11 +171,16 @@ COMMANDS = {
     "poisson_mesher": poisson_mesher, "delaunay_mesher": delaunay_mesher,
     "mesh_texturer": mesh_texturer,
     "tsar_report": lambda given: make_folder(given["report_path"], "index.html"),
-    "tsar_export": lambda given: make_folder(given["output_path"], given["format"]),
+    "export": lambda given: make_folder(given["output_path"], given["format"]),
 }
 
 
 def main():
+    # As a Python.
+    if sys.argv[1] == "-c":
+        sys.exit("cv2" in sys.argv[2] and bool(told("no_cv2")))
+    if sys.argv[1:3] == ["-m", "colmap_tsar"]:
+        del sys.argv[1:3]
     command, *words = sys.argv[1:]
     if command == "--version":
         print("colmap_tsar (stand-in)")

@@ -112,17 +112,11 @@ def photo_after_stereo():
 
 
 def depth_images_of_8_bits():
-    remove_maps("geometric", "photometric")
     write("depth/v000.png", png(8, 480, 360))
 
 
 def depth_images_of_other_names():
-    remove_maps("geometric", "photometric")
     write("depth/frame-17.png", png(16, 480, 360))
-
-
-def depth_images_over_maps():
-    write("depth/v000.png", png(16, 480, 360))
 
 
 def depth_in_other_units():
@@ -139,7 +133,6 @@ def depth_in_other_units():
         write("depth/" + name.replace(".jpg", ".pfm"),
               f"Pf\n{width} {height}\n-1.0\n".encode()
               + struct.pack(f"<{len(floats)}f", *floats))
-    remove_maps("geometric", "photometric")
 
 
 def depth_alone_made_anew():
@@ -192,14 +185,10 @@ SITUATIONS = {
     "Restoring leaves maps as they are": depth_alone_made_anew,
     "The report comes before the refinement": lambda: None,
     "The planes come before the refinement": lambda: None,
-    "Two images have the same name but for the extension": lambda: (
-        edit("dense/sparse/images.txt", "v001.jpg", "v000.png"),
-        edit("dense/stereo/patch-match.cfg", "v001.jpg", "v000.png")),
     "Something goes into the workspace's own folders": lambda: None,
     "There is a cloud already": lambda: write("dense/fused.ply", "of stereo_fusion"),
     "tsar_stereo finds maps of COLMAP": lambda: None,
     "An image changed after tsar_stereo": photo_after_stereo,
-    "tsar_import finds maps of COLMAP": depth_images_over_maps,
     "The depth images are pictures": depth_images_of_8_bits,
     "The depth images have other names": depth_images_of_other_names,
     "The depth is in other units": depth_in_other_units,

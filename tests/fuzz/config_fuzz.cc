@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/io/image_lists.h"
-#include "colmap_tsar/tools/import/match_formats.h"
+#include "colmap_tsar/tools/import/match_images.h"
 
 #include "tests/fuzz/fuzz_target.h"
 

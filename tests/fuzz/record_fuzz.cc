@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/record.h"
-#include "colmap_tsar/tools/import/import_store.h"
 
 #include <sstream>
 
@@ -33,28 +32,6 @@ std::vector<std::string> MakeRecordSeeds() {
   return {TakeFile("record.json")};
 }
 
-// A workspace into which was imported, with a record that may be anything.
-void ReadImportRecordFile(std::span<const uint8_t> input) {
-  const std::filesystem::path root = FuzzFolder() / "imported";
-  const std::string map = "imported/stereo/depth_maps/a.png.geometric.bin";
-  const std::string former =
-      "imported/stereo/tsar_import/former/depth_maps/a.png.geometric.bin";
-  const std::string record =
-      "imported/stereo/tsar_import/records/a.png.geometric.json";
-  for (const std::string& file : {map, former, record}) {
-    std::filesystem::create_directories((FuzzFolder() / file).parent_path());
-  }
-  PutFile(map, BytesOf("imported"));
-  PutFile(former, BytesOf("former"));
-  PutFile(record, input);
-  Accepts([&] { UndoImport(root); });
-}
-
-std::vector<std::string> MakeImportRecordSeeds() {
-  return {R"({"depth_maps": ["0000000000000001@2:00000003", "4@-5:"],
-               "normal_maps": [], "cost_maps": []})"};
-}
-
 void ReadMarker(std::span<const uint8_t> input) {
   std::filesystem::create_directories(FuzzFolder() / "output/stereo/tsar");
   PutFile("output/stereo/tsar/output_of.json", input);
@@ -68,8 +45,6 @@ std::vector<std::string> MakeMarkerSeeds() {
 }  // namespace
 
 const FuzzTarget kRecordTarget = {"record", &ReadRecordFile, &MakeRecordSeeds};
-const FuzzTarget kImportRecordTarget = {
-    "import_record", &ReadImportRecordFile, &MakeImportRecordSeeds};
 const FuzzTarget kOutputMarkerTarget = {
     "output_marker", &ReadMarker, &MakeMarkerSeeds};
 

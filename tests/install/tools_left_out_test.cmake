@@ -2,7 +2,7 @@
 # compiled, and nothing is looked for that only they need.
 file(REMOVE_RECURSE ${FOLDER})
 set(options "")
-foreach(tool STEREO IMPORT EVALUATION PLANE_EXPORT REPORT EXPORT)
+foreach(tool STEREO IMPORT EVALUATION PLANE_EXPORT REPORT)
   list(APPEND options -DTSAR_TOOL_${tool}=OFF)
 endforeach()
 # The result and the output of a configuration in the folder.
@@ -26,7 +26,7 @@ foreach(text IN ITEMS colmap_tsar/run/refine_workspace.cc
   endif()
 endforeach()
 if(commands MATCHES "(colmap_tsar|tests)/tools/[a-z_/]+\\.cc|cli/tsar_[a-z]+\\.cc|\
-(stereo|import|report|export)_command\\.cc")
+(stereo|import|report)_command\\.cc")
   message(FATAL_ERROR "without tools: ${CMAKE_MATCH_0} is compiled")
 endif()
 if(cache MATCHES "TSAR_(FLANN|LZ4)[A-Z_]*")

@@ -26,7 +26,6 @@ class OptionsTest(unittest.TestCase):
             (Workspace.fuse, "tsar_fuse"),
             (Workspace.import_maps, "tsar_import"),
             (Workspace.report, "tsar_report"),
-            (Workspace.export, "tsar_export"),
         ):
             parameters = dict(inspect.signature(method).parameters)
             for option in json.loads(run_program(command, "--help_json"))["options"]:

@@ -92,20 +92,6 @@ class RefineTest(SampleTest):
         with self.assertRaises(colmap_tsar.NotFoundError):
             refine(self.workspace, **QUICK, mask_path=self.workspace / "sparse")
 
-    def test_depth_priors(self):
-        priors = self.workspace / "priors"
-        priors.mkdir()
-        depth = array.array("f", [1.0]) * (64 * 48)
-        (priors / "v000.pfm").write_bytes(b"Pf\n64 48\n-1\n" + depth.tobytes())
-        summary = refine(self.workspace, **PLANES, prior_path=priors, prior_type="inverse")
-        self.assertEqual(summary.num_priors, 1)
-        self.assertIn("depth priors for 1 of 3 images", str(summary))
-        self.assertIsNone(refine(self.workspace, **PLANES).num_priors)
-        with self.assertRaisesRegex(colmap_tsar.NotFoundError, "no depth prior of any image"):
-            refine(self.workspace, **PLANES, prior_path=self.workspace / "sparse")
-        with self.assertRaisesRegex(colmap_tsar.BadOptionError, "prior_type"):
-            refine(self.workspace, **PLANES, prior_path=priors, prior_type="depth")
-
     def test_arrays_as_depth_priors(self):
         priors = self.workspace / "priors"
         priors.mkdir()
@@ -207,15 +193,6 @@ class RefineTest(SampleTest):
             thread.join()
         # With the GIL held there would be one for each waking at most.
         self.assertGreater(num_ticks, 100)
-
-    def test_works_in_another_thread(self):
-        summaries = []
-        thread = threading.Thread(
-            target=lambda: summaries.append(refine(self.workspace, **QUICK))
-        )
-        thread.start()
-        thread.join()
-        self.assertEqual([s.num_refined for s in summaries], [self.num_images])
 
     def test_one_run_at_a_time(self):
         errors = []

@@ -44,7 +44,7 @@ MISUSE = (
     "workspace.stereo(num_levels='two')",
     "workspace.stereo(device='gpu')",
     "workspace.fuse('fused.ply', min_num_views=2.5)",
-    "workspace.import_maps('maps', format='depth', overwrite='no')",
+    "workspace.import_maps('maps', 'depth', 'imported', overwrite='no')",
     "workspace.report(num_threads=[1])",
     "workspace[3]",
 )

@@ -4,9 +4,6 @@
 
 Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
 build folder. Skipped where it cannot be had."""
-import contextlib
-import io
-import json
 import pathlib
 import signal
 import sys
@@ -87,11 +84,6 @@ class WorkspaceRunsTest(SampleTest):
             ),
             (self.ws.report, {}, colmap_tsar.NotFoundError, "run tsar_refine"),
             (self.ws.report, {"max_image_size": 1}, ValueError, "^max_image_size"),
-            (self.ws.export, {"output_path": "a", "format": "x"}, ValueError, "^format: 'x"),
-            (
-                *(self.ws.export, {"output_path": self.workspace / "images", "format": "npy"}),
-                *(colmap_tsar.Error, "images"),
-            ),
         ):
             with self.subTest(keywords=keywords):
                 with self.assertRaisesRegex(error, text) as caught:
@@ -190,13 +182,6 @@ class WorkspaceRunsTest(SampleTest):
         # Nobody holds the workspace any more.
         self.ws.stereo(progress=False, **run, **QUICK_STEREO)
 
-    def test_progress_on_standard_error(self):
-        for progress, expected in ((True, True), (False, False)):
-            with contextlib.redirect_stderr(io.StringIO()) as stream:
-                self.ws.refine(progress=progress, device="cpu", **QUICK)
-            self.ws.restore()
-            self.assertEqual("[3/3]" in stream.getvalue(), expected)
-
     def write_depth_arrays(self):
         """Depth of a plane in front of each camera, as arrays of NumPy."""
         folder = self.folder / "sensor"
@@ -206,52 +191,42 @@ class WorkspaceRunsTest(SampleTest):
             np.save(folder / pathlib.Path(name).with_suffix(".npy"), depth)
         return folder
 
-    def test_import_and_its_undoing(self):
-        folder = self.write_depth_arrays()
-        with self.assertRaisesRegex(colmap_tsar.UnsupportedError, "overwrite=True"):
-            self.ws.import_maps(folder, "depth", check_scale=False, progress=False)
-        with self.assertRaisesRegex(ValueError, "^format: 'best'"):
-            self.ws.import_maps(folder, "best")
-        with self.assertRaisesRegex(ValueError, "^normal_path is for format depth"):
-            self.ws.import_maps(folder, "acm", normal_path=folder)
-        self.assertEqual(results(self.workspace), results(self.sample))
+    def test_import_makes_a_workspace(self):
+        folder, output = self.write_depth_arrays(), self.folder / "imported"
+        for options, text in (
+            ({"format": "best"}, "^format: 'best'"),
+            ({"format": "acm", "normal_path": folder}, "^normal_path is for format depth"),
+        ):
+            with self.assertRaisesRegex(ValueError, text):
+                self.ws.import_maps(folder, output_path=output, **options)
         steps = []
+        run = {"depth_scale": 0.5, "check_scale": False}
         summary = self.ws.import_maps(
-            folder,
-            "depth",
-            depth_scale=0.5,
-            check_scale=False,
-            overwrite=True,
-            progress=lambda *step: steps.append(step),
+            folder, "depth", output, progress=lambda *step: steps.append(step), **run
         )
         self.assertEqual((summary.num_imported, summary.num_images), (8, 8))
+        self.assertEqual(summary.output_path, output)
         self.assertEqual(summary.output_type, "geometric")
         self.assertIn("8 imported", str(summary))
         self.assertEqual(steps[0], ("Checking", 0, 8))
         self.assertEqual(steps[-1], ("Importing", 8, 8))
-        depth = self.ws["v001.jpg"].depth
+        depth = colmap_tsar.Workspace(output)["v001.jpg"].depth
         np.testing.assert_array_equal(depth, np.full((36, 48), 1.5, np.float32))
-        self.assertEqual(self.ws.undo_imports().num_restored, 8)
-        self.assertEqual(results(self.workspace), results(self.sample))
-        with self.assertRaises(colmap_tsar.NotFoundError):
-            self.ws.undo_imports()
-
-    def test_an_import_that_is_stopped_begins_anew(self):
-        folder = self.write_depth_arrays()
-        run = {"check_scale": False, "overwrite": True}
+        self.assertEqual(digests(self.workspace), digests(self.sample))
+        with self.assertRaisesRegex(colmap_tsar.UnsupportedError, "overwrite=True"):
+            self.ws.import_maps(folder, "depth", output, progress=False, **run)
 
         def stop_while_importing(name, done, total):
             if name == "Importing" and done == 1:
                 raise Enough
 
+        before = digests(output)
         for stop in (stop_at_the_first, stop_while_importing):
             with self.assertRaises(Enough):
-                self.ws.import_maps(folder, "depth", progress=stop, **run)
-        self.assertEqual(
-            self.ws.import_maps(folder, "depth", progress=False, **run).num_imported, 8
-        )
-        self.ws.undo_imports()
-        self.assertEqual(results(self.workspace), results(self.sample))
+                self.ws.import_maps(
+                    folder, "depth", output, overwrite=True, progress=stop, **run
+                )
+        self.assertEqual(digests(output), before)
 
     def test_report(self):
         self.ws.refine(progress=False, device="cpu", **QUICK)
@@ -262,33 +237,6 @@ class WorkspaceRunsTest(SampleTest):
         chosen = colmap_tsar.Workspace(self.workspace, input_type="geometric")
         with self.assertRaisesRegex(colmap_tsar.Error, "page.*overwrite=True"):
             chosen.report(report_path=self.folder / "page", progress=False)
-
-    def test_export_is_the_command(self):
-        output = self.folder / "by_method"
-        other = self.folder / "by_program"
-        steps = []
-        summary = self.ws.export(
-            output, "npy", progress=lambda *step: steps.append(step)
-        )
-        run_program(
-            *("tsar_export", "--workspace_path", self.workspace, "--format", "npy"),
-            *("--output_path", other),
-        )
-        self.assertEqual(digests(output), digests(other))
-        self.assertEqual(summary.output_path, output)
-        self.assertEqual((summary.num_images, summary.num_with_depth), (8, 8))
-        depths = [image.depth for image in self.ws.images]
-        self.assertEqual(summary.num_pixels, sum(depth.size for depth in depths))
-        self.assertEqual(summary.num_depths, sum(map(np.count_nonzero, depths)))
-        self.assertEqual([done for _, done, _ in steps], list(range(9)))
-        with self.assertRaisesRegex(colmap_tsar.Error, "by_method.*overwrite=True"):
-            self.ws.export(output, "npy", progress=False)
-        chosen = colmap_tsar.Workspace(self.workspace, input_type="photometric")
-        photometric = chosen.export(self.folder / "photometric", "npy", progress=False)
-        manifest = json.loads((photometric.output_path / "manifest.json").read_text())
-        self.assertEqual(manifest["map_type"], "photometric")
-        with self.assertRaises(Enough):
-            self.ws.export(self.folder / "stopped", "npy", progress=stop_at_the_first)
 
 
 if __name__ == "__main__":

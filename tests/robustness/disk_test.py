@@ -40,8 +40,6 @@ origins = StartWorkspaces(folder.name)
 CASES = {
     "refine": (["tsar_refine", work], origins.mapped),
     "restore": (["tsar_refine", work, "--restore", 1], origins.refined),
-    "import": (["tsar_import", work, *origins.import_options], origins.mapped),
-    "undo": (["tsar_import", work, "--restore", 1], origins.imported),
     "stereo": (["tsar_stereo", work, *STEREO], origins.bare),
 }
 
@@ -73,7 +71,7 @@ for case, (command, source) in CASES.items():
     # What is needed on the way may be more than what stays.
     most = max(start - free_bytes(), 0) + (256 << 10)
     num_full[case] = 0
-    for level in range(NUM_LEVELS if case in ("refine", "import") else NUM_LEVELS // 3):
+    for level in range(NUM_LEVELS if case == "refine" else NUM_LEVELS // 3):
         copy(source, work)
         fill(most * level // NUM_LEVELS)
         code, errors = program.call(*command)
@@ -90,7 +88,7 @@ for case, (command, source) in CASES.items():
         os.remove(filler)
         program.run(*command)
         check_same(without_accounts(read_tree(work)), last, f"{case}, with space again")
-check(min(num_full["refine"], num_full["import"], num_full["stereo"]) > 2,
+check(min(num_full["refine"], num_full["stereo"]) > 2,
       f"the disk was hardly ever full: {num_full}")
 print("stopped by a full disk:", num_full)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Does to refined and imported maps what users and other programs do, and undoes
+"""Does to refined maps what users and other programs do, and undoes
 the work then. No original is removed but by being put back, what others wrote in
 its place is there afterwards, depth and normals are of one source, and where that
 cannot be decided nothing changes and the exit code says so."""
@@ -26,10 +26,6 @@ folder = make_folder(args.folder)
 work = os.path.join(folder.name, "work")
 start = StartWorkspaces(folder.name)
 start.make(program)
-# Values that are not those of the maps which they replace.
-start.write_external_maps(1.003)
-copy(start.mapped, start.imported)
-program.run("tsar_import", start.imported, *start.import_options)
 untouched = read_tree(start.mapped)
 
 
@@ -78,8 +74,6 @@ CHANGES = {
 }
 UNDOINGS = {
     "refine": (start.refined, ["tsar_refine", work, "--restore", 1], "stereo/tsar/original"),
-    "import": (start.imported, ["tsar_import", work, "--restore", 1],
-               "stereo/tsar_import/former"),
 }
 
 
@@ -199,8 +193,7 @@ copy(start.refined, work)
 shutil.rmtree(os.path.join(work, "stereo", "tsar"))
 before = read_tree(work)
 for command in (["tsar_refine", work],
-                ["tsar_stereo", work, "--overwrite", 1],
-                ["tsar_import", work, *start.import_options]):
+                ["tsar_stereo", work, "--overwrite", 1]):
     program.fails_with_one_line(*command, texts=["has been refined", "provenance_maps"])
     check_same(read_tree(work), before, f"{command[0]} without stereo/tsar")
     num_cases += 1

@@ -48,8 +48,6 @@ def mount(path):
 
 COMMANDS = {
     "refine": (["tsar_refine", work], start.mapped, ["tsar_refine", work, "--restore", 1]),
-    "import": (["tsar_import", work, *start.import_options], start.mapped,
-               ["tsar_import", work, "--restore", 1]),
     "stereo": (["tsar_stereo", work, *STEREO, "--overwrite", 1], start.bare, None),
 }
 expected = {}

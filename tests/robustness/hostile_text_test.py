@@ -28,8 +28,6 @@ start = StartWorkspaces(folder.name)
 start.make(program)
 REFINE = ["tsar_refine", work]
 RESTORE = ["tsar_refine", work, "--restore", 1]
-IMPORT = ["tsar_import", work, *start.import_options]
-UNDO = ["tsar_import", work, "--restore", 1]
 TO_STEREO = ["tsar_stereo", work, *STEREO, "--overwrite", 1]
 REPORT = ["tsar_report", work, "--overwrite", 1]
 EVALUATE = ["tsar_evaluate", "depth", "--workspace_path", work]
@@ -116,7 +114,7 @@ def write_binary_model(names):
 
 # Names that no program writes are refused, by every command and without effect.
 for name in (ESCAPE, CSI, b"\x7f", EVERYTHING):
-    for command, source in ((REFINE, start.mapped), (IMPORT, start.mapped),
+    for command, source in ((REFINE, start.mapped),
                             (TO_STEREO, start.bare), (REPORT, start.refined)):
         fresh(source)
         edit("sparse/images.txt", b"v0.png", name.replace(b"\r", b"").replace(b"\t", b"") + b".png")
@@ -191,8 +189,8 @@ code, text = printed("a path", ["tsar_refine", os.path.join(work, os.fsdecode(EV
 check(code == 1, text)
 
 # Whole workspaces in folders of such names.
-for command, source in ((REFINE, start.mapped), (RESTORE, start.refined), (IMPORT, start.mapped),
-                        (UNDO, start.imported), (TO_STEREO, start.bare), (REPORT, start.refined)):
+for command, source in ((REFINE, start.mapped), (RESTORE, start.refined),
+                        (TO_STEREO, start.bare), (REPORT, start.refined)):
     place = os.path.join(folder.name, os.fsdecode(EVERYTHING.replace(b"/", b"")))
     copy(source, place)
     code, text = printed("a folder", [command[0], place, *command[2:]])
@@ -207,7 +205,7 @@ shutil.rmtree(place)
 fresh(start.mapped)
 write(os.path.join(work, "stereo/tsar/output_of.json"),
       json.dumps({"input": os.fsdecode(EVERYTHING.replace(RAW_CSI, b""))}).encode())
-for command in (REFINE, RESTORE, IMPORT, TO_STEREO, REPORT):
+for command in (REFINE, RESTORE, TO_STEREO, REPORT):
     code, _ = printed("a marker", command)
     check(code == 1, "a marker")
 fresh(start.mapped)
@@ -232,7 +230,8 @@ for name in (EVERYTHING.replace(b"/", b""), CSI):
     copy(start.external, external)
     write(os.fsencode(external) + b"/" + name + b".npy", b"broken")
     write(os.fsencode(external) + b"/" + name + b".png", b"broken")
-    import_it = ["tsar_import", work, "--input_path", external, "--overwrite", 1, "--format"]
+    import_it = ["tsar_import", work, "--input_path", external, "--output_path", start.imported,
+                 "--overwrite", 1, "--format"]
     for form in ("depth", "acm", "apd", "openmvs"):
         printed(f"importing {form} files", [*import_it, form])
     write(os.path.join(folder.name, "list"), name + b"\n" + name + b"\n")

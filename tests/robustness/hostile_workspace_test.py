@@ -21,8 +21,6 @@ start = StartWorkspaces(folder.name)
 COMMANDS = {
     "refine": (["tsar_refine", work], start.mapped),
     "restore": (["tsar_refine", work, "--restore", 1], start.refined),
-    "import": (["tsar_import", work, *start.import_options], start.mapped),
-    "undo": (["tsar_import", work, "--restore", 1], start.imported),
     "stereo": (["tsar_stereo", work, *STEREO, "--overwrite", 1], start.bare),
 }
 REPORT = ["tsar_report", work, "--report_path", os.path.join(folder.name, "report"),
@@ -97,8 +95,8 @@ check_same(read_tree(os.path.join(work, "stereo", "depth_maps")), before, "maps 
 LINKS = ("stereo", "stereo/depth_maps", "stereo/normal_maps/left", "stereo/confidence_maps",
          "stereo/sigma_maps/left",
          "stereo/provenance_maps/left", "stereo/cost_maps", "stereo/tsar", "stereo/tsar/records",
-         "stereo/tsar/original", "stereo/tsar/original/depth_maps", "stereo/tsar_import",
-         "stereo/tsar_import/former", "stereo/tsar_stereo")
+         "stereo/tsar/original", "stereo/tsar/original/depth_maps",
+         "stereo/tsar_stereo")
 for link in LINKS:
     for case, (command, source) in COMMANDS.items():
         copy(source, work)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kills tsar_report or tsar_export before each call by which it changes files.
+"""Kills tsar_report or tsar_import before each call by which it changes files.
 After every kill a whole folder stands under its name, the former or the new one,
 and the next call ends with the new one and nothing else beside it. Only where
 the file system cannot exchange two folders there may be none until that call."""
@@ -31,9 +31,11 @@ if args.command == "report":
     OTHER = ["tsar_report", start.refined, *OPTIONS]  # Shows planes, too.
     DATA, LIST, MARKER = "index.html", "tsar_report.txt", "unfinished_page"
 else:
-    COMMAND = ["tsar_export", start.refined, *OPTIONS, "--output_path", output, "--format", "npy"]
-    OTHER = [*COMMAND[:-1], "png16"]
-    DATA, LIST, MARKER = "manifest.json", "files.txt", "unfinished_export"
+    COMMAND = ["tsar_import", start.mapped, "--input_path", start.external, "--format", "depth",
+               "--output_path", output, "--overwrite", 1]
+    OTHER = [*COMMAND, "--check_scale", 0, "--depth_scale", 2, "--output_type", "photometric"]
+    DATA = LIST = "stereo/tsar_import_files.txt"
+    MARKER = "unfinished_import"
 
 
 def read_output():

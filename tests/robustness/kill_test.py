@@ -12,7 +12,7 @@ import os
 import synthetic_workspace
 from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
                         read_tree, without_accounts)
-from start_workspaces import NUM_IMAGES, STEREO, import_options
+from start_workspaces import NUM_IMAGES, STEREO
 
 # Undoing is checked after every so manieth kill.
 UNDO_EVERY = 10
@@ -22,24 +22,18 @@ STEPS = {"stereo": 4}
 args = parse_arguments("shim", "command")
 program = Program(args.program, args.shim)
 folder = make_folder(args.folder)
-before, work, spare, external = (os.path.join(folder.name, name)
-                              for name in ("before", "work", "spare", "external"))
+before, work, spare = (os.path.join(folder.name, name) for name in ("before", "work", "spare"))
 # The folder in which a command keeps the maps that it replaces.
 KEPT = {"refine": "stereo/tsar/original/", "restore": "stereo/tsar/original/",
-        "compose": "stereo/tsar/original/",
-        "import": "stereo/tsar_import/former/", "undo": "stereo/tsar_import/former/"}
-IMPORT = import_options(external)
+        "compose": "stereo/tsar/original/"}
 SHARD = ["--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
 COMMANDS = {
     "refine": ["tsar_refine", work],
     "compose": ["tsar_refine", work, *SHARD, "compose"],
     "restore": ["tsar_refine", work, "--restore", 1],
-    "import": ["tsar_import", work, *IMPORT],
-    "undo": ["tsar_import", work, "--restore", 1],
     "stereo": ["tsar_stereo", work, *STEREO, "--overwrite", 1],
 }
-UNDO = {"refine": COMMANDS["restore"], "compose": COMMANDS["restore"],
-        "import": COMMANDS["undo"]}
+UNDO = {"refine": COMMANDS["restore"], "compose": COMMANDS["restore"]}
 
 
 def leave_normals_unchanged(name):
@@ -59,12 +53,6 @@ def leave_normals_unchanged(name):
 def prepare():
     """Makes `before`; returns its files, and those of the untouched workspace."""
     synthetic_workspace.draw(work, NUM_IMAGES)
-    synthetic_workspace.draw_external_maps(external, NUM_IMAGES)
-    # One that an import takes away.
-    cost = os.path.join(work, "stereo", "cost_maps", "v0.png.geometric.bin")
-    num_pixels = synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT
-    synthetic_workspace.write(cost, synthetic_workspace.map_file(
-        [[0.2] * num_pixels, [0.3] * num_pixels]))
     untouched = read_tree(work)
     if args.command == "restore":
         program.run("tsar_refine", work)
@@ -72,8 +60,6 @@ def prepare():
     elif args.command == "compose":
         program.run("tsar_refine", work, *SHARD, "observe")
         program.run("tsar_refine", work, "--TsarRefine.pass", "model")
-    elif args.command == "undo":
-        program.run("tsar_import", work, *IMPORT)
     os.rename(work, before)
     return read_tree(before), untouched
 
@@ -122,12 +108,11 @@ def check_undone(words):
     """That the command that undoes gives all back, from a workspace like this."""
     copy(work, spare)
     code, errors = program.call(*words)
-    nothing = code == 1 and ("nothing to restore" in errors or "nothing was imported" in errors)
+    nothing = code == 1 and "nothing to restore" in errors
     check(code == 0 or nothing, f"undoing failed: {errors}")
     tree = read_tree(work)
-    if nothing:  # Some temporaries, and links to what is still in its place.
-        tree = {path: content for path, content in tree.items()
-                if not path.endswith(".tsar_tmp") and not path.startswith(KEPT["import"])}
+    if nothing:  # Some temporaries.
+        tree = {path: content for path, content in tree.items() if not path.endswith(".tsar_tmp")}
     check_same(tree, untouched, "after undoing")
     copy(spare, work)
 
@@ -159,7 +144,7 @@ for kill_at in itertools.count(1, STEPS.get(args.command, 1)):
             check_undone(UNDO[args.command])
         code, errors = program.call(*command)
         # A killed undoing may have been at its end.
-        at_end = code == 1 and args.command in ("restore", "undo") and "nothing" in errors
+        at_end = code == 1 and args.command == "restore" and "nothing" in errors
         check(code == 0 or at_end, f"going on ended with {code}: {errors}")
         check_same(without_accounts(read_tree(work)), last, "after going on")
     except SystemExit as error:

@@ -32,8 +32,6 @@ start.make(program)
 CASES = {
     "refine": (["tsar_refine", work], start.mapped),
     "restore": (["tsar_refine", work, "--restore", 1], start.refined),
-    "import": (["tsar_import", work, *start.import_options], start.mapped),
-    "undo": (["tsar_import", work, "--restore", 1], start.imported),
     "stereo": (["tsar_stereo", work, *STEREO], start.bare),
     "report": (["tsar_report", work], start.refined),
 }

@@ -14,8 +14,7 @@ SKIPPED = 77  # To ctest.
 
 MAPS = ("depth_maps", "normal_maps", "cost_maps")
 # Beside these, which tell times, a run writes the same bytes always.
-ACCOUNTS = ("stereo/tsar/manifest.json", "stereo/tsar/records/",
-            "stereo/tsar_import/records/")
+ACCOUNTS = ("stereo/tsar/manifest.json", "stereo/tsar/records/")
 
 
 def parse_arguments(*names):
@@ -156,7 +155,7 @@ def check_same(tree, expected, what):
 
 def check_kept(tree, first, last, case):
     """Maps are of before or of after, and what was before is there."""
-    stored = {"refine": "stereo/tsar/original/", "import": "stereo/tsar_import/former/"}
+    stored = {"refine": "stereo/tsar/original/"}
     for path, content in maps_of(first).items():
         check(tree.get(path) in (content, last.get(path)), f"{path} is neither")
         if case in stored:

@@ -21,8 +21,6 @@ start = StartWorkspaces(folder.name)
 start.make(program)
 REFINE = ["tsar_refine", work]
 RESTORE = ["tsar_refine", work, "--restore", 1]
-IMPORT = ["tsar_import", work, *start.import_options]
-UNDO = ["tsar_import", work, "--restore", 1]
 TO_STEREO = ["tsar_stereo", work, *STEREO, "--overwrite", 1]
 REPORT = ["tsar_report", work, "--report_path", os.path.join(folder.name, "report"),
           "--overwrite", 1]
@@ -42,7 +40,7 @@ synthetic_workspace.write(os.path.join(with_ini, "project.ini"), b"")
 
 # The file, the workspace, and the commands that read it.
 FILES = [
-    *((f"sparse/{name}.txt", start.mapped, [REFINE, IMPORT, TO_STEREO])
+    *((f"sparse/{name}.txt", start.mapped, [REFINE, TO_STEREO])
       for name in ("cameras", "images", "points3D")),
     ("stereo/patch-match.cfg", start.mapped, [REFINE, TO_STEREO]),
     ("images/v0.png", start.mapped, [REFINE, TO_STEREO]),
@@ -51,11 +49,10 @@ FILES = [
     ("stereo/depth_maps/v0.png.photometric.bin", start.mapped, [REFINE]),
     (f"stereo/tsar/records/{KEY}.json", start.refined, [REFINE, RESTORE, REPORT]),
     (f"stereo/tsar/original/depth_maps/{KEY}.bin", start.refined, [REFINE, REPORT]),
-    ("stereo/tsar/lock", start.refined, [REFINE, RESTORE, IMPORT, TO_STEREO]),
-    ("stereo/tsar/output_of.json", output, [REFINE, RESTORE, IMPORT, TO_STEREO, REPORT]),
+    ("stereo/tsar/lock", start.refined, [REFINE, RESTORE, TO_STEREO]),
+    ("stereo/tsar/output_of.json", output, [REFINE, RESTORE, TO_STEREO, REPORT]),
     (f"stereo/provenance_maps/{KEY}.png", start.refined, [REPORT]),
     (f"stereo/tsar/evidence/{KEY}.bin", observed, [[*SHARD, "compose"]]),
-    (f"stereo/tsar_import/records/{KEY}.json", start.imported, [IMPORT, UNDO]),
     ("project.ini", with_ini, [[*REFINE, "--project_path", ini]]),
 ]
 
@@ -137,7 +134,8 @@ for kind in KINDS:
     if replace(os.path.join(external, "v0.npy"), kind):
         before = describe(work)
         program.fails_with_one_line("tsar_import", work, "--input_path", external, "--format", "depth",
-                                    "--overwrite", 1, texts=["v0.npy: ", f"it is a {kind}"])
+                                    "--output_path", start.imported,
+                                    texts=["v0.npy: ", f"it is a {kind}"])
         check(describe(work) == before, f"import of a {kind} changed something")
         num_cases += 1
 print(f"{num_cases} cases")

@@ -27,8 +27,6 @@ start.make(program)
 CASES = {
     "refine": (["tsar_refine", work, "--TsarRefine.num_threads", 2], start.mapped),
     "restore": (["tsar_refine", work, "--restore", 1], start.refined),
-    "import": (["tsar_import", work, *start.import_options], start.mapped),
-    "undo": (["tsar_import", work, "--restore", 1], start.imported),
     "stereo": (["tsar_stereo", work, *STEREO, "--TsarStereo.num_threads", 2], start.bare),
     "report": (["tsar_report", work, "--num_threads", 2], start.refined),
 }

@@ -110,12 +110,11 @@ def draw(root, num_images, with_maps=True):
                   map_file([nothing, nothing, facing]))
 
 
-def draw_external_maps(folder, num_images, scale=1.0):
+def draw_external_maps(folder, num_images):
     """Depth as another program would give it: arrays of NumPy, by image name."""
     for view, name in enumerate(NAMES[:num_images]):
         header = f"{{'descr': '<f4', 'fortran_order': False, 'shape': ({HEIGHT}, {WIDTH}), }}"
         header += " " * (-(len(header) + 11) % 64) + "\n"
-        depths = [scale * depth for depth in depth_map(view, "geometric")]
-        body = struct.pack(f"<{WIDTH * HEIGHT}f", *depths)
+        body = struct.pack(f"<{WIDTH * HEIGHT}f", *depth_map(view, "geometric"))
         write(os.path.join(folder, os.path.splitext(name)[0] + ".npy"),
               b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header.encode() + body)

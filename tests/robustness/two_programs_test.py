@@ -19,13 +19,10 @@ start = StartWorkspaces(folder.name)
 COMMANDS = {
     "refine": ["tsar_refine", work],
     "restore": ["tsar_refine", work, "--restore", 1],
-    "import": ["tsar_import", work, *start.import_options],
-    "undo": ["tsar_import", work, "--restore", 1],
     "stereo": ["tsar_stereo", work, *STEREO, "--overwrite", 1],
     "refine to a second workspace": ["tsar_refine", work, "--output_path", other],
 }
-SOURCES = {"refine": start.mapped, "restore": start.refined, "import": start.mapped,
-           "undo": start.imported, "stereo": start.bare,
+SOURCES = {"refine": start.mapped, "restore": start.refined, "stereo": start.bare,
            "refine to a second workspace": start.mapped}
 
 start.make(program)

@@ -158,35 +158,5 @@ TEST_F(LoadViewTest, AReducedViewIsTheViewReduced) {
   }
 }
 
-TEST_F(LoadViewTest, DepthAndColorAreThoseOfTheView) {
-  const Workspace workspace(root_, MapType::kPhotometric);
-  const ViewData view = LoadView(workspace, 1);
-  const ViewData read = LoadDepthAndColor(workspace, 1);
-  ASSERT_TRUE(read.depth.HasSizeOf(view.depth));
-  EXPECT_TRUE(
-      std::equal(read.depth.begin(), read.depth.end(), view.depth.begin()));
-  ASSERT_TRUE(read.color.HasSizeOf(view.color));
-  EXPECT_TRUE(std::equal(read.color.begin(),
-                         read.color.end(),
-                         view.color.begin(),
-                         [](const Rgb& a, const Rgb& b) {
-                           return a.r == b.r && a.g == b.g && a.b == b.b;
-                         }));
-  EXPECT_EQ(read.camera.fx, view.camera.fx);
-  EXPECT_EQ(read.camera.translation, view.camera.translation);
-}
-
-TEST_F(LoadViewTest, TellsMapsThatNothingWasFilteredOutOf) {
-  EXPECT_FALSE(Load(MapType::kGeometric).is_unfiltered);
-  EXPECT_TRUE(Load(MapType::kPhotometric).is_unfiltered);
-  // Half of the depths have no normal.
-  const ContainedPath path =
-      GetMapPaths(root_, "v1.png", MapType::kPhotometric).normal;
-  Image<Vec3f> normal = ReadNormalMap(path);
-  std::fill(normal.begin(), normal.begin() + normal.NumPixels() / 2, Vec3f{});
-  WriteNormalMap(path, normal);
-  EXPECT_TRUE(Load(MapType::kPhotometric).is_unfiltered);
-}
-
 }  // namespace
 }  // namespace tsar

@@ -303,7 +303,6 @@ TEST_F(RefineMaskedTest, ViewsHaveNothingWhereTheyAreMasked) {
   const ViewData whole = LoadView(workspace, image);
   workspace.UseMasks(masks_);
   const ViewData view = LoadView(workspace, image);
-  const ViewData colors = LoadDepthAndColor(workspace, image);
   EXPECT_LT(view.num_depths_to_refine, whole.num_depths_to_refine);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -313,7 +312,6 @@ TEST_F(RefineMaskedTest, ViewsHaveNothingWhereTheyAreMasked) {
         ASSERT_EQ(view.is_to_refine(x, y), 0);
         ASSERT_EQ(view.min_cost(x, y), kUndefinedCost);
         ASSERT_EQ(view.second_cost(x, y), kUndefinedCost);
-        ASSERT_EQ(colors.depth(x, y), 0.f);
       } else {
         ASSERT_EQ(view.depth(x, y), whole.depth(x, y));
         ASSERT_TRUE(view.normal(x, y) == whole.normal(x, y));
@@ -328,19 +326,6 @@ TEST_F(RefineMaskedTest, ViewsHaveNothingWhereTheyAreMasked) {
   EXPECT_TRUE(SameBytes(rows.depth, reduced.depth));
   EXPECT_TRUE(SameBytes(rows.normal, reduced.normal));
   EXPECT_EQ(rows.depth(8, 5), 0.f);
-}
-
-// A map without holes beside its mask is one that nothing was filtered out of.
-TEST_F(RefineMaskedTest, MasksAreNoHoles) {
-  WriteDepthMap(UserPath(Paths(1).depth), Image<float>(kWidth, kHeight, 5.f));
-  Workspace workspace(root_, MapType::kGeometric);
-  workspace.UseMasks(masks_);
-  const int image = workspace.Model().IndexOf("v1.png");
-  EXPECT_TRUE(LoadView(workspace, image).is_unfiltered);
-  Image<float> holes(kWidth, kHeight, 5.f);
-  std::fill_n(holes.begin(), 5 * kWidth, 0.f);
-  WriteDepthMap(UserPath(Paths(1).depth), holes);
-  EXPECT_FALSE(LoadView(workspace, image).is_unfiltered);
 }
 
 }  // namespace

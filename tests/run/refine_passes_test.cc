@@ -76,7 +76,7 @@ class RefinePassesTest : public testing::Test {
                     std::vector<bool>(4, true),
                     HashRefineOptions(options),
                     scene_planes ? model.PlanesFingerprint() : "");
-    ViewLoader loader(workspace, plan, options.distrust_unmatched);
+    ViewLoader loader(workspace);
     const WorkspaceRefineOptions workspace_options;
     const std::vector<std::vector<size_t>> shards = {{0, 1, 2, 3}};
     const RefineRun run = {workspace_options,

@@ -12,8 +12,5 @@ namespace tsar {
 // Writes a file atomically; creates its folder. Names need not be UTF-8:
 // invalid bytes become the replacement character. Error kIo.
 void WriteJson(const ContainedPath& path, const nlohmann::json& json);
-// WriteJson() with the keys in their given order.
-void WriteOrderedJson(const ContainedPath& path,
-                      const nlohmann::ordered_json& json);
 
 }  // namespace tsar

@@ -80,7 +80,7 @@ void RequireFoldersInside(const std::filesystem::path& root) {
     }
     // Files stored there must not be those stored elsewhere.
     const std::string first = name.begin()->string();
-    if (first == "tsar" || first == "tsar_import") {
+    if (first == "tsar") {
       throw Error::File(ErrorCode::kUnsupported,
                         entry.path.string(),
                         "is a link to a folder among those of this program",

@@ -76,9 +76,8 @@ FloatMap ReadMap(const std::filesystem::path& path,
   }
 }
 
-template <typename T>
 void RequireSize(const std::filesystem::path& path,
-                 const Image<T>& map,
+                 const Image<Vec3f>& map,
                  const Image<float>& depth) {
   if (!map.Empty() && !map.HasSizeOf(depth)) {
     throw Error::File(ErrorCode::kMismatch,
@@ -110,34 +109,6 @@ Vec3f ConvertNormal(const Vec3f& stored,
               static_cast<float>(unit.z())};
   }
   return Dot(normal, ray) > 0.f ? -normal : normal;
-}
-
-PlanarMap ConvertCosts(const Image<float>& cost) {
-  constexpr float kNoEvidence = 2.f;
-  const size_t num_pixels = cost.NumPixels();
-  PlanarMap map = {cost.Width(), cost.Height(), 2, {}};
-  map.values.assign(2 * num_pixels, kNoEvidence);
-  for (size_t i = 0; i < num_pixels; ++i) {
-    const float value = cost.Data()[i];
-    if (value >= 0.f && value < kNoEvidence) {
-      map.values[i] = value;
-    }
-  }
-  return map;
-}
-
-// As ToDepth, but for costs, of which all values are meaningful.
-Image<float> ToCosts(const FloatMap& map, const std::string& name) {
-  if (map.channels != 1) {
-    throw Error::File(ErrorCode::kCorrupt,
-                      name,
-                      "a cost map has 1 channel, this file has " +
-                          std::to_string(map.channels),
-                      "check " + OptionName("format"));
-  }
-  Image<float> cost(map.width, map.height);
-  std::ranges::copy(map.values, cost.begin());
-  return cost;
 }
 
 }  // namespace
@@ -188,11 +159,6 @@ ExternalMaps ReadExternalMaps(const ExternalFiles& files,
                             files.normal.string());
     RequireSize(files.normal, maps.normal, maps.depth);
   }
-  if (!files.cost.empty()) {
-    maps.cost =
-        ToCosts(ReadMap(files.cost, format, &ignored), files.cost.string());
-    RequireSize(files.cost, maps.cost, maps.depth);
-  }
   if (!files.camera.empty()) {
     maps.camera =
         ParseCamFile(ReadFileBytes(files.camera), files.camera.string());
@@ -211,16 +177,17 @@ Image<float> ScaledDepth(const Image<float>& depth, double scale) {
 
 ImportedMaps ConvertMaps(const ExternalMaps& external,
                          const Camera& camera,
-                         const ConvertOptions& options) {
+                         double scale,
+                         bool normals_in_world) {
   ImportedMaps maps;
-  maps.depth = ScaledDepth(external.depth, options.scale);
+  maps.depth = ScaledDepth(external.depth, scale);
   const int width = maps.depth.Width();
   const int height = maps.depth.Height();
   const Intrinsics intrinsics = camera.Resized(width, height).GetIntrinsics();
   maps.normal = NormalsFromDepth(maps.depth, intrinsics);
   if (!external.normal.Empty()) {
     const Eigen::Matrix3d* rotation =
-        options.normals_in_world ? &camera.rotation : nullptr;
+        normals_in_world ? &camera.rotation : nullptr;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         const Vec3f normal = ConvertNormal(
@@ -233,16 +200,14 @@ ImportedMaps ConvertMaps(const ExternalMaps& external,
       }
     }
   }
-  if (options.use_costs && !external.cost.Empty()) {
-    maps.cost = ConvertCosts(external.cost);
-  }
   return maps;
 }
 
-NormalFacing CountFacing(const ExternalMaps& external, const Camera& camera) {
-  NormalFacing facing;
+void AddFacing(const ExternalMaps& external,
+               const Camera& camera,
+               NormalFacing* facing) {
   if (external.normal.Empty()) {
-    return facing;
+    return;
   }
   const Intrinsics intrinsics =
       camera.Resized(external.depth.Width(), external.depth.Height())
@@ -257,13 +222,12 @@ NormalFacing CountFacing(const ExternalMaps& external, const Camera& camera) {
           intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
       const Eigen::Vector3d world_ray =
           camera.rotation.transpose() * Eigen::Vector3d(ray.x, ray.y, ray.z);
-      ++facing.num_normals;
-      facing.num_facing_in_camera += Dot(n, ray) < 0.f ? 1 : 0;
-      facing.num_facing_in_world +=
+      ++facing->num_normals;
+      facing->num_facing_in_camera += Dot(n, ray) < 0.f ? 1 : 0;
+      facing->num_facing_in_world +=
           world_ray.dot(Eigen::Vector3d(n.x, n.y, n.z)) < 0.0 ? 1 : 0;
     }
   }
-  return facing;
 }
 
 }  // namespace tsar

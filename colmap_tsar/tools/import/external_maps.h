@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/io/dense_maps.h"
-#include "colmap_tsar/io/map_io.h"
 
 #include <filesystem>
 #include <optional>
@@ -27,7 +26,6 @@ struct ExternalFiles {
   int image = -1;  // Index into SparseModel::images.
   std::filesystem::path depth;
   std::filesystem::path normal;
-  std::filesystem::path cost;
   std::filesystem::path camera;
 };
 
@@ -36,7 +34,6 @@ struct ExternalMaps {
   Image<float> depth;       // In the other program's units; 0 = none.
   bool is_integer = false;  // Depth is stored in integers.
   Image<Vec3f> normal;      // Empty or of the size of the depth map.
-  Image<float> cost;        // Empty or of the size of the depth map.
   std::optional<StoredCamera> camera;
 };
 
@@ -49,27 +46,19 @@ ExternalMaps ReadExternalMaps(const ExternalFiles& files,
 struct ImportedMaps {
   Image<float> depth;
   Image<Vec3f> normal;
-  // The two smallest costs in [0, 2]; 2: no evidence. Empty without costs.
-  PlanarMap cost;
-};
-
-// Options of the conversion of one image's maps.
-struct ConvertOptions {
-  double scale = 1.0;             // Model units per stored unit of depth.
-  bool normals_in_world = false;  // Otherwise in the camera frame.
-  bool use_costs = false;
 };
 
 // Converts maps to the workspace's units and frames. Unit normals in the camera
 // frame keep every bit; others are rotated, normalized and oriented towards the
 // camera. Depths without a normal get one from the depths around (see
-// NormalsFromDepth). Costs outside [0, 2] become 2, and so does the second
-// smallest cost, which no other program provides.
+// NormalsFromDepth).
 //
-// camera: that of the image at any size.
+// camera: that of the image at any size. scale: model units per stored unit of
+// depth. normals_in_world: otherwise in the camera frame.
 ImportedMaps ConvertMaps(const ExternalMaps& external,
                          const Camera& camera,
-                         const ConvertOptions& options);
+                         double scale,
+                         bool normals_in_world);
 
 // Depths times a scale; those that overflow become 0.
 Image<float> ScaledDepth(const Image<float>& depth, double scale);
@@ -81,7 +70,9 @@ struct NormalFacing {
   int64_t num_facing_in_camera = 0;
   int64_t num_facing_in_world = 0;
 };
-NormalFacing CountFacing(const ExternalMaps& external, const Camera& camera);
+void AddFacing(const ExternalMaps& external,
+               const Camera& camera,
+               NormalFacing* facing);
 
 // Computes the normals of a depth map (z in the camera frame, 0 = none): unit
 // vectors in the camera frame, towards the camera; (0, 0, 0) if undetermined.

@@ -60,7 +60,6 @@ class CameraChecker {
   void Check() const {
     for (const AssignedCamera& assigned : cameras_) {
       if (!IsRight(assigned)) {
-        CheckUnits();
         throw WrongPose(assigned);
       }
     }
@@ -108,46 +107,6 @@ class CameraChecker {
     return best;
   }
 
-  // Throws if all cameras would match at another scale of the scene.
-  void CheckUnits() const {
-    Eigen::Vector3d mean_stored = Eigen::Vector3d::Zero();
-    Eigen::Vector3d mean_model = Eigen::Vector3d::Zero();
-    for (const AssignedCamera& assigned : cameras_) {
-      mean_stored += assigned.camera.center;
-      mean_model += ImageOf(model_, assigned.image).camera.Center();
-    }
-    mean_stored /= static_cast<double>(cameras_.size());
-    mean_model /= static_cast<double>(cameras_.size());
-    double spread_stored = 0.0;
-    double spread_model = 0.0;
-    for (const AssignedCamera& assigned : cameras_) {
-      spread_stored += (assigned.camera.center - mean_stored).squaredNorm();
-      spread_model +=
-          (ImageOf(model_, assigned.image).camera.Center() - mean_model)
-              .squaredNorm();
-    }
-    if (!(spread_stored > 0.0) || !(spread_model > 0.0)) {
-      return;
-    }
-    const double scale = std::sqrt(spread_model / spread_stored);
-    if (std::abs(scale / scale_ - 1.0) <= kMaxShareOfExtent) {
-      return;
-    }
-    for (const AssignedCamera& assigned : cameras_) {
-      if (!Compare(assigned.camera, assigned.image, scale).Fits()) {
-        return;
-      }
-    }
-    char text[32];
-    std::snprintf(text, sizeof(text), "%.4g", scale);
-    throw Error::File(
-        ErrorCode::kMismatch,
-        cameras_[0].camera.file,
-        "all cameras fit those of the sparse model after scaling by " +
-            std::string(text) + ": the maps are in other units",
-        "give " + OptionName("depth_scale") + " " + std::string(text));
-  }
-
   Error WrongPose(const AssignedCamera& assigned) const {
     const std::string& name = ImageOf(model_, assigned.image).name;
     const int best = BestImage(assigned.camera);
@@ -158,8 +117,7 @@ class CameraChecker {
                          "is the camera of " + ImageOf(model_, best).name +
                              ", not of " + name +
                              ": the images are in another order",
-                         "try the other " + OptionName("index_order") +
-                             ", or name the images in their order with " +
+                         "name the images in their order with " +
                              OptionName("image_list"));
     }
     const PoseError error = Compare(assigned.camera, assigned.image, scale_);
@@ -173,7 +131,9 @@ class CameraChecker {
         ErrorCode::kMismatch,
         assigned.camera.file,
         "the camera is not that of " + name + ", it differs " + text,
-        "use maps that were made from this sparse model");
+        "use maps that were made from this sparse model; for maps in other "
+        "units give " +
+            OptionName("depth_scale"));
   }
 
   void CheckIntrinsics(const AssignedCamera& assigned) const {
@@ -207,22 +167,11 @@ class CameraChecker {
   double extent_;
 };
 
-// The quantile of the values at a share; reorders them.
-template <typename T>
-T Quantile(double share, std::vector<T>* values) {
-  const size_t index = std::min(
-      values->size() - 1,
-      static_cast<size_t>(share * static_cast<double>(values->size())));
-  std::ranges::nth_element(*values, values->begin() + index);
-  return (*values)[index];
-}
-
-template <typename T>
-void SetRange(std::vector<T>* values, float* near, float* far) {
-  if (!values->empty()) {
-    *near = static_cast<float>(Quantile(0.05, values));
-    *far = static_cast<float>(Quantile(0.95, values));
-  }
+// Reorders the values.
+double Median(std::vector<double>* values) {
+  const auto middle = values->begin() + values->size() / 2;
+  std::ranges::nth_element(*values, middle);
+  return *middle;
 }
 
 }  // namespace
@@ -239,14 +188,12 @@ SparseComparison CompareWithSparse(const SparseModel& model,
   const SparseModel::ModelImage& view = model.images[image];
   const Camera camera = view.camera.Resized(depth.Width(), depth.Height());
   std::vector<double> ratios;
-  std::vector<double> sparse_depths;
   for (const int index : view.point_indices) {
     const Eigen::Vector3d point =
         camera.rotation * model.points[index] + camera.translation;
     if (!(point.z() > 0.0)) {
       continue;
     }
-    sparse_depths.push_back(point.z());
     const double x = camera.fx * point.x() / point.z() + camera.cx;
     const double y = camera.fy * point.y() / point.z() + camera.cy;
     if (!(x > -0.5 && y > -0.5 && x < depth.Width() - 0.5 &&
@@ -259,17 +206,11 @@ SparseComparison CompareWithSparse(const SparseModel& model,
       ratios.push_back(here / point.z());
     }
   }
-  std::vector<float> depths;
-  std::ranges::copy_if(depth, std::back_inserter(depths), [](float value) {
-    return value > 0.f;
-  });
   SparseComparison comparison;
   comparison.num_points = static_cast<int>(ratios.size());
   if (!ratios.empty()) {
-    comparison.ratio = Quantile(0.5, &ratios);
+    comparison.ratio = Median(&ratios);
   }
-  SetRange(&depths, &comparison.near, &comparison.far);
-  SetRange(&sparse_depths, &comparison.sparse_near, &comparison.sparse_far);
   return comparison;
 }
 
@@ -287,7 +228,7 @@ ScaleVerdict JudgeScale(const std::vector<SparseComparison>& comparisons) {
     return verdict;
   }
   verdict.num_images = static_cast<int>(ratios.size());
-  verdict.median = Quantile(0.5, &ratios);
+  verdict.median = Median(&ratios);
   verdict.smallest = *std::ranges::min_element(ratios);
   verdict.largest = *std::ranges::max_element(ratios);
   const auto num_near = std::ranges::count_if(ratios, [&](double ratio) {

@@ -24,8 +24,8 @@ struct AssignedCamera {
 // point and focal lengths, which do not depend on the image's size, within 2 %.
 // For closer images, none may match ten times as well as the assigned one.
 //
-// Throws Error kMismatch with a camera's file, the image and the cause: other
-// units of the model (with the scale), the camera of another image, or of none.
+// Throws Error kMismatch with a camera's file, the image and the cause: the
+// camera of another image, or of none.
 void CheckCameras(const std::vector<AssignedCamera>& cameras,
                   const SparseModel& model,
                   double scale);
@@ -36,12 +36,6 @@ struct SparseComparison {
   int num_points = 0;
   // The median ratio of map depth to point depth; 0 without such points.
   double ratio = 0.0;
-  // The 5th and 95th percentiles of the map's depths; 0 for an empty map.
-  float near = 0.f;
-  float far = 0.f;
-  // The percentiles of the depths of all sparse points in the image.
-  float sparse_near = 0.f;
-  float sparse_far = 0.f;
 };
 
 // depth: any size and unit; 0 = none.

@@ -3,24 +3,35 @@
 
 #include "colmap_tsar/tools/import/import_workspace.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/path.h"
+#include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/sparse_model.h"
-#include "colmap_tsar/run/store/originals.h"
-#include "colmap_tsar/run/store/workspace_lock.h"
-#include "colmap_tsar/tools/import/import_store.h"
+#include "colmap_tsar/run/store/input_folders.h"
+#include "colmap_tsar/run/store/json_file.h"
+#include "colmap_tsar/run/store/output_folder.h"
+#include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/tools/import/filter_maps.h"
 #include "colmap_tsar/tools/import/target_workspace.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <utility>
 
+#include <nlohmann/json.hpp>
+
 namespace tsar {
 namespace {
 
-using Path = std::filesystem::path;
+constexpr OutputFolderKind kImportFolder = {"import",
+                                            "an import",
+                                            "tsar_import",
+                                            "output_path",
+                                            "stereo/tsar_import.json",
+                                            "stereo/tsar_import_files.txt",
+                                            "unfinished_import"};
 
 std::string Text(const char* format, double value) {
   char text[64];
@@ -28,12 +39,25 @@ std::string Text(const char* format, double value) {
   return text;
 }
 
-// Extends a range by another one; (0, 0) is empty.
-void Widen(float near, float far, float* total_near, float* total_far) {
-  if (far > 0.f) {
-    *total_near = *total_far > 0.f ? std::min(*total_near, near) : near;
-    *total_far = std::max(*total_far, far);
+int64_t CountDepths(const Image<float>& depth) {
+  return std::ranges::count_if(depth, [](float value) { return value > 0.f; });
+}
+
+// Whether normals are in the world frame: in the right one, all face the camera
+// or all face away from it.
+bool AreInWorld(const NormalFacing& facing, ExternalFormat format) {
+  const auto agreement = [&](int64_t num_facing) {
+    return std::max(num_facing, facing.num_normals - num_facing);
+  };
+  const int64_t camera = agreement(facing.num_facing_in_camera);
+  const int64_t world = agreement(facing.num_facing_in_world);
+  // Where the frames are nearly the same, that of the format's documents.
+  constexpr int64_t kMinPercent = 5;
+  if (std::abs(world - camera) * 100 >= kMinPercent * facing.num_normals &&
+      facing.num_normals > 0) {
+    return world > camera;
   }
+  return format == ExternalFormat::kAcm || format == ExternalFormat::kApd;
 }
 
 class Importer {
@@ -44,10 +68,9 @@ class Importer {
       : options_(options),
         progress_(progress),
         should_stop_(should_stop),
-        root_(options.workspace_path),
-        model_(ReadTargetModel(root_)),
+        model_(ReadTargetModel(options.workspace_path)),
         matched_(MatchImages(options.match, model_)) {
-    summary_.workspace_path = root_;
+    summary_.output_path = options.output_path;
     summary_.type = options.match.type;
     summary_.num_images = static_cast<int>(model_.images.size());
     summary_.num_imported = static_cast<int>(matched_.files.size());
@@ -55,34 +78,43 @@ class Importer {
   }
 
   ImportSummary Run() {
-    const StereoFolder stereo(root_);
-    const WorkspaceLock lock(root_);
-    RequireUnrefined(root_);
-    for (const ExternalFiles& files : matched_.files) {
-      RequireNoStrayResults(
-          GetMapPaths(root_, NameOf(files), options_.match.type));
-      RequireNoFolders(root_, NameOf(files), options_.match.type);
-      if (!options_.overwrite) {
-        RequireNoForeignMaps(root_, NameOf(files), options_.match.type);
-      }
-    }
+    RequireOutsideInputs(options_.workspace_path,
+                         options_.output_path,
+                         OptionName("output_path"));
+    OutputFolder folder(
+        kImportFolder, options_.output_path, options_.overwrite);
+    const ContainedPath root(folder.Temporary(), {});
     CheckFiles();
     CheckCameras(cameras_,
                  model_,
                  options_.depth_scale > 0.0 ? options_.depth_scale : 1.0);
-    CheckNormalFrame();
     DecideScales();
-    NoteRanges();
-    WriteMissingConfigs(root_, model_);
-    WriteMaps();
+    WriteInputs(options_.workspace_path, model_, root);
+    // The filter reads maps of the one type and writes those of the other.
+    WriteMaps(folder.Temporary(),
+              MustFilter() ? MapType::kPhotometric : options_.match.type);
+    if (MustFilter()) {
+      Filter(folder.Temporary());
+    }
+    WriteJson(root / kImportFolder.known_file,
+              {{"program", "colmap_tsar " TSAR_VERSION},
+               {"workspace", options_.workspace_path.string()},
+               {"maps", options_.match.input_path.string()}});
+    folder.Commit();
     return std::move(summary_);
   }
 
  private:
+  bool MustFilter() const {
+    return options_.match.type == MapType::kGeometric &&
+           (options_.match.format == ExternalFormat::kAcm ||
+            options_.match.format == ExternalFormat::kApd);
+  }
+
   void ThrowIfStopped() const {
     if (should_stop_ && should_stop_()) {
       throw Error(ErrorCode::kInterrupted,
-                  "stopped; run the same command again");
+                  "interrupted; nothing was imported");
     }
   }
 
@@ -101,13 +133,6 @@ class Importer {
                                       : 1.0;
   }
 
-  bool AreNormalsInWorld() const {
-    return options_.normal_frame == NormalFrame::kWorld ||
-           (options_.normal_frame == NormalFrame::kAuto &&
-            (options_.match.format == ExternalFormat::kAcm ||
-             options_.match.format == ExternalFormat::kApd));
-  }
-
   // Reads all files once and keeps the data for the checks.
   void CheckFiles() {
     progress_.Start(static_cast<int>(matched_.files.size()), "Checking:");
@@ -120,70 +145,21 @@ class Importer {
                    {CameraOf(files).width, CameraOf(files).height},
                    "the image " + NameOf(files),
                    "use maps of the undistorted images of this workspace");
-      NoteOtherType(files, external.depth);
       if (external.camera) {
         cameras_.push_back({files.image, *external.camera});
       }
-      const NormalFacing facing = CountFacing(external, CameraOf(files));
-      facing_.num_normals += facing.num_normals;
-      facing_.num_facing_in_camera += facing.num_facing_in_camera;
-      facing_.num_facing_in_world += facing.num_facing_in_world;
+      AddFacing(external, CameraOf(files), &facing_);
       summary_.num_with_normals += external.normal.Empty() ? 0 : 1;
       scales_.push_back(BaseScale(external.is_integer));
       comparisons_.push_back(CompareWithSparse(
           model_, files.image, ScaledDepth(external.depth, scales_.back())));
+      if (CountDepths(external.depth) == 0) {
+        summary_.warnings.push_back(files.depth.string() +
+                                    ": no pixel has a depth");
+      }
       progress_.Advance(true);
     }
     progress_.Finish();
-  }
-
-  // tsar_refine uses the maps of both types together.
-  void NoteOtherType(const ExternalFiles& files, const Image<float>& depth) {
-    const MapType other = options_.match.type == MapType::kGeometric
-                              ? MapType::kPhotometric
-                              : MapType::kGeometric;
-    const Path path = GetMapPaths(root_, NameOf(files), other).depth;
-    if (!Exists(path)) {
-      return;
-    }
-    const MapSize size = ReadMapSize(path);
-    if (size.width != depth.Width() || size.height != depth.Height()) {
-      summary_.warnings.push_back(
-          path.string() + ": is of another size (" +
-          ToString(RasterSize{size.width, size.height}) +
-          ") than the imported map (" +
-          ToString(RasterSize{depth.Width(), depth.Height()}) +
-          "); take it away before tsar_refine");
-    }
-  }
-
-  void CheckNormalFrame() const {
-    if (facing_.num_normals == 0) {
-      return;
-    }
-    // In the correct frame, all normals face the camera or all face away.
-    const auto agreement = [&](int64_t num_facing) {
-      const double share = static_cast<double>(num_facing) /
-                           static_cast<double>(facing_.num_normals);
-      return std::max(share, 1.0 - share);
-    };
-    constexpr double kDoubtful = 0.9;
-    constexpr double kCertain = 0.99;
-    const double camera = agreement(facing_.num_facing_in_camera);
-    const double world = agreement(facing_.num_facing_in_world);
-    const bool in_world = AreNormalsInWorld();
-    if ((in_world ? world : camera) < kDoubtful &&
-        (in_world ? camera : world) > kCertain) {
-      const std::string now = in_world ? "world" : "camera";
-      const std::string better = in_world ? "camera" : "world";
-      throw Error::File(ErrorCode::kMismatch,
-                        options_.match.input_path.string(),
-                        "the normals look in all directions if they are in the "
-                        "frame of the " +
-                            now + ", but in one if they are in that of the " +
-                            better,
-                        "give " + OptionName("normal_frame") + " " + better);
-    }
   }
 
   void DecideScales() {
@@ -221,11 +197,7 @@ class Importer {
         summary_.warnings.push_back(
             NameOf(matched_.files[i]) + ": depths are " +
             Text("%.3g", comparison.ratio) + " times those of its " +
-            std::to_string(comparison.num_points) + " sparse points (" +
-            Text("%.4g", comparison.near) + " to " +
-            Text("%.4g", comparison.far) + " against " +
-            Text("%.4g", comparison.sparse_near) + " to " +
-            Text("%.4g", comparison.sparse_far) + ")");
+            std::to_string(comparison.num_points) + " sparse points");
       }
     }
     if (!scale.is_consistent && is_any_off) {
@@ -251,53 +223,52 @@ class Importer {
     }
   }
 
-  void NoteRanges() {
-    for (size_t i = 0; i < matched_.files.size(); ++i) {
-      const SparseComparison& comparison = comparisons_[i];
-      const auto factor = static_cast<float>(
-          options_.scale_to_sparse ? 1.0 / comparison.ratio : 1.0);
-      Widen(factor * comparison.near,
-            factor * comparison.far,
-            &summary_.near,
-            &summary_.far);
-      Widen(comparison.sparse_near,
-            comparison.sparse_far,
-            &summary_.sparse_near,
-            &summary_.sparse_far);
-      if (!(comparison.far > 0.f)) {
-        summary_.warnings.push_back(matched_.files[i].depth.string() +
-                                    ": no pixel has a depth");
-      }
-    }
-  }
-
-  void WriteMaps() {
-    ConvertOptions convert;
-    convert.normals_in_world = AreNormalsInWorld();
-    convert.use_costs = options_.import_costs;
+  void WriteMaps(const std::filesystem::path& root, MapType type) {
+    const bool in_world = AreInWorld(facing_, options_.match.format);
     progress_.Start(static_cast<int>(matched_.files.size()), "Importing:");
     for (size_t i = 0; i < matched_.files.size(); ++i) {
       ThrowIfStopped();
       const ExternalFiles& files = matched_.files[i];
-      convert.scale = scales_[i];
       const ImportedMaps maps =
           ConvertMaps(ReadExternalMaps(files, options_.match.format),
                       CameraOf(files),
-                      convert);
-      WriteImported(root_, NameOf(files), options_.match.type, maps);
-      summary_.num_with_costs += maps.cost.values.empty() ? 0 : 1;
+                      scales_[i],
+                      in_world);
+      const MapPaths paths = GetMapPaths(root, NameOf(files), type);
+      CreateFolders(paths.depth.Parent());
+      CreateFolders(paths.normal.Parent());
+      WriteDepthMap(paths.depth, maps.depth);
+      WriteNormalMap(paths.normal, maps.normal);
       summary_.num_pixels += static_cast<int64_t>(maps.depth.NumPixels());
-      summary_.num_with_depth += std::ranges::count_if(
-          maps.depth, [](float depth) { return depth > 0.f; });
+      summary_.num_with_depth += CountDepths(maps.depth);
       progress_.Advance(true);
     }
     progress_.Finish();
+    summary_.num_kept = summary_.num_with_depth;
+  }
+
+  void Filter(const std::filesystem::path& root) {
+    const Workspace workspace(root, MapType::kPhotometric);
+    const std::function<bool()> never = [] { return false; };
+    FilterMaps(workspace,
+               options_.device,
+               progress_,
+               should_stop_ ? should_stop_ : never);
+    summary_.num_kept = 0;
+    for (const ExternalFiles& files : matched_.files) {
+      const auto paths = [&](MapType type) {
+        return GetMapPaths(root, NameOf(files), type);
+      };
+      RemoveFile(paths(MapType::kPhotometric).depth);
+      RemoveFile(paths(MapType::kPhotometric).normal);
+      summary_.num_kept +=
+          CountDepths(ReadDepthMap(paths(MapType::kGeometric).depth));
+    }
   }
 
   const ImportOptions& options_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
-  const Path root_;
   const SparseModel model_;
   const MatchedMaps matched_;
   ImportSummary summary_;

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/tools/import/import_checks.h"
 #include "colmap_tsar/tools/import/match_images.h"
 
@@ -18,37 +19,26 @@ namespace tsar {
 
 // The results and warnings of an import.
 struct ImportSummary {
-  std::filesystem::path workspace_path;
+  std::filesystem::path output_path;
   MapType type = MapType::kGeometric;
   int num_images = 0;  // Images of the sparse model.
   int num_imported = 0;
   int num_without_image = 0;  // Maps of images that the model does not hold.
   int num_with_normals = 0;   // Images with imported normals.
-  int num_with_costs = 0;
   int64_t num_pixels = 0;
-  int64_t num_with_depth = 0;
+  int64_t num_with_depth = 0;  // As they came, and
+  int64_t num_kept = 0;        // in the maps that were written.
   // Ratios of depths to those of the sparse points, before scale_to_sparse.
   ScaleVerdict scale;
   bool has_own_scales = false;  // With scale_to_sparse.
-  // The ranges of the written depths and of the sparse points in the images,
-  // without the nearest and farthest 5 % of each image; 0 if none.
-  float near = 0.f;
-  float far = 0.f;
-  float sparse_near = 0.f;
-  float sparse_far = 0.f;
   // Warnings, one line each.
   std::vector<std::string> warnings;
 };
 
-// The frame of another program's normals.
-enum class NormalFrame {
-  kAuto,  // World for kAcm and kApd, camera for the others.
-  kWorld,
-  kCamera,
-};
-
 struct ImportOptions {
+  // Of it, images/ and sparse/ are read, and nothing is changed.
   std::filesystem::path workspace_path;
+  std::filesystem::path output_path;
   // The files to import; match.type is also the type of the written maps.
   MatchOptions match;
   // Model units per stored unit of depth. 0: 0.001 for integers, otherwise 1.
@@ -57,28 +47,25 @@ struct ImportOptions {
   bool scale_to_sparse = false;
   // Whether to reject depths in other units than the sparse points.
   bool check_scale = true;
-  NormalFrame normal_frame = NormalFrame::kAuto;
-  // Whether to import costs. Those of other programs may include geometric
-  // terms, and are noise in textureless areas.
-  bool import_costs = false;
-  // Whether to replace maps that another program wrote, which are kept.
+  // Whether to replace a workspace that an import made.
   bool overwrite = false;
+  DeviceOptions device;  // For the filter of kAcm and kApd.
 };
 
-// Imports the maps of another program into a dense workspace, which needs only
-// images/ and sparse/; the rest is created. Everything is read and checked
-// before the first file is written. Maps may have another size than images, as
-// COLMAP's.
+// Makes a dense workspace of the photos and the sparse model of another one and
+// the maps of another program; it appears when it is complete. Everything is
+// read and checked before the first map is written. Maps may have another size
+// than images, as COLMAP's. The geometric maps of kAcm and kApd, which do not
+// filter theirs, are filtered (see FilterMaps).
 //
 // Throws Error, with nothing written: those of MatchImages, ReadExternalMaps,
-// CheckCameras, RequireUnrefined, RequireNoForeignMaps, ReadSparseModel and
-// WorkspaceLock, and kMismatch if a map's aspect ratio is not that of its
-// image, depths are in other units than the sparse points, normals are in
-// another frame than stated, or an image has too few sparse points for
-// scale_to_sparse.
+// CheckCameras, ReadSparseModel, RequireOutsideInputs, OutputFolder and
+// FilterMaps, and kMismatch if a map's aspect ratio is not that of its image,
+// depths are in other units than the sparse points, or an image has too few
+// sparse points for scale_to_sparse.
 //
 // should_stop: if given, called before each image. Once it returns true,
-// kInterrupted is thrown; imported maps remain, and a new call starts over.
+// kInterrupted is thrown.
 ImportSummary ImportWorkspace(const ImportOptions& options,
                               Progress& progress,
                               const std::function<bool()>& should_stop = {});

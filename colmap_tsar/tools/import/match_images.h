@@ -8,15 +8,11 @@
 #include "colmap_tsar/tools/import/external_maps.h"
 
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace tsar {
-
-// The order of images in programs that name them 00000000, 00000001, ...
-enum class IndexOrder {
-  kImageId,  // By COLMAP's image id, as colmap2mvsnet does.
-  kName,     // By the image's name.
-};
 
 struct MatchOptions {
   ExternalFormat format = ExternalFormat::kAcm;
@@ -26,9 +22,10 @@ struct MatchOptions {
   std::filesystem::path normal_path;
   // The one of the two depth maps of ACMM and its successors to import.
   MapType type = MapType::kGeometric;
-  IndexOrder index_order = IndexOrder::kImageId;
   // A file with one image name per line: the images 0, 1, 2, ... If given, only
-  // the numbers in names of files and folders are used.
+  // the numbers in names of files and folders are used. Without it, kAcm and
+  // kApd number the images in the order of COLMAP's image ids, as colmap2mvsnet
+  // does.
   std::filesystem::path image_list;
 };
 
@@ -42,9 +39,9 @@ struct MatchedMaps {
 //
 // kAcm, kApd: folders whose names end in a number, such as 2333_00000012, with
 // depths_geom.dmb (for kGeometric, if it exists) or depths.dmb, and optionally
-// normals.dmb, costs.dmb and ../../cams/00000012_cam.txt. The number is the
-// image's index in the order. If both depth maps exist, normals and costs
-// belong to the geometric one and are left out for the other.
+// normals.dmb and ../../cams/00000012_cam.txt. The number is the image's index
+// in the order. If both depth maps exist, normals belong to the geometric one
+// and are left out for the other.
 //
 // kOpenMvs: files depth0012.dmap, matched by the stored image name: the longest
 // image name that it ends in, otherwise the only one of the same stem.
@@ -54,8 +51,23 @@ struct MatchedMaps {
 //
 // Throws Error: kNotFound (no folder, no maps), kMismatch (two maps for one
 // image, an index out of range, a name that matches several images or none),
-// kUnsupported (the path of a map is no regular file), and for the list
-// kNotFound and kMismatch with the line.
+// kUnsupported (what has the name of a map is a folder, a FIFO, a device or a
+// dangling link: its image would count as one without a map), and those of
+// OrderImages.
 MatchedMaps MatchImages(const MatchOptions& options, const SparseModel& model);
+
+// The images 0, 1, 2, ... of another program as indices into
+// SparseModel::images. Throws Error: kNotFound (there is no list), kMismatch
+// (the list is empty, or a line names no image of the model or one twice).
+std::vector<int> OrderImages(const MatchOptions& options,
+                             const SparseModel& model);
+
+// The trailing number of a name: 12 for "2333_00000012".
+std::optional<int> TrailingNumber(const std::string& name);
+
+// The image of this index. Throws Error kMismatch with its path if too large.
+int ImageOfNumber(const std::vector<int>& order,
+                  int number,
+                  const std::filesystem::path& path);
 
 }  // namespace tsar

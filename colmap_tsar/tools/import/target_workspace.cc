@@ -5,16 +5,15 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/sparse_model.h"
 
 #include <string>
 #include <system_error>
 
 namespace tsar {
 namespace {
+
+namespace fs = std::filesystem;
 
 void WriteTextFile(const ContainedPath& path, const std::string& text) {
   AtomicFile file(path);
@@ -24,10 +23,10 @@ void WriteTextFile(const ContainedPath& path, const std::string& text) {
 
 }  // namespace
 
-SparseModel ReadTargetModel(const std::filesystem::path& root) {
+SparseModel ReadTargetModel(const fs::path& root) {
   std::error_code error;
   for (const char* folder : {"images", "sparse"}) {
-    if (!std::filesystem::is_directory(root / folder, error)) {
+    if (!fs::is_directory(root / folder, error)) {
       throw Error::File(ErrorCode::kNotFound,
                         (root / folder).string(),
                         "no such folder, so this is not a dense workspace",
@@ -35,7 +34,7 @@ SparseModel ReadTargetModel(const std::filesystem::path& root) {
                             ", or make the workspace with image_undistorter");
     }
   }
-  const std::filesystem::path model_folder = FindModelFolder(root);
+  const fs::path model_folder = FindModelFolder(root);
   SparseModel model = ReadWorkspaceModel(model_folder);
   if (model.images.empty()) {
     throw Error::File(ErrorCode::kNotFound,
@@ -46,37 +45,31 @@ SparseModel ReadTargetModel(const std::filesystem::path& root) {
   return model;
 }
 
-StereoFolder::StereoFolder(const std::filesystem::path& root)
-    : path_(root, "stereo") {
-  is_new_ = !Exists(path_);
-  CreateFolders(path_);
-}
-
-StereoFolder::~StereoFolder() {
-  if (is_new_) {
-    try {
-      RemoveFolderIfEmpty(path_);
-    } catch (const std::exception&) {
-      // The empty folder remains.
-    }
-  }
-}
-
-void WriteMissingConfigs(const std::filesystem::path& root,
-                         const SparseModel& model) {
+void WriteInputs(const fs::path& source,
+                 const SparseModel& model,
+                 const ContainedPath& root) {
   std::string patch_match;
   std::string fusion;
   for (const SparseModel::ModelImage& image : model.images) {
     patch_match += image.name + "\n__auto__, 20\n";
     fusion += image.name + "\n";
+    std::error_code error;
+    // A link to a photo may be relative.
+    const fs::path photo = fs::canonical(source / "images" / image.name, error);
+    if (!error) {
+      LinkOrCopyFile(photo, root / "images" / image.name);
+    }
   }
-  const ContainedPath stereo(root, "stereo");
-  if (!Exists(stereo / "patch-match.cfg")) {
-    WriteTextFile(stereo / "patch-match.cfg", patch_match);
+  CreateFolders(root / "images");
+  CreateFolders(root / "sparse");
+  for (const fs::path& file : FindSparseModelFiles(FindModelFolder(source))) {
+    CopyFile(file, root / "sparse" / file.filename());
   }
-  if (!Exists(stereo / "fusion.cfg")) {
-    WriteTextFile(stereo / "fusion.cfg", fusion);
+  for (const char* folder : {"depth_maps", "normal_maps"}) {
+    CreateFolders(root / "stereo" / folder);
   }
+  WriteTextFile(root / "stereo" / "patch-match.cfg", patch_match);
+  WriteTextFile(root / "stereo" / "fusion.cfg", fusion);
 }
 
 }  // namespace tsar

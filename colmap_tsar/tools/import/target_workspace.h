@@ -10,26 +10,17 @@
 
 namespace tsar {
 
-// Reads the sparse model of a target workspace, of which only images/ and
-// sparse/ need exist. Throws Error: kNotFound (one is missing or empty),
-// kUnsupported (an image's name leaves the folder), those of ReadSparseModel.
+// Reads the sparse model of a workspace of which only images/ and sparse/ need
+// exist. Throws Error: kNotFound (one is missing or empty), kUnsupported (an
+// image's name leaves the folder), those of ReadSparseModel.
 SparseModel ReadTargetModel(const std::filesystem::path& root);
 
-// Creates the folder stereo if missing; removes it again if it stays empty.
-class StereoFolder {
- public:
-  explicit StereoFolder(const std::filesystem::path& root);
-  ~StereoFolder();
-  StereoFolder(const StereoFolder&) = delete;
-  StereoFolder& operator=(const StereoFolder&) = delete;
-
- private:
-  ContainedPath path_;
-  bool is_new_ = false;
-};
-
-// Writes missing patch-match.cfg and fusion.cfg: all images, `__auto__, 20`.
-void WriteMissingConfigs(const std::filesystem::path& root,
-                         const SparseModel& model);
+// Gives an empty folder what COLMAP's dense stage needs beside maps: the photos
+// of the model's images, as hard links where the file system allows, a copy of
+// the model's files, and configuration files with all images and `__auto__,
+// 20`. Photos that are missing are left out. Throws Error kIo.
+void WriteInputs(const std::filesystem::path& source,
+                 const SparseModel& model,
+                 const ContainedPath& root);
 
 }  // namespace tsar

@@ -34,13 +34,13 @@ class MatchImagesTest : public testing::Test {
     Write(name, DmapBytes(content));
   }
 
-  // "IMAGE: DEPTH NORMAL COST CAMERA" with the files' last two names.
+  // "IMAGE: DEPTH NORMAL CAMERA" with the files' last two names.
   std::vector<std::string> Match() const {
     std::vector<std::string> lines;
     for (const ExternalFiles& files : MatchImages(options_, model_).files) {
       std::string line = model_.images[files.image].name + ":";
       for (const auto* path :
-           {&files.depth, &files.normal, &files.cost, &files.camera}) {
+           {&files.depth, &files.normal, &files.camera}) {
         if (!path->empty()) {
           line += " " + path->parent_path().filename().string() + "/" +
                   path->filename().string();
@@ -65,7 +65,8 @@ TEST_F(MatchImagesTest, FindsNumberedFolders) {
   Write("ACMP/2333_00000002/depths.dmb");
   Write("ACMP/2333_00000002/depths_geom.dmb");
   Write("ACMP/2333_00000002/normals.dmb");
-  Write("ACMP/2333_00000002/costs.dmb");
+  // Of Gipuma.
+  Write("ACMP/2333__00000001/disp.dmb");
   Write("ACMP/empty_00000001/other.txt");
   Write("ACMP/ACMP_model.ply");
   Write("cams/00000002_cam.txt");
@@ -75,25 +76,13 @@ TEST_F(MatchImagesTest, FindsNumberedFolders) {
       Match(),
       testing::ElementsAre(
           "b.jpg: 2333_00000000/depths.dmb",
+          "sub/c.jpg: 2333__00000001/disp.dmb",
           "a.jpg: 2333_00000002/depths_geom.dmb 2333_00000002/normals.dmb "
-          "2333_00000002/costs.dmb cams/00000002_cam.txt"));
-  options_.index_order = IndexOrder::kName;
-  EXPECT_THAT(Match()[1], testing::StartsWith("a.jpg: 2333_00000000"));
-  EXPECT_THAT(Match()[0], testing::StartsWith("sub/c.jpg: 2333_00000002"));
+          "cams/00000002_cam.txt"));
   options_.type = MapType::kPhotometric;
-  EXPECT_EQ(Match()[0],
-            "sub/c.jpg: 2333_00000002/depths.dmb cams/00000002_cam.txt");
   options_.input_path = options_.input_path / "ACMP" / "." / "";
-  EXPECT_EQ(Match()[0],
-            "sub/c.jpg: 2333_00000002/depths.dmb cams/00000002_cam.txt");
-}
-
-TEST_F(MatchImagesTest, FindsGipumasNames) {
-  Write("2333__00000001/disp.dmb");
-  Write("2333__00000001/normals.dmb");
-  EXPECT_THAT(Match(),
-              testing::ElementsAre("sub/c.jpg: 2333__00000001/disp.dmb "
-                                   "2333__00000001/normals.dmb"));
+  EXPECT_EQ(Match()[2],
+            "a.jpg: 2333_00000002/depths.dmb cams/00000002_cam.txt");
 }
 
 TEST_F(MatchImagesTest, RefusesNumberedFoldersThatAreUnclear) {

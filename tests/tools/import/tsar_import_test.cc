@@ -3,104 +3,242 @@
 
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 
-#include <chrono>
+#include <cmath>
 
 #include "tests/support/external_writers.h"
 #include "tests/support/synthetic_workspace.h"
-#include "tests/tools/import/tsar_import_testing.h"
+#include "tests/tools/import/import_fixture.h"
 
 namespace tsar {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-TEST_F(TsarImportTest, KeepsFormerMapsAndPutsThemBack) {
-  ExportAcm(scene_, other_);
-  ExpectImportFailure("acm",
-                      {"v0.png.geometric.bin", "--overwrite 1", "--restore 1"});
-  const MapPaths paths = Paths(scene_[0]);
-  WriteText(paths.cost, "exported costs");
-  const auto with_costs = ReadTree(root_);
-  ExpectSuccess(Import("acm", {"--overwrite", "1"}));
-  // They belonged to the former depths.
-  EXPECT_FALSE(std::filesystem::exists(paths.cost));
-  EXPECT_FALSE(ReadTree(root_) == with_costs);
-  // Its own maps may be replaced, and the former ones stay.
-  ExpectSuccess(Import("acm", {"--import_costs", "1"}));
-  EXPECT_TRUE(std::filesystem::exists(paths.cost));
-  ExpectSuccess(Import("acm"));
-
-  const Outcome undone = RunImport({"--restore", "1"});
-  EXPECT_EQ(undone.out, "Undid the import of 4 images.\n");
-  EXPECT_TRUE(ReadTree(root_) == with_costs);
-  ExpectFailure({"--restore", "1"}, {"nothing was imported"});
-}
-
-TEST_F(TsarImportTest, TakesAModelInTheFolder0) {
-  RemoveStereo(root_);
-  ExportPfm();
-  std::filesystem::rename(root_ / "sparse", root_ / "0");
-  std::filesystem::create_directory(root_ / "sparse");
-  ExpectImportFailure("depth", {"sparse: no sparse model", "folder 0"});
-  std::filesystem::rename(root_ / "0", root_ / "sparse/0");
-  ExpectSuccess(Import("depth"));
-  EXPECT_TRUE(std::filesystem::exists(Paths(scene_[0]).depth));
-}
-
-TEST_F(TsarImportTest, UndoesAnImportIntoAnEmptyWorkspace) {
-  RemoveStereo(root_);
-  ExportPfm();
-  ExpectSuccess(Import("depth"));
-  ExpectSuccess(RunImport({"--restore", "1"}));
-  for (const auto& [path, content] : ReadTree(root_ / "stereo")) {
-    EXPECT_TRUE(content == "folder" || path == "patch-match.cfg" ||
-                path == "fusion.cfg")
-        << path;
-  }
-}
-
-TEST_F(TsarImportTest, LeavesMapsThatAreNewer) {
+TEST_F(TsarImportTest, TakesOpenMvsMapsBitByBit) {
+  WriteOpenMvs();
+  fs::remove_all(root_ / "stereo");
   const auto before = ReadTree(root_);
-  ExportPfm();
-  ExpectSuccess(Import("depth", {"--overwrite", "1"}));
-  const MapPaths paths = Paths(scene_[1]);
-  const auto write_later = [](const ContainedPath& path, const auto& write) {
-    const auto time = std::filesystem::last_write_time(path);
-    write();
-    std::filesystem::last_write_time(path, time + std::chrono::hours(1));
-  };
-  write_later(paths.depth,
-              [&] { WriteDepthMap(paths.depth, Image<float>(96, 72, 3.f)); });
-  ExpectImportFailure("depth", {"v1.png.geometric.bin", "--overwrite 1"});
-  // The depth map alone: whose are the two?
-  const Outcome conflict = RunImport({"--restore", "1"});
-  EXPECT_EQ(conflict.exit_code, 1);
-  EXPECT_THAT(conflict.err, HasSubstr("v1.png.geometric.bin"));
-  EXPECT_THAT(conflict.err, HasSubstr("--restore_conflicts"));
-  EXPECT_EQ(ReadDepthMap(paths.depth)(0, 0), 3.f);
-  write_later(paths.normal, [&] {
-    WriteNormalMap(paths.normal, Image<Vec3f>(96, 72, Vec3f{0.6f, 0.f, -0.8f}));
-  });
-  ExpectSuccess(RunImport({"--restore", "1"}), {"Left these"});
-  EXPECT_EQ(ReadDepthMap(paths.depth)(0, 0), 3.f);
-  ExpectSuccess(
-      RunImport({"--restore", "1", "--restore_conflicts", "original"}),
-      {"stereo/tsar/superseded/depth_maps/v1.png.geometric.bin"});
-  auto after = ReadTree(root_);
-  for (const char* kind : {"depth_maps", "normal_maps"}) {
-    EXPECT_TRUE(after.contains(std::string("stereo/tsar/superseded/") + kind +
-                               "/v1.png.geometric.bin"));
-  }
-  std::erase_if(after, [](const auto& entry) {
-    return entry.first.starts_with("stereo/tsar");
-  });
-  EXPECT_TRUE(after == before);
+  const Outcome outcome = Import("openmvs");
+  ExpectSuccess(outcome,
+                {"4 images: 4 imported, 0 without a map\n",
+                 "Normals came with 4",
+                 "Depth over that of the sparse points: median 1.00",
+                 "Next: colmap_tsar tsar_refine --workspace_path " +
+                     output_.string() + " --input_type geometric\n"});
+  EXPECT_THAT(outcome.err, HasSubstr("Checking: [4/4]"));
+  EXPECT_THAT(outcome.err, HasSubstr("Importing: [4/4]"));
+  ExpectScene(0.f, 0.f);
+  EXPECT_EQ(ReadText(output_ / "stereo/patch-match.cfg"),
+            "v0.png\n__auto__, 20\nv1.png\n__auto__, 20\nleft/v2.png\n"
+            "__auto__, 20\nv3.png\n__auto__, 20\n");
+  EXPECT_EQ(ReadText(output_ / "stereo/fusion.cfg"),
+            "v0.png\nv1.png\nleft/v2.png\nv3.png\n");
+  ExpectRefinable();
+  EXPECT_TRUE(ReadTree(root_) == before);
 }
 
-TEST_F(TsarImportTest, PrintsTheFirstOfManyWarnings) {
+TEST_F(TsarImportTest, FiltersAcmMaps) {
+  // A wall that no other view has.
+  std::vector<SceneImage> images = scene_;
+  for (int y = 20; y < 30; ++y) {
+    for (int x = 60; x < 80; ++x) {
+      images[1].depth(x, y) = 2.5f;
+    }
+  }
+  WriteAcm(images);
+  ExpectSuccess(Import("acm"),
+                {"4 imported", "Normals came with 4", " % after the filter\n"});
+  ExpectScene(0.f, 1e-6f, /*is_filtered=*/true);
+  EXPECT_EQ(ReadNormalMap(Paths(scene_[1]).normal)(70, 25), Vec3f{});
+  EXPECT_FALSE(fs::exists(Paths(scene_[1], MapType::kPhotometric).depth));
+  ExpectRefinable();
+}
+
+TEST_F(TsarImportTest, TakesPhotometricAcmMapsAsTheyAre) {
+  WriteAcm(scene_);
+  ExpectSuccess(
+      Import("acm",
+             {"--output_type", "photometric", "--input_path", other_ / "ACMM/"}),
+      {"Normals came with 0", "--input_type photometric"});
+  const Image<float> depth =
+      ReadDepthMap(Paths(scene_[1], MapType::kPhotometric).depth);
+  EXPECT_EQ(ValuesOf(depth), std::vector<float>(depth.NumPixels(), 4.9f));
+  EXPECT_FALSE(fs::exists(Paths(scene_[1]).depth));
+}
+
+TEST_F(TsarImportTest, TakesApdMapsWithBothHeaders) {
+  for (const bool has_version : {false, true}) {
+    fs::remove_all(other_);
+    WriteApd(has_version);
+    ExpectSuccess(Import("apd"), {"4 imported", "Normals came with 4"});
+    ExpectScene(0.f, 1e-6f, /*is_filtered=*/true);
+  }
+}
+
+TEST_F(TsarImportTest, TakesDepthImagesOfFloats) {
+  WriteDepth(".npy", 1.f, [](int width, int height, const auto& values) {
+    std::ostringstream shape;
+    shape << "(" << height << ", " << width << ", 1)";
+    return NpyBytes("<f4", shape.str(), FloatData(values));
+  });
+  ExpectSuccess(Import("depth"), {"Normals came with 0"});
+  ExpectScene(0.f, 2.f);
+  const Image<Vec3f> normals = ReadNormalMap(Paths(scene_[0]).normal);
+  EXPECT_NEAR(Norm(normals(10, 10)), 1.f, 1e-5f);
+  EXPECT_LT(normals(10, 10).z, -0.9f);
+  ExpectRefinable();
+}
+
+// The frame in which all normals face the camera is the right one.
+TEST_F(TsarImportTest, TakesNormalsInEitherFrame) {
+  WritePfm();
+  for (const bool in_world : {false, true}) {
+    std::vector<Image<Vec3f>> expected;
+    for (const SceneImage& image : scene_) {
+      std::vector<float> values;
+      Image<Vec3f>& normals = expected.emplace_back(96, 72);
+      for (int y = 0; y < 72; ++y) {
+        for (int x = 0; x < 96; ++x) {
+          const Vec3f ray = image.camera.GetIntrinsics().Ray(
+              static_cast<float>(x), static_cast<float>(y));
+          // Nearly at right angles to the ray, in all directions around it.
+          const float angle = static_cast<float>(x + 13 * y);
+          const Vec3f side = Normalized(
+              Cross(ray, Vec3f{std::cos(angle), std::sin(angle), 0.3f}));
+          const Vec3f n = Normalized(side - Normalized(ray) * 0.2f);
+          normals(x, y) = n;
+          Eigen::Vector3d stored(n.x, n.y, n.z);
+          if (in_world) {
+            stored = image.camera.rotation.transpose() * stored;
+          }
+          for (int i = 0; i < 3; ++i) {
+            values.push_back(static_cast<float>(stored[i]));
+          }
+        }
+      }
+      WriteText(folder_.Path() / "normals" / (image.name + ".pfm"),
+                PfmBytes(96, 72, 3, values, true));
+    }
+    ExpectSuccess(
+        Import("depth",
+               {"--normal_path", (folder_.Path() / "normals").string()}),
+        {"Normals came with 4"});
+    for (size_t i = 0; i < scene_.size(); ++i) {
+      const Image<Vec3f> normals = ReadNormalMap(Paths(scene_[i]).normal);
+      EXPECT_LT(Norm(normals(4, 4) - expected[i](4, 4)), 1e-5f);
+    }
+  }
+}
+
+TEST_F(TsarImportTest, TakesPngInMillimetersOrOtherUnits) {
+  const auto encode = [](int width, int height, const auto& values) {
+    std::vector<uint16_t> integers;
+    for (const float value : values) {
+      integers.push_back(static_cast<uint16_t>(std::lround(value)));
+    }
+    return PngBytes(width, height, integers);
+  };
+  WriteDepth(".png", 1000.f, encode);
+  ExpectSuccess(Import("depth"), {"4 imported"});
+  ExpectScene(0.00051f, 2.f);
+  WriteDepth(".png", 5000.f, encode);
+  ExpectFailure("depth",
+                {"depths are 5",
+                 "times those of the sparse points",
+                 "--depth_scale 0.0002",
+                 "--check_scale 0"});
+  ExpectSuccess(Import("depth", {"--check_scale", "0"}), {"median 5.0"});
+  ExpectSuccess(Import("depth", {"--depth_scale", "0.0002"}), {"4 imported"});
+  ExpectScene(0.00011f, 2.f);
+}
+
+TEST_F(TsarImportTest, KeepsTheSizeOfTheMaps) {
+  const auto write = [&](int width, int height) {
+    const std::vector<float> values(static_cast<size_t>(width * height), 5.f);
+    WriteText(other_ / "v0.png.pfm", PfmBytes(width, height, 1, values, true));
+  };
+  // Rounded in one direction or the other.
+  for (const int height : {36, 35, 37}) {
+    write(48, height);
+    ExpectSuccess(Import("depth"), {"1 imported, 3 without a map"});
+    EXPECT_EQ(ReadDepthMap(Paths(scene_[0]).depth).Height(), height);
+  }
+  write(36, 48);
+  ExpectFailure("depth", {"v0.png.pfm", "36 x 48", "v0.png of 96 x 72"});
+}
+
+TEST_F(TsarImportTest, ReplacesAnImportAloneAndOnlyWhenAsked) {
+  WritePfm();
+  ExpectSuccess(Import("depth"));
+  const auto imported = ReadTree(output_);
+  const std::vector<std::string> same = {"--output_path", output_.string()};
+  std::vector<std::string> over = same;
+  over.insert(over.end(), {"--overwrite", "1"});
+  EXPECT_THAT(Import("depth", same).err, HasSubstr("give --overwrite 1"));
+  ExpectSuccess(Import("depth", over));
+  EXPECT_TRUE(ReadTree(output_) == imported);
+  WriteText(output_ / "fused.ply", "mine");
+  EXPECT_THAT(Import("depth", over).err,
+              HasSubstr("fused.ply: is not of the import in this folder"));
+  EXPECT_EQ(ReadText(output_ / "fused.ply"), "mine");
+  fs::remove(output_ / "fused.ply");
+  ExpectRefinable();
+  EXPECT_THAT(Import("depth", over).err, HasSubstr("is not of the import"));
+}
+
+TEST_F(TsarImportTest, OtherOrdersOfImages) {
+  // By name: left/v2.png, v0.png, v1.png, v3.png.
+  WriteAcm({scene_[2], scene_[0], scene_[1], scene_[3]});
+  ExpectFailure("acm",
+                {"cams/00000000_cam.txt",
+                 "camera of left/v2.png, not of v0.png",
+                 "--image_list"});
+  const std::string list = (folder_.Path() / "list.txt").string();
+  for (const auto& [names, texts] :
+       std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"left/v2.png\nv0.png\nv1.png\n", {"2333_00000003", "images 0 to 2"}},
+           {"v0.png\nv2.png\n", {"list.txt", "line 2", "not in the sparse"}},
+           {"v0.png\nv0.png\n", {"line 2", "a second time"}},
+           {"\n", {"names no image"}}}) {
+    WriteText(list, names);
+    ExpectFailure("acm", texts, {"--image_list", list});
+  }
+  WriteText(list, "left/v2.png\n\n v0.png\r\nv1.png\nv3.png");
+  ExpectSuccess(Import("acm", {"--image_list", list}));
+  ExpectScene(0.f, 1e-6f, /*is_filtered=*/true);
+}
+
+TEST_F(TsarImportTest, ScalesEachImageToItsSparsePoints) {
+  for (size_t i = 0; i < scene_.size(); ++i) {
+    std::vector<float> values = ValuesOf(scene_[i].depth);
+    for (float& value : values) {
+      value *= static_cast<float>(i + 1);
+    }
+    WriteText(other_ / (scene_[i].name + ".pfm"),
+              PfmBytes(96, 72, 1, values, true));
+  }
+  ExpectSuccess(Import("depth"),
+                {"WARNING: v1.png: depths are 2 times those of its",
+                 "WARNING: v3.png: depths are 4 times those of its",
+                 "--scale_to_sparse 1"});
+  ExpectSuccess(Import("depth", {"--scale_to_sparse", "1"}),
+                {"Before scaling, depth over that of the sparse points"});
+  ExpectScene(0.01f, 2.f);
+  WriteText(root_ / "sparse/points3D.txt", "");
+  ExpectFailure("depth",
+                {"v0.png.pfm", "only 0 sparse points"},
+                {"--scale_to_sparse", "1"});
+  ExpectSuccess(Import("depth"), {"WARNING: no image has 5 sparse points"});
+}
+
+TEST_F(TsarImportTest, Warnings) {
+  WriteText(other_ / "v0.pfm",
+            PfmBytes(96, 72, 1, std::vector<float>(96 * 72, NAN), true));
+  ExpectSuccess(Import("depth"),
+                {"Pixels with depth: 0.0 %", "v0.pfm: no pixel has a depth"});
   ImportSummary summary;
   summary.warnings.assign(30, "something");
   std::ostringstream text;
@@ -109,101 +247,50 @@ TEST_F(TsarImportTest, PrintsTheFirstOfManyWarnings) {
               HasSubstr("WARNING: something\nWARNING: and 10 more"));
 }
 
-TEST_F(TsarImportTest, TellsWhatToDoWithMapsWithoutHoles) {
-  for (const int64_t num_with_depth : {0, 979, 980, 1000}) {
-    ImportSummary summary;
-    summary.num_with_depth = num_with_depth;
-    summary.num_pixels = 1000;
-    std::ostringstream text;
-    PrintSummary(summary, text);
-    EXPECT_EQ(text.str().find("--TsarRefine.distrust_unmatched 1") !=
-                  std::string::npos,
-              num_with_depth >= 980)
-        << text.str();
-  }
-}
-
-TEST_F(TsarImportTest, WarnsOfEmptyMaps) {
-  WriteText(other_ / "v0.pfm",
-            PfmBytes(96, 72, 1, std::vector<float>(96 * 72, NAN), true));
-  RemoveStereo(root_);
-  ExpectSuccess(Import("depth"),
-                {"Pixels with depth: 0.0 %", "v0.pfm: no pixel has a depth"});
-  EXPECT_EQ(ReadDepthMap(Paths(scene_[0]).depth)(9, 9), 0.f);
-}
-
-TEST_F(TsarImportTest, RefusesARefinedWorkspace) {
-  ExportPfm();
-  ExpectRefinable();
-  ExpectImportFailure(
-      "depth", {"tsar_refine --restore 1"}, {"--overwrite", "1"});
-  ExpectFailure({"--restore", "1"}, {"tsar_refine --restore 1"});
-}
-
-TEST_F(TsarImportTest, RefusesALockedWorkspace) {
-  ExportPfm();
-  const WorkspaceLock lock(root_);
-  ExpectImportFailure("depth", {"another program"}, {"--overwrite", "1"});
-}
-
-TEST_F(TsarImportTest, WarnsOfMapsOfTheOtherTypeOfAnotherSize) {
-  WriteText(other_ / "v0.pfm",
-            PfmBytes(48, 36, 1, std::vector<float>(48 * 36, 5.f), true));
-  ExpectSuccess(Import("depth", {"--overwrite", "1"}),
-                {"WARNING: ", "v0.png.photometric.bin", "96 x 72", "48 x 36"});
-}
-
 TEST_F(TsarImportTest, BrokenFilesAreOneLineAndNothingIsWritten) {
-  ExportAcm(scene_, other_);
-  RemoveStereo(root_);
-  const std::filesystem::path folder = other_ / "ACMM/2333_00000003";
-  const std::string good = ReadText(folder / "normals.dmb");
-  WriteText(folder / "normals.dmb", good.substr(0, 1000));
-  ExpectImportFailure("acm", {"2333_00000003/normals.dmb", "72"});
-  WriteText(folder / "normals.dmb", "");
-  ExpectImportFailure("acm", {"2333_00000003/normals.dmb", "shorter"});
-  WriteText(folder / "normals.dmb", DmbBytes(2, 1, 3, {1, 2, 3, 4, 5, 6}));
-  ExpectImportFailure("acm", {"normals.dmb", "2 x 1", "96 x 72"});
-  WriteText(folder / "normals.dmb", DmbBytes(2, 1, 1, {1, 2}));
-  ExpectImportFailure("acm", {"normals.dmb", "3 channel"});
-  WriteText(folder / "normals.dmb", good);
-  ExpectImportFailure("apd", {"depths_geom.dmb", "[version]", "--format"});
-  ExpectImportFailure("openmvs", {"depth0000.dmap"});
-  ExpectImportFailure("depth", {"PFM", "v0.png"});
-  WriteText(other_ / "cams/00000001_cam.txt", "extrinsic 1 2 3");
-  ExpectImportFailure("acm", {"00000001_cam.txt", "extrinsic"});
-}
-
-TEST_F(TsarImportTest, RefusesFoldersUnderTheNamesOfItsFiles) {
-  ExportPfm();
-  const MapPaths paths = Paths(scene_.back());
-  const std::filesystem::path former = root_ / "stereo/tsar_import/former";
-  for (const std::filesystem::path& path :
-       {std::filesystem::path(paths.cost),
-        former / "normal_maps" / paths.normal.Path().filename()}) {
-    std::filesystem::create_directories(path);
-    ExpectImportFailure("depth",
-                        {path.string(), "move the folder of this name away"},
-                        {"--overwrite", "1"});
-    std::filesystem::remove_all(path);
+  WriteAcm(scene_);
+  const fs::path normals = other_ / "ACMM/2333_00000003/normals.dmb";
+  const std::string good = ReadText(normals);
+  for (const auto& [bytes, texts] :
+       std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {good.substr(0, 1000), {"2333_00000003/normals.dmb", "72"}},
+           {"", {"2333_00000003/normals.dmb", "shorter"}},
+           {DmbBytes(2, 1, 3, {1, 2, 3, 4, 5, 6}),
+            {"normals.dmb", "2 x 1", "96 x 72"}},
+           {DmbBytes(2, 1, 1, {1, 2}), {"normals.dmb", "3 channel"}}}) {
+    WriteText(normals, bytes);
+    ExpectFailure("acm", texts);
   }
+  WriteText(normals, good);
+  ExpectFailure("apd", {"depths_geom.dmb", "[version]", "--format"});
+  ExpectFailure("openmvs", {"depth0000.dmap"});
+  ExpectFailure("depth", {"PFM", "v0.png"});
+  WriteText(other_ / "cams/00000001_cam.txt", "extrinsic 1 2 3");
+  ExpectFailure("acm", {"00000001_cam.txt", "extrinsic"});
 }
 
 TEST_F(TsarImportTest, WrongOptionsAreOneLine) {
-  ExportPfm();
+  WritePfm();
   const std::string other = other_.string();
-  ExpectFailure({}, {"--format is missing"});
-  ExpectFailure({"--format", "depth"}, {"--input_path is missing"});
-  ExpectFailure({"--format", "mvs", "--input_path", other}, {"openmvs"});
-  ExpectFailure({"--format", "depth", "--input_path", "/no/where"},
-                {"/no/where", "no such folder"});
-  ExpectImportFailure("acm", {"--normal_path"}, {"--normal_path", other});
-  ExpectImportFailure(
-      "depth", {"/no/where", "no such folder"}, {"--normal_path", "/no/where"});
-  ExpectImportFailure("depth", {"depth_scale"}, {"--depth_scale", "-1"});
-  ExpectImportFailure("depth", {"--restore"}, {"--restore", "1"});
-  std::filesystem::remove_all(root_ / "sparse");
-  ExpectImportFailure("depth", {"sparse", "no such folder"});
+  const std::string inside = (root_ / "stereo/new").string();
+  for (const auto& [format, texts, arguments] :
+       std::vector<std::tuple<std::string,
+                              std::vector<std::string>,
+                              std::vector<std::string>>>{
+           {"mvs", {"openmvs"}, {}},
+           {"depth", {"no such folder"}, {"--input_path", "/no/where"}},
+           {"acm", {"--normal_path"}, {"--normal_path", other}},
+           {"depth", {"no such folder"}, {"--normal_path", "/no/where"}},
+           {"depth", {"depth_scale"}, {"--depth_scale", "-1"}},
+           {"depth", {"in the folder stereo"}, {"--output_path", inside}},
+           {"depth", {"is no import"}, {"--output_path", root_.string()}},
+           {"depth",
+            {"is no import"},
+            {"--output_path", root_.string(), "--overwrite", "1"}}}) {
+    ExpectFailure(format, texts, arguments);
+  }
+  fs::remove_all(root_ / "sparse");
+  ExpectFailure("depth", {"sparse", "no such folder"});
 }
 
 }  // namespace

@@ -1,0 +1,146 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#include "colmap_tsar/tools/import/filter_maps.h"
+
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/image_pipeline.h"
+#include "colmap_tsar/run/load_view.h"
+#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/workspace_check.h"
+#include "colmap_tsar/tools/stereo/stereo_image.h"
+#include "colmap_tsar/tools/stereo/stereo_inputs.h"
+#include "colmap_tsar/tools/stereo/stereo_views.h"
+
+#include <memory>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace tsar {
+namespace {
+
+class FilterTask : public ImageTasks<DepthNormal> {
+ public:
+  FilterTask(const Workspace& workspace, std::vector<RefineWorker>& workers)
+      : workspace_(workspace), workers_(workers) {}
+
+  ImageReport Begin(size_t index) override {
+    ImageReport report;
+    if (!HasMaps(Problem(index).reference)) {
+      report.outcome = ImageReport::Outcome::kSkipped;
+    }
+    return report;
+  }
+
+  std::vector<int> Views(size_t index) const override {
+    std::vector<int> views = Sources(index);
+    views.push_back(Problem(index).reference);
+    return views;
+  }
+
+  DepthNormal Compute(size_t index,
+                      size_t worker,
+                      ViewCache::Lease* views,
+                      ImageReport* /*report*/) override {
+    const ViewData& image = views->Get(Problem(index).reference);
+    std::vector<const ViewData*> sources;
+    for (const int source : Sources(index)) {
+      sources.push_back(&views->Get(source));
+    }
+    Device& device = *workers_[worker].device;
+    const StereoViews on_device(image, sources, /*num_levels=*/1, device);
+    const DeviceImage<float> depth(device, image.depth);
+    const DeviceImage<Vec3f> normal(device, image.normal);
+    ReferenceView reference = on_device.Reference(0);
+    reference.depth = depth.View();
+    reference.normal = normal.View();
+    DepthNormal maps;
+    maps.depth = FilterHypotheses(
+                     reference,
+                     on_device.Sources(0),
+                     {},
+                     FilterOptions(options_, static_cast<int>(sources.size())),
+                     device)
+                     .ToHost();
+    maps.normal = image.normal;
+    for (size_t i = 0; i < maps.depth.NumPixels(); ++i) {
+      if (!(maps.depth.Data()[i] > 0.f)) {
+        maps.normal.Data()[i] = {};
+      }
+    }
+    return maps;
+  }
+
+  void Write(size_t index, DepthNormal maps, ImageReport* report) override {
+    const MapPaths paths = workspace_.Paths(
+        Problem(index).reference,
+        workspace_.Type() == MapType::kGeometric ? MapType::kPhotometric
+                                                 : MapType::kGeometric);
+    WriteDepthMap(paths.depth, maps.depth);
+    WriteNormalMap(paths.normal, maps.normal);
+    report->outcome = ImageReport::Outcome::kDone;
+  }
+
+ private:
+  const StereoProblem& Problem(size_t index) const {
+    return workspace_.Problems()[index];
+  }
+
+  bool HasMaps(int image) const {
+    return workspace_.HasMaps(image, workspace_.Type());
+  }
+
+  // Those with maps; without a depth map none confirms anything.
+  std::vector<int> Sources(size_t index) const {
+    std::vector<int> sources = StereoSources(Problem(index), options_);
+    std::erase_if(sources, [&](int source) { return !HasMaps(source); });
+    return sources;
+  }
+
+  const Workspace& workspace_;
+  std::vector<RefineWorker>& workers_;
+  const StereoOptions options_;
+};
+
+}  // namespace
+
+void FilterMaps(const Workspace& workspace,
+                const DeviceOptions& device_options,
+                Progress& progress,
+                const std::function<bool()>& should_stop) {
+  const WorkspaceOverview overview = CheckWorkspace(workspace);
+  const size_t num_images = workspace.Problems().size();
+  RefineDevices devices = CreateRefineDevices(
+      device_options,
+      overview,
+      [](const WorkspaceOverview& maps) {
+        return PlanStereo(StereoOptions(), maps);
+      },
+      static_cast<int>(num_images));
+  FilterTask task(workspace, devices.workers);
+  ViewCache cache(devices.cache_num_bytes,
+                  static_cast<size_t>(ViewBytes(overview)),
+                  [&](int image) {
+                    return std::make_shared<ViewData>(
+                        LoadView(workspace, image));
+                  });
+  std::vector<size_t> images(num_images);
+  std::iota(images.begin(), images.end(), 0);
+  const PipelineOutcome outcome =
+      ImagePipeline<DepthNormal>(task,
+                                 std::move(images),
+                                 "Filtering:",
+                                 cache,
+                                 devices.sizes,
+                                 progress,
+                                 should_stop)
+          .Run(devices.workers.size());
+  outcome.RethrowFailure();
+  if (!outcome.IsComplete()) {
+    throw Error(ErrorCode::kInterrupted, "interrupted; nothing was imported");
+  }
+}
+
+}  // namespace tsar

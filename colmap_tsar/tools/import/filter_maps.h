@@ -1,0 +1,26 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/run/device_options.h"
+#include "colmap_tsar/run/store/workspace.h"
+
+#include <functional>
+
+namespace tsar {
+
+// Programs that fill bare walls from a prior or by chance leave no holes, and
+// neighboring views agree on what they fill in. Writes, for each image with
+// maps of the workspace's type, the maps of the other type: those depths that
+// enough sources confirm (see FilterHypotheses), and their normals.
+//
+// Throws kInterrupted once should_stop returned true, and the errors of
+// CheckWorkspace, CreateRefineDevices and the readers and writers of maps.
+void FilterMaps(const Workspace& workspace,
+                const DeviceOptions& device_options,
+                Progress& progress,
+                const std::function<bool()>& should_stop);
+
+}  // namespace tsar
