@@ -64,8 +64,7 @@ py::str HelpJson(const std::string& command) {
       {"stereo", &HelpJsonOf<StereoCommand>},
       {"fuse", &HelpJsonOf<FuseCommand>},
       {"import", &HelpJsonOf<ImportCommand>},
-      {"report", &HelpJsonOf<ReportCommand>},
-      {"export", &HelpJsonOf<ExportCommand>}};
+      {"report", &HelpJsonOf<ReportCommand>}};
   return functions.at(command)();
 }
 

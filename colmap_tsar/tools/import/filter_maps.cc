@@ -40,9 +40,13 @@ class FilterTask : public ImageTasks<DepthNormal> {
     return views;
   }
 
+  std::shared_ptr<const ViewData> Load(int image) const override {
+    return std::make_shared<const ViewData>(LoadView(workspace_, image));
+  }
+
   DepthNormal Compute(size_t index,
                       size_t worker,
-                      ViewCache::Lease* views,
+                      LoadedViews* views,
                       ImageReport* /*report*/) override {
     const ViewData& image = views->Get(Problem(index).reference);
     std::vector<const ViewData*> sources;
@@ -113,30 +117,20 @@ void FilterMaps(const Workspace& workspace,
   const WorkspaceOverview overview = CheckWorkspace(workspace);
   const size_t num_images = workspace.Problems().size();
   RefineDevices devices = CreateRefineDevices(
-      device_options,
-      overview,
-      [](const WorkspaceOverview& maps) {
-        return PlanStereo(StereoOptions(), maps);
-      },
-      static_cast<int>(num_images));
+      device_options, PlanStereo(overview), static_cast<int>(num_images));
   FilterTask task(workspace, devices.workers);
-  ViewCache cache(devices.cache_num_bytes,
-                  static_cast<size_t>(ViewBytes(overview)),
-                  [&](int image) {
-                    return std::make_shared<ViewData>(
-                        LoadView(workspace, image));
-                  });
   std::vector<size_t> images(num_images);
   std::iota(images.begin(), images.end(), 0);
   const PipelineOutcome outcome =
-      ImagePipeline<DepthNormal>(task,
-                                 std::move(images),
-                                 "Filtering:",
-                                 cache,
-                                 devices.sizes,
-                                 progress,
-                                 should_stop)
-          .Run(devices.workers.size());
+      ImagePipeline<DepthNormal>(
+          task,
+          std::move(images),
+          "Filtering:",
+          devices.at_work,
+          devices.at_work.MaxNumViews(overview.max_num_pixels),
+          progress,
+          should_stop)
+          .Run();
   outcome.RethrowFailure();
   if (!outcome.IsComplete()) {
     throw Error(ErrorCode::kInterrupted, "interrupted; nothing was imported");

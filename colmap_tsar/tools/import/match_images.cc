@@ -9,9 +9,9 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/dense_maps.h"
-#include "colmap_tsar/io/depth_image.h"
 #include "colmap_tsar/io/float_map.h"
 #include "colmap_tsar/io/image_lists.h"
+#include "colmap_tsar/io/map_files.h"
 
 #include <algorithm>
 #include <charconv>
