@@ -227,6 +227,8 @@ TEST(PlanesDxf, HasFacesAndOutlinesInLayers) {
   const auto pairs = ReadDxf(Written(&PutPlanesDxf));
   ASSERT_GT(pairs.size(), 10u);
   EXPECT_EQ(pairs[3], std::pair(1, std::string("AC1009")));
+  EXPECT_EQ(pairs[4], std::pair(9, std::string("$INSUNITS")));
+  EXPECT_EQ(pairs[5], std::pair(70, std::string("0")));
   EXPECT_EQ(pairs.back(), std::pair(0, std::string("EOF")));
   int num_open_sections = 0;
   std::vector<std::string> layers;
@@ -275,18 +277,6 @@ TEST(PlanesDxf, HasFacesAndOutlinesInLayers) {
   ExpectFaces(faces["WALL"], 3.5, {0, -1, 0});
   EXPECT_EQ(outlines["FLOOR"], (std::vector<int>{4, 4}));
   EXPECT_EQ(outlines["WALL"], (std::vector<int>{4, 3}));
-}
-
-TEST(PlanesDxf, TellsItsUnit) {
-  const auto unit_of = [](const ExportedPlanes& planes) {
-    const auto pairs = ReadDxf(Written(&PutPlanesDxf, planes));
-    EXPECT_EQ(pairs[4], std::pair(9, std::string("$INSUNITS")));
-    return pairs[5];
-  };
-  ExportedPlanes planes = MakePlanes();
-  EXPECT_EQ(unit_of(planes), std::pair(70, std::string("0")));
-  ScaleToMeters(2.0, &planes);
-  EXPECT_EQ(unit_of(planes), std::pair(70, std::string("6")));
 }
 
 TEST(ScaleToMeters, ScalesLengthsAndNoAngles) {
