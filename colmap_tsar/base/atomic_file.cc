@@ -13,7 +13,6 @@
 #include <new>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <ext/stdio_filebuf.h>
@@ -181,9 +180,11 @@ void LinkOrCopyFile(const fs::path& source, const ContainedPath& path) {
   CreateFolders(path.Parent());
   RemoveOldTemporary(path);
   const ContainedPath temporary = TemporaryOf(path);
-  std::error_code error;
-  fs::create_hard_link(fs::canonical(source, error), temporary.Path(), error);
-  if (error) {
+  if (linkat(AT_FDCWD,
+             source.c_str(),
+             AT_FDCWD,
+             temporary.Path().c_str(),
+             AT_SYMLINK_FOLLOW) != 0) {
     CopyFile(source, path, true);
     return;
   }

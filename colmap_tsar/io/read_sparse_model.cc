@@ -378,7 +378,8 @@ Images ReadImages(const Path& path, const Cameras& cameras) {
   for (const auto& [id, image] : images) {
     if (!names.insert(Path(image.name).lexically_normal().string()).second) {
       throw CorruptModel(path,
-                         "the name " + image.name + " is there more than once");
+                         "the name " + image.name +
+                             " stands for the same file as another one");
     }
   }
   return images;

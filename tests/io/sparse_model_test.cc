@@ -182,7 +182,7 @@ TEST(SparseModelTest, RefusesBadText) {
       {kCameras, "80 60", "0 60", kCorrupt, "size"},
       {kCameras, "80 60", "-80 60", kCorrupt, "\"-80\""},
       {kImages, "3 1 sub", "3 9 sub", kCorrupt, "camera 9"},
-      {kImages, "first.png", "sub/with space.png", kCorrupt, "more than once"},
+      {kImages, "first.png", "sub/with space.png", kCorrupt, "the same file"},
       {kImages, "first.png", "", kCorrupt, "name"},
       {kImages, "\n2 0", "\n5 0", kCorrupt, "image 5"},
       {kImages, "0 0 0 -0.5", "0 0 0 0", kCorrupt, "pose"},

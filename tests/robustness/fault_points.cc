@@ -37,6 +37,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 namespace {
@@ -168,6 +169,15 @@ ssize_t write(int descriptor, const void* data, size_t size) {
     raise(SIGKILL);
   }
   return next(descriptor, data, size);
+}
+
+ssize_t writev(int descriptor, const iovec* parts, int num_parts) {
+  const auto next = Next<ssize_t (*)(int, const iovec*, int)>("writev");
+  if (IsOnDisk(descriptor) && IsLast("write", PathOf(descriptor))) {
+    next(descriptor, parts, num_parts / 2);
+    raise(SIGKILL);
+  }
+  return next(descriptor, parts, num_parts);
 }
 
 int fsync(int descriptor) {
