@@ -29,11 +29,6 @@ struct DepthPrior {
   // Unit vectors in the camera's frame, towards the camera; (0, 0, 0): none.
   // May be empty, or of another size than `values`.
   Image<Vec3f> normals;
-
-  size_t NumBytes() const {
-    return values.NumPixels() * sizeof(float) +
-           normals.NumPixels() * sizeof(Vec3f);
-  }
 };
 
 // "auto", "metric", "relative" or "inverse".

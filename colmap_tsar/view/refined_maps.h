@@ -51,12 +51,6 @@ struct RefinedMaps {
   Image<uint16_t> sigma{};
 };
 
-inline int64_t RefinedMapsBytes(int64_t num_pixels) {
-  constexpr size_t kBytesPerPixel = 2 * sizeof(float) + sizeof(Vec3f) +
-                                    sizeof(uint8_t) + 2 * sizeof(uint16_t);
-  return num_pixels * static_cast<int64_t>(kBytesPerPixel);
-}
-
 // The values of confidence maps: a confidence in [0, 1] in 255 steps. 0 is
 // reserved for no depth; positive values below one step become 1.
 inline uint8_t ToConfidenceLevel(float confidence) {

@@ -10,6 +10,7 @@
 
 namespace tsar {
 
+<<<<<<< HEAD
 size_t ViewData::NumBytes() const {
   return color.NumPixels() * sizeof(Rgb) + depth.NumPixels() * sizeof(float) +
          normal.NumPixels() * sizeof(Vec3f) +
@@ -25,6 +26,8 @@ int64_t ViewDataBytes(int64_t num_pixels, bool has_costs) {
   return num_pixels * static_cast<int64_t>(bytes_per_pixel);
 }
 
+=======
+>>>>>>> b7dc91b1 (What predicted bytes of views, maps and priors goes with its last caller)
 bool HasDepth(const Image<float>& depth) {
   return std::any_of(
       depth.begin(), depth.end(), [](float z) { return z > 0.f; });
@@ -59,10 +62,6 @@ std::vector<std::shared_ptr<const UploadedView>> UploadViews(
     uploaded.push_back(UploadView(*view, device));
   }
   return uploaded;
-}
-
-int64_t UploadedViewBytes(int64_t num_pixels) {
-  return BytesOf<GrayPair>(num_pixels) + BytesOf<float>(num_pixels);
 }
 
 }  // namespace tsar

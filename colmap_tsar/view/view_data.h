@@ -36,12 +36,15 @@ struct ViewData {
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
   // The depth prior; null if there is none.
   std::shared_ptr<const DepthPrior> prior;
+<<<<<<< HEAD
 
   size_t NumBytes() const;
+=======
+  // Whether the map to refine has few holes (see view/unmatched_depths.h), also
+  // counting depths without a normal.
+  bool is_unfiltered = false;
+>>>>>>> b7dc91b1 (What predicted bytes of views, maps and priors goes with its last caller)
 };
-
-// Bytes of a view with maps of this many pixels, without its prior.
-int64_t ViewDataBytes(int64_t num_pixels, bool has_costs);
 
 // The data of a source view that the stages need, in a device's memory.
 struct UploadedView {
@@ -62,7 +65,5 @@ std::shared_ptr<const UploadedView> UploadView(
     std::shared_ptr<UploadedView> spare = nullptr);
 std::vector<std::shared_ptr<const UploadedView>> UploadViews(
     const std::vector<const ViewData*>& views, Device& device);
-
-int64_t UploadedViewBytes(int64_t num_pixels);
 
 }  // namespace tsar
