@@ -433,10 +433,21 @@ class _Nerfstudio(_Trainer):
         colors = self.levels(np.float32(127.5) + np.float32(127.5) * normals).astype("u1")
         files["normals"] = self.picture(colors, f"normals/{name}.png")
         if self.options["mask_path"] is not None:
-            pixels = self.source.mask_of_photo(image, width, height)
-            shape = camera.height, camera.width
-            is_masked = np.frombuffer(pixels[2], "u1").reshape(shape) if pixels else np.zeros(shape, "u1")
+            of_maps = self.map_camera(image)
+            mask = self.source.mask_of_photo(image, of_maps.width, of_maps.height)
+            is_masked = np.zeros((camera.height, camera.width), "u1")
+            if mask is not None:
+                is_masked = np.frombuffer(mask[2], "u1").reshape(is_masked.shape)
             files["mask"] = self.picture(255 * (1 - is_masked), f"masks/{name}.png")
+
+    def map_camera(self, image):
+        """That of the image's maps or, without any, of another's whose photo is as large."""
+        own = self.view(image).photo_camera
+        for other in [image] if image in self.with_maps else self.with_maps:
+            view = self.view(other)
+            if (view.photo_camera.width, view.photo_camera.height) == (own.width, own.height):
+                return view.camera
+        return own
 
     def finish(self, records):
         np = self.np
