@@ -120,7 +120,6 @@ class ExportTest(unittest.TestCase):
             stored = np.load(path)
         else:
             stored = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-            self.assertIsNotNone(stored, path)
             stored = stored[..., ::-1] if stored.ndim == 3 else stored
         about = self.manifest["maps"][kind]
         self.assertEqual(str(stored.dtype), about["stored"].split(",")[0])
@@ -280,8 +279,9 @@ class ExportTest(unittest.TestCase):
             self.export("npy", overwrite=True)
             self.assertEqual(digests(self.output), new)
             self.assertEqual(os.listdir(self.site), ["exported"])
-            if code == 0 and kill_at > 20:
+            if code == 0:
                 break
+        self.assertGreater(kill_at, 20)
 
     def test_the_command_tells_what_it_wrote(self):
         command = [sys.executable, "-m", "colmap_tsar", "export", "--format", "3dgs",
