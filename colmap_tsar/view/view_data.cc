@@ -10,24 +10,6 @@
 
 namespace tsar {
 
-<<<<<<< HEAD
-size_t ViewData::NumBytes() const {
-  return color.NumPixels() * sizeof(Rgb) + depth.NumPixels() * sizeof(float) +
-         normal.NumPixels() * sizeof(Vec3f) +
-         is_to_refine.NumPixels() * sizeof(uint8_t) +
-         (min_cost.NumPixels() + second_cost.NumPixels()) * sizeof(float) +
-         (prior ? prior->NumBytes() : 0);
-}
-
-int64_t ViewDataBytes(int64_t num_pixels, bool has_costs) {
-  const size_t bytes_per_pixel = sizeof(Rgb) + sizeof(float) + sizeof(Vec3f) +
-                                 sizeof(uint8_t) +
-                                 (has_costs ? 2 * sizeof(float) : 0);
-  return num_pixels * static_cast<int64_t>(bytes_per_pixel);
-}
-
-=======
->>>>>>> b7dc91b1 (What predicted bytes of views, maps and priors goes with its last caller)
 bool HasDepth(const Image<float>& depth) {
   return std::any_of(
       depth.begin(), depth.end(), [](float z) { return z > 0.f; });

@@ -36,14 +36,6 @@ struct ViewData {
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
   // The depth prior; null if there is none.
   std::shared_ptr<const DepthPrior> prior;
-<<<<<<< HEAD
-
-  size_t NumBytes() const;
-=======
-  // Whether the map to refine has few holes (see view/unmatched_depths.h), also
-  // counting depths without a normal.
-  bool is_unfiltered = false;
->>>>>>> b7dc91b1 (What predicted bytes of views, maps and priors goes with its last caller)
 };
 
 // The data of a source view that the stages need, in a device's memory.
