@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/tools/report/colors.h"
 
-#include "colmap_tsar/base/label_color.h"
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
@@ -44,6 +43,32 @@ std::vector<Rgb> ColorScale(cv::ColormapTypes type) {
 uint8_t ToByte(float component) {
   return static_cast<uint8_t>(
       std::lround(std::clamp(0.5f * component + 0.5f, 0.f, 1.f) * 255.f));
+}
+
+// One channel of an HSV color; the hue is in turns.
+uint8_t Channel(double hue, double saturation, double brightness) {
+  const double distance = std::abs(hue - std::floor(hue) - 0.5) * 6.0;
+  const double share = std::clamp(distance - 1.0, 0.0, 1.0);
+  return static_cast<uint8_t>(
+      std::lround(brightness * (1.0 - saturation * (1.0 - share))));
+}
+
+// The color of a plane by its number in plane maps.
+Rgb PlaneColor(uint16_t number) {
+  if (number == 0) {
+    return {};
+  }
+  // The golden ratio spreads the hues of any first planes evenly.
+  const double hue = number * 0.6180339887498949;
+  // Numbers that differ by 5, 8 or 13 have nearly the same hue and differ in
+  // these.
+  const double saturation = number % 3 == 0   ? 0.7
+                            : number % 3 == 1 ? 0.45
+                                              : 0.85;
+  const double brightness = number % 4 < 2 ? 240.0 : 165.0;
+  return {Channel(hue, saturation, brightness),
+          Channel(hue - 1.0 / 3.0, saturation, brightness),
+          Channel(hue - 2.0 / 3.0, saturation, brightness)};
 }
 
 template <typename Value, typename ToColor>
@@ -106,9 +131,7 @@ Image<Rgb> ColorizeConfidence(const Image<uint8_t>& confidence) {
 }
 
 Image<Rgb> ColorizePlanes(const Image<uint16_t>& planes) {
-  return Colorize(planes, [](uint16_t number) {
-    return LabelColor(static_cast<int>(number) - 1);
-  });
+  return Colorize(planes, PlaneColor);
 }
 
 Image<Rgb> ColorizeProvenance(const Image<uint8_t>& provenance) {
