@@ -185,10 +185,6 @@ void RemoveTsarFolder(const std::filesystem::path& root, bool are_all_linked) {
 
 }  // namespace
 
-bool HasRunState(const std::filesystem::path& root) {
-  return !ListTsarFolder(root).empty();
-}
-
 RestoreConflicts ParseRestoreConflicts(const std::string& text) {
   if (const auto conflicts = FindEnumValue(kConflictNames, text)) {
     return *conflicts;
@@ -210,7 +206,7 @@ RestoreResult Restore(const std::filesystem::path& root,
   const ContainedPath tsar = GetTsarFolder(root);
   // A run that was stopped before its first map leaves no original, but its
   // manifest and its evidence.
-  if (!HasRunState(root)) {
+  if (ListTsarFolder(root).empty()) {
     throw Error::File(ErrorCode::kNotFound,
                       tsar.string(),
                       "there is nothing to restore",

@@ -22,10 +22,6 @@ enum class RestoreConflicts {
               // superseded.
 };
 
-// Whether runs have left files in stereo/tsar, or originals are stored there;
-// superseded maps do not count.
-bool HasRunState(const std::filesystem::path& root);
-
 // "report", "keep" or "original"; Error kBadOption for others.
 RestoreConflicts ParseRestoreConflicts(const std::string& text);
 
