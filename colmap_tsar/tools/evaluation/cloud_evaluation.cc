@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/tools/evaluation/meshlab_project.h"
 #include "colmap_tsar/tools/evaluation/nearest_distance.h"
-#include "colmap_tsar/tools/evaluation/parallel_blocks.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
 #include <algorithm>
@@ -115,18 +115,17 @@ std::vector<double> Accuracy(const std::vector<Eigen::Vector3d>& points,
   const int num_tolerances = static_cast<int>(options.tolerances.size());
   // The evidence of one scanner suffices for either verdict.
   std::vector<PointVerdict> verdicts(points.size(), {num_tolerances, false});
+  ThreadPool threads(-1);
   for (const PlacedScan& placed : scans) {
     const LaserScan scan(placed.points, options.beam);
     const Eigen::Isometry3d scan_from_world =
         AsMotion(placed.world_from_scan).inverse();
-    ParallelBlocks(points.size(), [&](size_t begin, size_t end) {
-      for (size_t i = begin; i < end; ++i) {
-        const PointVerdict verdict =
-            scan.Judge(scan_from_world * points[i], options.tolerances);
-        verdicts[i].first_good =
-            std::min(verdicts[i].first_good, verdict.first_good);
-        verdicts[i].bad_below |= verdict.bad_below;
-      }
+    threads.ForEach(points.size(), [&](size_t i) {
+      const PointVerdict verdict =
+          scan.Judge(scan_from_world * points[i], options.tolerances);
+      verdicts[i].first_good =
+          std::min(verdicts[i].first_good, verdict.first_good);
+      verdicts[i].bad_below |= verdict.bad_below;
     });
   }
   return VoxelMeans(points, verdicts, num_tolerances, options.voxel_size);

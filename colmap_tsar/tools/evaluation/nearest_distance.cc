@@ -3,9 +3,11 @@
 
 #include "colmap_tsar/tools/evaluation/nearest_distance.h"
 
-#include "colmap_tsar/tools/evaluation/parallel_blocks.h"
+#include "colmap_tsar/device/thread_pool.h"
 
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <limits>
 
 #include <flann/flann.hpp>
@@ -42,8 +44,9 @@ std::vector<double> NearestDistances(
   flann::SearchParams params;
   params.max_neighbors = 1;
 
-  ParallelBlocks(queries.size(), [&](size_t begin, size_t end) {
-    const size_t count = end - begin;
+  ThreadPool threads(-1);
+  threads.Run(std::ssize(queries), [&](int64_t begin, int64_t end) {
+    const auto count = static_cast<size_t>(end - begin);
     std::vector<size_t> indices(count);
     flann::Matrix<size_t> index_matrix(indices.data(), count, 1);
     flann::Matrix<double> distance_matrix(&distances[begin], count, 1);
@@ -52,7 +55,7 @@ std::vector<double> NearestDistances(
                        distance_matrix,
                        squared_radius,
                        params);
-    for (size_t i = begin; i < end; ++i) {
+    for (int64_t i = begin; i < end; ++i) {
       const double distance = std::sqrt(distances[i]);
       distances[i] = distance <= max_distance ? distance : infinity;
     }
