@@ -180,7 +180,7 @@ class BusyDevice : public CountingDevice {
 };
 
 TEST_F(RefineImageTest, SourcesStayUntilTheDeviceIsDoneWithThem) {
-  const auto cpu = CreateTestDevice(1);
+  const auto cpu = Device::CreateCpu(1);
   int num_gone = 0;
   // Returns the number of allocations.
   const auto refine = [&](int num_good_allocations) {

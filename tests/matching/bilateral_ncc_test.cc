@@ -97,40 +97,6 @@ TEST(PatchCost, IsUndefinedOutsideTheOtherImage) {
   EXPECT_EQ(CostAt(gray, gray, 16, 16, -17.f), kUndefinedCost);
 }
 
-// An image twice as large whose pixels of even column and row are those of the
-// other; the rest are noise.
-Image<float> SpreadOut(const Image<float>& gray) {
-  Image<float> spread(2 * kSize, 2 * kSize);
-  Philox random(9, 0, 0);
-  for (float& value : spread) {
-    value = 255.f * random.NextFloat();
-  }
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = 0; x < kSize; ++x) {
-      spread(2 * x, 2 * y) = gray(x, y);
-    }
-  }
-  return spread;
-}
-
-TEST(ReferencePatch, SamplesTwiceAsFarWithTwiceTheRadius) {
-  const Image<float> gray = DrawNoise(1);
-  const Image<float> spread = SpreadOut(gray);
-  const ReferencePatch patch(gray.View(), 16, 12);
-  const ReferencePatch wide(spread.View(), 32, 24, 10.f);
-  EXPECT_EQ(wide.OffsetX(0), -10.f);
-  EXPECT_EQ(wide.OffsetY(kPatchSize - 1), 10.f);
-  for (int i = 0; i < kPatchSize; ++i) {
-    ASSERT_EQ(wide.OffsetX(i), 2.f * patch.OffsetX(i));
-    ASSERT_EQ(wide.OffsetY(i), 2.f * patch.OffsetY(i));
-    ASSERT_EQ(wide.At(i).value, patch.At(i).value);
-    // The weights are spread like the samples.
-    ASSERT_NEAR(wide.At(i).weight, patch.At(i).weight, 1.f);
-  }
-  EXPECT_NEAR(wide.mean, patch.mean, 1e-3f * std::sqrt(patch.variance));
-  EXPECT_NEAR(wide.variance, patch.variance, 1e-3f * patch.variance);
-}
-
 // How often AddUpBySteps met what it treats in a way of its own.
 struct Met {
   int num_inside = 0;
@@ -229,41 +195,6 @@ TEST(AddUpBySteps, GivesTheSumsOfAddUpBySamples) {
   EXPECT_GT(met.num_inside, 100);
   EXPECT_GT(met.num_on_border, 1000);
   EXPECT_GT(met.num_unseen, 50);
-}
-
-TEST(WindowHomography, MapsAsTheWholeOne) {
-  int num_seen = 0;
-  ForHomographies(
-      3000, [&](int x, int y, float radius, const PlaneHomography& homography) {
-        const WindowHomography window(homography, x, y, radius);
-        float mapped_x = 0.f;
-        float mapped_y = 0.f;
-        if (!window.is_seen) {
-          return;
-        }
-        ++num_seen;
-        ASSERT_TRUE(homography.Map(x, y, &mapped_x, &mapped_y));
-        ASSERT_NEAR(window.x, mapped_x, 1e-3f);
-        ASSERT_NEAR(window.y, mapped_y, 1e-3f);
-        for (const float dx : {-radius, 0.f, radius}) {
-          for (const float dy : {-radius, 0.f, radius}) {
-            ASSERT_TRUE(homography.Map(x + dx, y + dy, &mapped_x, &mapped_y));
-            const float change = window.z_dx * dx + window.z_dy * dy;
-            const float scale = WindowHomography::Reciprocal(change);
-            const float moved_x = window.x_dx * dx + window.x_dy * dy;
-            const float moved_y = window.y_dx * dx + window.y_dy * dy;
-            // Of the series, the first term that is left out.
-            const float error = std::pow(change, 4.f) / (1.f + change);
-            ASSERT_NEAR(window.x + moved_x * scale,
-                        mapped_x,
-                        1e-3f + 1.01f * error * std::abs(moved_x));
-            ASSERT_NEAR(window.y + moved_y * scale,
-                        mapped_y,
-                        1e-3f + 1.01f * error * std::abs(moved_y));
-          }
-        }
-      });
-  EXPECT_GT(num_seen, 1000);
 }
 
 TEST(WindowHomography, SeesNoPlaneAlongItsSurfaceNorBehindTheCamera) {

@@ -76,30 +76,6 @@ TEST_F(MatchingCostTest, IsSmallAtTheTruthAndGrowsWithTheError) {
   }
 }
 
-TEST_F(MatchingCostTest, FallsBelowNothingAndTheSecondIsNotBelowTheFirst) {
-  AddSource(kBaseline, 0.05);
-  AddSource(-kBaseline, -0.05);
-  AddSource(2.0 * kBaseline, 0.1);
-  ShiftDepth(0.7f);
-  const HostCosts costs = Compute();
-  for (int y = 0; y < camera_.height; ++y) {
-    for (int x = 0; x < camera_.width; ++x) {
-      const float min = costs.min(x, y);
-      const float second = costs.second(x, y);
-      if (min == kUndefinedCost) {
-        ASSERT_EQ(second, kUndefinedCost);
-        ASSERT_EQ(costs.difference(x, y), kUndefinedCost);
-        continue;
-      }
-      ASSERT_GE(min, 0.f);
-      ASSERT_LE(min, 2.f);
-      ASSERT_TRUE(second == kUndefinedCost || (second >= min && second <= 2.f));
-      ASSERT_GE(costs.difference(x, y), 0.f);
-      ASSERT_LE(costs.difference(x, y), 1.f);
-    }
-  }
-}
-
 TEST_F(MatchingCostTest, DoesNotDependOnTheOrderOfTheSources) {
   AddSource(kBaseline, 0.05);
   AddSource(-kBaseline, -0.05);

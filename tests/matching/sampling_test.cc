@@ -168,23 +168,6 @@ TEST(BestOfArea, FindsTheLowestCostWhereverItIs) {
   }
 }
 
-TEST(BestOfArea, FindsNothingOutsideTheImage) {
-  const Image<float> costs(kSize, kSize, 1.f);
-  // In the corners two of the four directions lead out of the image.
-  for (int area = 0; area < kNumPropagationAreas; ++area) {
-    const int turns = area % 4;
-    PixelOffset best;
-    EXPECT_EQ(FindBest(costs, 0, 0, area, &best), turns == 1 || turns == 2);
-    EXPECT_EQ(FindBest(costs, kSize - 1, kSize - 1, area, &best),
-              turns == 0 || turns == 3);
-  }
-  const Image<float> pixel(1, 1, 1.f);
-  for (int area = 0; area < kNumPropagationAreas; ++area) {
-    PixelOffset best;
-    EXPECT_FALSE(FindBest(pixel, 0, 0, area, &best)) << area;
-  }
-}
-
 TEST(BestOfArea, TakesWhatOfTheAreaIsInTheImage) {
   Image<float> costs(kSize, kSize);
   for (int y = 0; y < kSize; ++y) {

@@ -187,23 +187,6 @@ TEST_F(AlignPriorTest, TwoThirdsOfTheErrorsAreWithinSigma) {
   EXPECT_LT(num_far, 0.03 * kNumPixels);
 }
 
-TEST_F(AlignPriorTest, IsLessCertainAtStepsThatItBlurs) {
-  // The box's border is drawn over ten pixels.
-  DepthPrior prior = DrawMetric();
-  for (int y = 0; y < kRoomHeight; ++y) {
-    for (int x = 79; x < 89; ++x) {
-      const auto t = static_cast<float>(x - 78) / 11.f;
-      prior.values(x, y) =
-          0.5f * ((1.f - t) * room_.depth(78, y) + t * room_.depth(89, y));
-    }
-  }
-  const AlignedPrior aligned = AlignPrior(prior, samples_);
-  ASSERT_FALSE(aligned.Empty());
-  for (int y = 45; y < 85; ++y) {
-    EXPECT_GT(aligned.sigma(83, y), 3.f * aligned.sigma(60, y)) << y;
-  }
-}
-
 TEST_F(AlignPriorTest, HolesStayHoles) {
   for (const float none : {0.f, -1.f, kNan, kInfinity}) {
     DepthPrior prior = DrawMetric();

@@ -149,24 +149,6 @@ TEST(ReduceView, TakesTheOtherTypeWhereTheMapToRefineHasGaps) {
   EXPECT_EQ(ReduceView(view, 3).num_depths_to_refine, 3);
 }
 
-TEST(ReduceView, SquaresAtTheEndHaveFewerPixels) {
-  ViewData view = FlatView(5, 5, 0.f);
-  for (const auto& [x, y] : {std::pair{3, 3}, {3, 4}, {4, 3}, {4, 4}}) {
-    view.depth(x, y) = 2.f;
-  }
-  view.color(4, 4) = {9, 8, 7};
-  view.color(3, 0) = {200, 3, 0};
-  const ViewData reduced = ReduceView(view, 3);
-  ASSERT_EQ(reduced.depth.Width(), 2);
-  EXPECT_EQ(reduced.depth(1, 1), 2.f);
-  EXPECT_EQ(reduced.depth(0, 0), 0.f);
-  // One of four, and one of six; to the nearest.
-  EXPECT_EQ(reduced.color(1, 1).r, 2);
-  EXPECT_EQ(reduced.color(1, 1).b, 2);
-  EXPECT_EQ(reduced.color(1, 0).r, 33);
-  EXPECT_EQ(reduced.color(1, 0).g, 1);
-}
-
 TEST(ReduceHypotheses, AreThoseOfTheReducedView) {
   const auto device = CreateTestDevice(3);
   ViewData view = MakeSyntheticViews({}).views[0];

@@ -139,22 +139,6 @@ TEST_F(FitPlaneTest, DoesNotDependOnTheScale) {
   }
 }
 
-TEST_F(FitPlaneTest, DoesNotDependOnTheOrigin) {
-  Philox random(3, 0, 0);
-  std::vector<DepthObservation> observations = AddNoise(clean_, &random);
-  const WorldPlane fitted = Fit(observations);
-  const Eigen::Vector3d far(4e6, -5e5, 300.0);
-  for (DepthObservation& observation : observations) {
-    observation.center += far;
-  }
-  const WorldPlane moved = FitFrom(
-      PlaneThrough(initial_.normal,
-                   far + middle_ - initial_.Height(middle_) * initial_.normal),
-      observations);
-  EXPECT_LT(AngleBetween(moved, fitted), 1e-6);
-  EXPECT_NEAR(moved.Height(far + middle_), fitted.Height(middle_), 1e-7);
-}
-
 TEST_F(FitPlaneTest, BearsGrazingViews) {
   // One view along the plane, from just above it, beside those that see it.
   const Eigen::Vector3d along = plane_.normal.unitOrthogonal();

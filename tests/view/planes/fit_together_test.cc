@@ -147,29 +147,5 @@ TEST_F(FitTogetherTest, NothingTurnsAboutALine) {
   }
 }
 
-TEST_F(FitTogetherTest, DoesNotDependOnTheScale) {
-  std::vector<JointPlane> joint = Turned(oblique_turn_);
-  const Eigen::Matrix3d rotation =
-      FitTogether(std::nullopt, kLossScale, &joint);
-  for (const double scale : {1000.0, 0.001}) {
-    std::vector<FitSamples> samples;
-    for (const std::vector<DepthObservation>& observations : observations_) {
-      samples.push_back(ToSamples(Scaled(observations, scale)));
-    }
-    std::vector<JointPlane> scaled = Turned(oblique_turn_);
-    for (int i = 0; i < kNumPlanes; ++i) {
-      scaled[i].plane.offset *= scale;
-      scaled[i].samples = &samples[i];
-    }
-    EXPECT_LT(
-        (FitTogether(std::nullopt, kLossScale, &scaled) - rotation).norm(),
-        1e-9);
-    for (int i = 0; i < kNumPlanes; ++i) {
-      EXPECT_NEAR(
-          scaled[i].plane.offset / (scale * joint[i].plane.offset), 1.0, 1e-9);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace tsar

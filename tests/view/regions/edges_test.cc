@@ -153,15 +153,6 @@ TEST(LineSegments, ShorterThanTheirLeastLengthAreDropped) {
   EXPECT_EQ(CountDrawn(DrawShortLine(14)), 1);
 }
 
-TEST(LineSegments, NeedTheirVotes) {
-  const Image<uint8_t> edges = DrawShortLine(13);
-  HoughOptions options;
-  options.min_votes = 13;
-  EXPECT_EQ(CountDrawn(edges, options), 0);
-  options.min_votes = 12;
-  EXPECT_EQ(CountDrawn(edges, options), 1);
-}
-
 TEST(LineSegments, FollowSlantedLines) {
   for (const double angle : {0.2, 0.7854, 1.3, 2.0, 2.8}) {
     Image<uint8_t> whole(160, 160, 0);
@@ -218,19 +209,6 @@ TEST(LineSegments, CopeWithAnImageOfEdgesOnly) {
                                       std::pair(3001, 3)}) {
     EXPECT_EQ(CountDrawn(Image<uint8_t>(width, height, 1)), 0);
   }
-}
-
-TEST(LineSegments, OfAnyLengthOnRequest) {
-  // Five pixels with a gap of one; a thirtieth of the image's side are 6.7.
-  Image<uint8_t> edges(200, 200, 0);
-  for (const int x : {20, 21, 22, 24, 25}) {
-    edges(x, 40) = 1;
-  }
-  EXPECT_EQ(CountDrawn(edges), 0);
-  HoughOptions options;
-  options.min_length_share = 0.f;
-  EXPECT_EQ(CountDrawn(edges, options), 1);
-  EXPECT_EQ(Draw(edges, options)(23, 40), 1);
 }
 
 }  // namespace

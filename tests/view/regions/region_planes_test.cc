@@ -181,20 +181,6 @@ TEST_F(RegionPlanesTest, ACoreOnTheWallWinsOverFramesAroundIt) {
   }
 }
 
-TEST_F(RegionPlanesTest, NoiseInTheCoreAloneIsNoPlane) {
-  for (uint32_t seed = 0; seed < 20; ++seed) {
-    Philox random(seed, 1, 2);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        depth_(x, y) = InRegion(x, y) ? 3.f + 2.f * random.NextFloat() : 0.f;
-      }
-    }
-    for (const SupportedPlane& plane : FitAll()) {
-      EXPECT_FALSE(plane.plane.Valid()) << seed;
-    }
-  }
-}
-
 // Two walls that meet at the column of the principal point, and no edge there.
 class CreasedRegionTest : public RegionPlanesTest {
  protected:

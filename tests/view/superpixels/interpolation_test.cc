@@ -121,36 +121,5 @@ TEST_F(InterpolateHolesTest, ReadsThePreviousRoundOnly) {
   }
 }
 
-// Turned by 180 degrees, the map's pixels are visited in the reverse order.
-TEST_F(InterpolateHolesTest, DoesNotDependOnTheScanOrder) {
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      depth_(x, y) *= 1.f + 0.003f * ((x * 7 + y * 11) % 13);
-    }
-  }
-  EraseBox(30, 20, 70, 50);
-  Fill(3);
-  const Image<float> depth = filled_depth_;
-  std::reverse(depth_.begin(), depth_.end());
-  std::reverse(normal_.begin(), normal_.end());
-  for (Vec3f& normal : normal_) {
-    normal = {-normal.x, -normal.y, normal.z};
-  }
-  camera_.cx = kWidth - 1 - camera_.cx;
-  camera_.cy = kHeight - 1 - camera_.cy;
-  Fill(3);
-  int num_different = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const float turned = filled_depth_(kWidth - 1 - x, kHeight - 1 - y);
-      ASSERT_EQ(turned > 0.f, depth(x, y) > 0.f);
-      num_different +=
-          std::abs(turned - depth(x, y)) > 1e-4f * depth(x, y) ? 1 : 0;
-    }
-  }
-  // Medians between two taps of equal weight may fall to either side.
-  EXPECT_LT(num_different, kWidth * kHeight / 100);
-}
-
 }  // namespace
 }  // namespace tsar

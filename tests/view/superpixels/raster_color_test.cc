@@ -15,27 +15,6 @@
 namespace tsar {
 namespace {
 
-Vec3f Convert(const Rgb& color) {
-  const auto device = CreateTestDevice(1);
-  return ConvertToLab(DeviceCopies(*device)(Image<Rgb>(1, 1, color)), *device).ToHost()(0, 0);
-}
-
-void ExpectLab(const Rgb& color, float l, float a, float b) {
-  const Vec3f lab = Convert(color);
-  EXPECT_NEAR(lab.x, l, 0.02f);
-  EXPECT_NEAR(lab.y, a, 0.02f);
-  EXPECT_NEAR(lab.z, b, 0.02f);
-}
-
-TEST(ConvertToLab, KnowsTheColorsOfTheTables) {
-  ExpectLab({0, 0, 0}, 0.f, 0.f, 0.f);
-  ExpectLab({255, 255, 255}, 100.f, 0.f, 0.f);
-  ExpectLab({128, 128, 128}, 53.59f, 0.f, 0.f);
-  ExpectLab({255, 0, 0}, 53.24f, 80.09f, 67.20f);
-  ExpectLab({0, 255, 0}, 87.74f, -86.18f, 83.18f);
-  ExpectLab({0, 0, 255}, 32.30f, 79.20f, -107.86f);
-}
-
 // OpenCV interpolates in a table, which is coarser than arithmetic.
 TEST(ConvertToLab, IsCloseToThatOfOpenCv) {
   // Every fifth level of each channel, so that 0 and 255 are among them.

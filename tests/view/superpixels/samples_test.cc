@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/random.h"
 
-#include <utility>
 #include <vector>
 
 #include "tests/support/synthetic_scene.h"
@@ -16,36 +15,6 @@ namespace tsar {
 namespace {
 
 constexpr Intrinsics kIntrinsics{50.f, 50.f, 10.f, 10.f};
-
-TEST(SampleMeasurements, CoversEachMapPixelOnce) {
-  const auto device = CreateTestDevice(1);
-  DeviceCopies on_device(*device);
-  const std::vector<std::pair<int, int>> sizes = {
-      {5, 5}, {7, 3}, {100, 77}, {11, 4}, {64, 1}, {3110, 777}};
-  for (const auto& [map_width, raster_width] : sizes) {
-    const Image<float> depth(map_width, 1, 2.f);
-    const Image<float> score(map_width, 1, 0.f);
-    Image<uint8_t> reliable(map_width, 1, 0);
-    const int step = map_width > 1000 ? 37 : 1;
-    for (int x = 0; x < map_width; x += step) {
-      reliable(x, 0) = 1;
-      const Image<RayDepth> samples =
-          SampleMeasurements(on_device(depth),
-                             on_device(score),
-                             on_device(reliable),
-                             kIntrinsics,
-                             {raster_width, 1},
-                             *device)
-              .ToHost();
-      const int expected = ReducedRaster::FromMap(x, map_width, raster_width);
-      for (int column = 0; column < raster_width; ++column) {
-        ASSERT_EQ(samples(column, 0).z, column == expected ? 2.f : 0.f)
-            << map_width << " to " << raster_width << ": " << x;
-      }
-      reliable(x, 0) = 0;
-    }
-  }
-}
 
 TEST(SampleMeasurements, TakesTheBestReliablePixelWithItsOwnRay) {
   const auto device = CreateTestDevice(2);
