@@ -204,7 +204,6 @@ TEST_F(ModelCreasesTest, DoNotDependOnTheResources) {
   ExpectSameWithMoreResources(one);
   CountingDevice gpu("GPU", SIZE_MAX);
   resources_.gpus = {{"GPU", &gpu}};
-  resources_.max_gpu_bytes = INT64_MAX;
   ExpectSame(one, *Run());
   EXPECT_GT(gpu.NumAllocations(), 0);
 }
