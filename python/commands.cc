@@ -98,23 +98,19 @@ py::list ToTexts(const std::vector<std::filesystem::path>& paths) {
   return list;
 }
 
-// Undoes the work of a command on a workspace. num_restored: tells of the
-// result of how many images.
-template <typename Undo, typename NumRestored>
-py::dict Undone(const std::filesystem::path& workspace_path,
-                const std::string& conflicts,
-                const Undo& undo,
-                const NumRestored& num_restored) {
+// Undoes the work of a command on a workspace: calls Restore or UndoImport.
+py::dict Undo(const std::filesystem::path& workspace_path,
+              RestoreResult (*undo)(const std::filesystem::path& root)) {
   PrepareStreams();
-  const auto result = [&] {
+  const RestoreResult result = [&] {
     const py::gil_scoped_release release;
     const WorkspaceLock lock(workspace_path);
-    return undo(workspace_path, ParseRestoreConflicts(conflicts));
+    return undo(workspace_path);
   }();
-  return py::dict("num_restored"_a = num_restored(result),
+  return py::dict("num_restored"_a = result.num_restored,
                   "kept"_a = ToTexts(result.kept),
                   "superseded"_a = ToTexts(result.superseded),
-                  "conflicts"_a = ToTexts(result.conflicts));
+                  "lost"_a = ToTexts(result.lost));
 }
 
 template <typename Summary>
@@ -169,22 +165,6 @@ py::dict Refine(const py::dict& options, const py::tuple& listeners) {
   command.UsePreset();
   SetGiven(options, &command);
   return ToDict(Run("refine", command, listeners));
-}
-
-py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
-                          const std::string& conflicts) {
-  const auto restore = [](const std::filesystem::path& path,
-                          RestoreConflicts choice) {
-    RestoreResult result = Restore(path, choice);
-    // Those are for the user to decide about as well.
-    result.conflicts.insert(
-        result.conflicts.end(), result.lost.begin(), result.lost.end());
-    return result;
-  };
-  return Undone(
-      workspace_path, conflicts, restore, [](const RestoreResult& result) {
-        return result.num_restored;
-      });
 }
 
 py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
@@ -247,14 +227,6 @@ py::dict ImportMaps(const py::dict& options, const py::tuple& listeners) {
                   "text"_a = TextOf(summary));
 }
 
-py::dict UndoImports(const std::filesystem::path& workspace_path,
-                     const std::string& conflicts) {
-  return Undone(
-      workspace_path, conflicts, &UndoImport, [](const UndoResult& result) {
-        return result.num_images;
-      });
-}
-
 py::dict Report(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<ReportCommand>(options);
   std::optional<std::filesystem::path> page_path;
@@ -302,11 +274,15 @@ void BindCommands(py::module_* module) {
   module->def("help_json_of_export", &HelpJson<ExportCommand>);
   module->def("suggest_names", &SuggestNames);
   module->def("refine", &Refine);
-  module->def("restore", &RestoreOriginals);
+  module->def("restore", [](const std::filesystem::path& workspace_path) {
+    return Undo(workspace_path, &Restore);
+  });
   module->def("stereo", &Stereo);
   module->def("fuse", &Fuse);
   module->def("import_maps", &ImportMaps);
-  module->def("undo_imports", &UndoImports);
+  module->def("undo_imports", [](const std::filesystem::path& workspace_path) {
+    return Undo(workspace_path, &UndoImport);
+  });
   module->def("report", &Report);
   module->def("export", &Export);
 }

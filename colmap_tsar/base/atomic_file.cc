@@ -232,15 +232,6 @@ void AtomicFile::Prepare() {
   }
 }
 
-int64_t AtomicFile::Time() const {
-  struct stat state = {};
-  fstatat(state_->folder.Descriptor(),
-          state_->temporary.c_str(),
-          &state,
-          AT_SYMLINK_NOFOLLOW);
-  return ToNanoseconds(state.st_mtim);
-}
-
 void AtomicFile::Commit() {
   Prepare();
   const int folder = state_->folder.Descriptor();

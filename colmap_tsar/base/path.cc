@@ -78,14 +78,6 @@ bool IsWithin(const fs::path& path, const fs::path& folder) {
              .first == folder.end();
 }
 
-int64_t TimeOf(const std::filesystem::path& path) {
-  struct stat state;
-  if (stat(path.c_str(), &state) != 0) {
-    return 0;
-  }
-  return ToNanoseconds(state.st_mtim);
-}
-
 int64_t ToNanoseconds(const timespec& time) {
   constexpr int64_t kPerSecond = 1000000000;
   return time.tv_sec * kPerSecond + time.tv_nsec;

@@ -37,11 +37,10 @@ int UndoImports(const ImportCommand& command) {
   }
   const std::filesystem::path& root = command.options.workspace_path;
   const WorkspaceLock lock(root);
-  const UndoResult result =
-      UndoImport(root, ParseRestoreConflicts(command.restore_conflicts));
-  std::cout << "Undid the import of " << Counted(result.num_images, "image")
+  const RestoreResult result = UndoImport(root);
+  std::cout << "Undid the import of " << Counted(result.num_restored, "image")
             << ".\n";
-  ReportRestored(result.kept, result.superseded, result.conflicts);
+  ReportRestored(result);
   return 0;
 }
 
@@ -113,7 +112,6 @@ void AddConversionOptions(ImportCommand* command, OptionSet* set) {
            "Undo all imports: put the former maps back, remove what was "
            "imported, and do nothing else. What others wrote in its place "
            "since is never removed.");
-  AddRestoreConflicts(&command->restore_conflicts, set);
 }
 
 ExternalFormat ToFormat(const std::string& text) {

@@ -19,7 +19,6 @@ struct ImportCommand {
   std::string index_order = "image_id";
   std::string normal_frame = "auto";
   bool restore = false;
-  std::string restore_conflicts = "report";
   // The options that the members above do not hold.
   ImportOptions options;
 

@@ -18,7 +18,7 @@ bool NeedsEvidence(const RefineOptions& options) {
 }
 
 EvidenceStore::EvidenceStore(const Workspace& workspace,
-                             InputFingerprints& inputs,
+                             const InputFingerprints& inputs,
                              std::string options_hash,
                              size_t max_num_views)
     : workspace_(workspace),
@@ -31,7 +31,7 @@ bool EvidenceStore::IsCurrent(int image) {
       (expected_ && !expected_->contains(image))) {
     return false;
   }
-  const bool is_current = ReadEvidenceHash(Path(image)) == Fingerprint(image);
+  const bool is_current = ReadEvidenceHash(Path(image)) == Fingerprint();
   if (expected_ && !is_current) {
     throw Error::File(
         ErrorCode::kMismatch,
@@ -48,7 +48,7 @@ void EvidenceStore::Expect(std::set<int> images) {
 }
 
 void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
-  WriteEvidence(Path(image), Fingerprint(image), evidence);
+  WriteEvidence(Path(image), Fingerprint(), evidence);
 }
 
 void EvidenceStore::RemoveUnlikePriors() {
@@ -112,12 +112,8 @@ ContainedPath EvidenceStore::Path(int image) const {
       workspace_.Root(), workspace_.Name(image), workspace_.Type());
 }
 
-std::string EvidenceStore::Fingerprint(int image) {
-  std::string states = inputs_.StateOfView(image);
-  for (const int source : inputs_.Problem(image)->sources) {
-    states += " " + inputs_.StateOfView(source);
-  }
-  return options_hash_ + " " + FingerprintOf(states);
+std::string EvidenceStore::Fingerprint() const {
+  return options_hash_ + " " + inputs_.OfRun();
 }
 
 }  // namespace tsar

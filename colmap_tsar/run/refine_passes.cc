@@ -176,9 +176,6 @@ ObservePass::ObservePass(const RefineRun& run,
 
 ImageReport ObservePass::Begin(size_t index) {
   ImageReport report;
-  if (run_.plan.CanRefine(index)) {
-    run_.plan.WarnOfChanges(index);
-  }
   // The last pass finds out and reports why an image cannot be refined.
   if (!(has_model_ ? run_.plan.IsNeeded(index) : run_.plan.IsAnyNeeded()) ||
       (run_.observer == nullptr &&
@@ -229,9 +226,6 @@ ImageReport ComposePass::Begin(size_t index) {
     writer_.Keep(run_.plan.Reference(index), report.reason, &report);
   } else if (report.outcome == ImageReport::Outcome::kNotDone) {
     report.seconds = seconds_[index];
-    if (!run_.HasScenePlanes()) {
-      run_.plan.WarnOfChanges(index);
-    }
   }
   return report;
 }

@@ -32,10 +32,10 @@ struct RefineRun {
   // Indices in Problems(), by shard; the run works on those of its own shard.
   const std::vector<std::vector<size_t>>& shards;
   const RefineDevices& devices;
-  InputFingerprints& inputs;
+  const InputFingerprints& inputs;
   EvidenceStore& evidence;
   const SceneModelStore& model;
-  RefinePlan& plan;
+  const RefinePlan& plan;
   ViewLoader& loader;
   // Receives the intermediate results of the stages; may be null.
   RefineObserver* observer = nullptr;

@@ -96,19 +96,14 @@ void RefineController::Lock() {
   const bool in_place = options_.output_path.empty();
   if (IsShard()) {
     lock_.emplace(workspace_.Root(),
-                  options_.pass == RefinePass::kObserve
-                      ? WorkspaceLock::Mode::kObserve
-                      : WorkspaceLock::Mode::kCompose,
+                  WorkspaceLock::Mode::kShard,
                   options_.shard.index);
   } else if (in_place) {
     lock_.emplace(workspace_.Root());
   }
-  if (!in_place || workspace_.IsOutput()) {
+  if (!in_place) {
     // The lock keeps others from changing the originals while they are read.
-    input_lock_.emplace(workspace_.SourceRoot(),
-                        workspace_.IsOutput()
-                            ? WorkspaceLock::Mode::kSharedIfThere
-                            : WorkspaceLock::Mode::kShared);
+    input_lock_.emplace(workspace_.Root(), WorkspaceLock::Mode::kShared);
   }
 }
 
@@ -124,9 +119,6 @@ void RefineController::Check() {
   for (const std::string& obstacle :
        FindFusionObstacles(workspace_.Model(), workspace_.ModelFolder())) {
     Warn(obstacle);
-  }
-  if (options_.pass != RefinePass::kCompose) {
-    CheckOriginals(workspace_);
   }
 }
 
@@ -145,14 +137,14 @@ RunSummary RefineController::Run() {
     OpenOutput();
   }
   const std::string options_hash = HashRefineOptions(refine_options_);
-  InputFingerprints inputs(workspace_);
+  const InputFingerprints inputs(workspace_);
   EvidenceStore evidence(workspace_,
                          inputs,
                          options_hash,
                          NumEvidenceViews(overview_, devices_.NumScenes()));
   const SceneModelStore model(workspace_, inputs, options_hash);
   // An observer is to see every image.
-  RefinePlan plan(
+  const RefinePlan plan(
       workspace_,
       inputs,
       overview_.has_maps,
@@ -162,6 +154,9 @@ RunSummary RefineController::Run() {
       /*reuses_results=*/observer_ == nullptr);
   if (NeedsEvidence(refine_options_)) {
     plan.RequireOthersFit(options_.image_list_path);
+  }
+  if (options_.pass != RefinePass::kCompose) {
+    plan.WarnOfChanges();
   }
   ViewLoader loader(workspace_, plan, refine_options_.distrust_unmatched);
   const RefineRun run = {options_,
@@ -185,24 +180,13 @@ RunSummary RefineController::Run() {
 }
 
 void RefineController::OpenOutput() {
-  if (ReadOutputMarker(options_.output_path)) {
-    // Another program may be at work on it.
-    lock_.emplace(options_.output_path);
-  }
-  const bool has_own_list = workspace_.IsOutput();
+  BeginOutputWorkspace(workspace_, options_.output_path);
+  lock_.emplace(options_.output_path);
   workspace_ = CreateOutputWorkspace(
       workspace_, options_.output_path, workspace_.Type());
   workspace_.UseMasks(options_.mask_path);
   workspace_.UsePriors(options_.prior_path, options_.prior_type);
   workspace_.UseLabelImages(options_.region_path);
-  if (!lock_) {
-    lock_.emplace(workspace_.Root());
-  }
-  if (has_own_list) {
-    // The image list of an output's output is that of the first workspace.
-    overview_ = CheckWorkspace(workspace_);
-  }
-  shards_ = SplitImages(workspace_, options_.shard.count);
 }
 
 PipelineOutcome RefineController::RunPasses(const RefineRun& run,
@@ -217,7 +201,6 @@ PipelineOutcome RefineController::RunPasses(const RefineRun& run,
   }
   std::vector<StageSeconds> seconds(run.plan.NumImages());
   if (options_.pass != RefinePass::kCompose) {
-    account.BeforeObserving();
     PipelineOutcome outcome = Observe(run, seconds);
     if (options_.pass == RefinePass::kObserve) {
       return outcome;

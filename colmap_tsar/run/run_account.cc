@@ -7,9 +7,7 @@
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/run/shard_entries.h"
 #include "colmap_tsar/run/store/manifest.h"
-#include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/shard_record.h"
-#include "colmap_tsar/run/store/write_back.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <cstddef>
@@ -21,15 +19,6 @@
 
 namespace tsar {
 namespace {
-
-bool WasRefinedBefore(RefinePlan& plan, size_t index) {
-  try {
-    return plan.HasBeenRefined(index);
-  } catch (const Error&) {
-    // The failure may be that this cannot be found out.
-    return false;
-  }
-}
 
 // The runtime settings of a run, by name; no result depends on them.
 std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
@@ -68,8 +57,7 @@ void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted) {
 }
 
 // The account of a run over all images: stereo/tsar/manifest.json. When all
-// images are done, the files that only an unfinished run needs are removed, and
-// the links of output workspaces made from this one are renewed.
+// images are done, the files that only an unfinished run needs are removed.
 class ManifestAccount : public RunAccount {
  public:
   explicit ManifestAccount(const RefineRun& run) : run_(run) {}
@@ -105,11 +93,6 @@ void ManifestAccount::End(const PipelineOutcome& outcome) {
     SceneModelStore::Remove(run_.workspace);
   }
   RemoveShardRecords(run_.workspace.Root());
-  if (run_.options.output_path.empty() && !run_.workspace.IsOutput()) {
-    // Kept images got their maps back from the folder that links lead to.
-    bool are_all_linked = true;
-    RelinkOutputs(run_.workspace.Root(), &are_all_linked);
-  }
 }
 
 Manifest ManifestAccount::Build() const {
@@ -117,6 +100,7 @@ Manifest ManifestAccount::Build() const {
                                     RefineOptionsText(run_.refine_options),
                                     HashRefineOptions(run_.refine_options));
   manifest.runtime = RuntimeText(run_.options.devices, run_.devices);
+  manifest.inputs = run_.inputs.States();
   if (!run_.options.image_list_path.empty()) {
     manifest.runtime["listed_images"] = std::to_string(run_.plan.NumListed());
   }
@@ -132,7 +116,7 @@ void ManifestAccount::MarkFailures(const PipelineOutcome& outcome,
     }
     Manifest::Entry& entry = manifest->images[i];
     entry.note = FailureText(outcome.failures[i]);
-    if (WasRefinedBefore(run_.plan, i)) {
+    if (run_.plan.HasBeenRefined(i)) {
       // The image was only to be observed, and its maps are as valid as before.
       entry.note = "cannot be observed for other images: " + entry.note;
     } else {
@@ -180,7 +164,6 @@ class ShardAccount : public RunAccount {
   explicit ShardAccount(const RefineRun& run) : run_(run) {}
 
   void Begin() override;
-  void BeforeObserving() override;
   void BeforeComposing() override;
   void End(const PipelineOutcome& outcome) override;
 
@@ -199,10 +182,11 @@ void ShardAccount::Begin() {
                           run_.options.pass,
                           run_.options.shard);
   record_.runtime = ShardRuntime(run_.options.devices, run_.devices);
+  record_.inputs = run_.inputs.OfRun();
   record_.num_masks = run_.NumMasks();
   record_.num_priors = run_.NumPriors();
   for (const size_t index : run_.Images()) {
-    record_.images.push_back({run_.plan.Name(index), State::kNeeded, {}, ""});
+    record_.images.push_back({run_.plan.Name(index), State::kNeeded, ""});
   }
   if (!IsObserving()) {
     observed_ = ReadObservedShards(run_.workspace, record_, run_.shards);
@@ -210,31 +194,8 @@ void ShardAccount::Begin() {
   BeginShard(run_.workspace.Root(), record_);
 }
 
-void ShardAccount::BeforeObserving() {
-  for (size_t i = 0; i < run_.Images().size(); ++i) {
-    const int reference = run_.plan.Reference(run_.Images()[i]);
-    if (!run_.HasScenePlanes() && !run_.workspace.IsOutput() &&
-        run_.plan.HasMaps(reference)) {
-      // The other shards read the original, whatever becomes of the maps.
-      StoreOriginals(run_.workspace, reference);
-    }
-    record_.images[i].inputs = run_.inputs.OfView(reference);
-  }
-}
-
 void ShardAccount::BeforeComposing() {
-  std::vector<int> own;
-  for (const size_t index : run_.Images()) {
-    own.push_back(run_.plan.Reference(index));
-  }
-  run_.inputs.Expect(observed_.inputs, own);
-  for (const int image : own) {
-    run_.inputs.OfView(image);
-  }
   if (!run_.HasScenePlanes()) {
-    if (!run_.workspace.IsOutput()) {
-      run_.workspace.TrustStoredOriginals();
-    }
     return;
   }
   run_.evidence.Expect(observed_.with_evidence);

@@ -18,8 +18,7 @@ class RunAccount {
 
   // Called before any image is changed. Throws where the run is not allowed.
   virtual void Begin() = 0;
-  // Called before the passes.
-  virtual void BeforeObserving() {}
+  // Called before the last pass.
   virtual void BeforeComposing() {}
   // Called when the last pass has ended or had to stop: then throws the failure
   // of an image, or kInterrupted.

@@ -179,14 +179,22 @@ ObservedShards ReadObservedShards(
   const std::vector<ShardRecord> records =
       ReadCompleteShards(workspace.Root(), own, RefinePass::kObserve);
   for (size_t shard = 0; shard < shards.size(); ++shard) {
+    const std::filesystem::path path =
+        GetShardPath(workspace.Root(),
+                     ToString(RefinePass::kObserve),
+                     static_cast<int>(shard),
+                     own.count);
+    if (records[shard].inputs != own.inputs) {
+      throw Error::File(ErrorCode::kMismatch,
+                        path.string(),
+                        "inputs of the run have changed since that shard was "
+                        "observed",
+                        ObserveAgain());
+    }
     if (records[shard].images.size() != shards[shard].size()) {
       throw Error::File(
           ErrorCode::kMismatch,
-          GetShardPath(workspace.Root(),
-                       ToString(RefinePass::kObserve),
-                       static_cast<int>(shard),
-                       own.count)
-              .string(),
+          path.string(),
           "names " + std::to_string(records[shard].images.size()) +
               " images, not " + std::to_string(shards[shard].size()),
           ObserveAgain());
@@ -195,7 +203,6 @@ ObservedShards ReadObservedShards(
       const int image = workspace.Problems()[shards[shard][i]].reference;
       const ShardRecord::Entry& entry = records[shard].images[i];
       observed.states[image] = entry.state;
-      observed.inputs[image] = entry.inputs;
       if (entry.state == ShardRecord::State::kObserved) {
         observed.with_evidence.insert(image);
       }

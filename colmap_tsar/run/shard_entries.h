@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/shard.h"
 #include "colmap_tsar/run/store/shard_record.h"
 #include "colmap_tsar/run/store/workspace.h"
@@ -40,9 +39,7 @@ void BeginShard(const std::filesystem::path& root, const ShardRecord& own);
 
 // The content of the records of the pass observe, by image.
 struct ObservedShards {
-  // By image.
-  std::map<int, ShardRecord::State> states;
-  std::map<int, InputState> inputs;
+  std::map<int, ShardRecord::State> states;  // By image.
   std::set<int> with_evidence;
 };
 
@@ -53,7 +50,8 @@ std::vector<ShardRecord> ReadCompleteShards(const std::filesystem::path& root,
                                             const ShardRecord& own,
                                             RefinePass pass);
 
-// Throws what ReadCompleteShards throws. shards: see SplitImages.
+// Throws what ReadCompleteShards throws, and kMismatch where the inputs of the
+// run have changed since a shard was observed. shards: see SplitImages.
 ObservedShards ReadObservedShards(
     const Workspace& workspace,
     const ShardRecord& own,

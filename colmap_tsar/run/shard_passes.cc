@@ -43,10 +43,12 @@ void Model(const WorkspaceRefineOptions& options,
   const Shard shards = {
       0,
       std::max(1, CountShards(workspace, refine_options, RefinePass::kModel))};
-  const ObservedShards observed = ReadObservedShards(
-      workspace,
-      DescribeShard(workspace, refine_options, RefinePass::kModel, shards),
-      SplitImages(workspace, shards.count));
+  const InputFingerprints inputs(workspace);
+  ShardRecord own =
+      DescribeShard(workspace, refine_options, RefinePass::kModel, shards);
+  own.inputs = inputs.OfRun();
+  const ObservedShards observed =
+      ReadObservedShards(workspace, own, SplitImages(workspace, shards.count));
   if (!NeedsEvidence(refine_options)) {
     return;
   }
@@ -54,8 +56,6 @@ void Model(const WorkspaceRefineOptions& options,
   const MemoryPlan memory = PlanRefinement(refine_options, overview);
   ModelResources resources = PlanModelPass(options.devices, memory);
   const std::string options_hash = HashRefineOptions(refine_options);
-  InputFingerprints inputs(workspace);
-  inputs.Expect(observed.inputs, {});
   const SceneModelStore store(workspace, inputs, options_hash);
   RefinePlan plan(workspace,
                   inputs,
@@ -146,11 +146,6 @@ RunSummary ModelShards(const WorkspaceRefineOptions& options,
   const OpenCvWithoutThreads opencv_without_threads;
   const Workspace workspace = OpenWorkspace(options);
   const WorkspaceLock lock(workspace.Root());
-  std::optional<WorkspaceLock> input_lock;
-  if (workspace.IsOutput()) {
-    input_lock.emplace(workspace.SourceRoot(),
-                       WorkspaceLock::Mode::kSharedIfThere);
-  }
   Model(options, refine_options, workspace, progress, should_stop);
   RunSummary summary;
   summary.workspace_path = workspace.Root();
@@ -186,6 +181,7 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
       SumOfShards(shards, &ShardRecord::num_priors);
   if (!shards.empty()) {
     manifest.runtime = RuntimeOfShards(shards);
+    manifest.inputs = InputFingerprints(workspace).States();
     NoteMasksAndPriors(num_masks, num_priors, &manifest);
     WriteManifest(workspace, manifest);
   }

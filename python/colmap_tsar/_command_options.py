@@ -20,7 +20,6 @@ _NOT_KEYWORDS = {
     "log_to_stderr",
     "random_seed",
     "restore",
-    "restore_conflicts",
 }
 
 

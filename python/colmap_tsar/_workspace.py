@@ -204,17 +204,16 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
         command = {**self._to_command(EXPORT, given), **self._to_type()}
         return ExportSummary(**_core.export(command, tell_steps(progress)))
 
-    def restore(self, conflicts: str = "report") -> RestoreSummary:
+    def restore(self) -> RestoreSummary:
         """Puts COLMAP's maps back; see restore()."""
         self._planes = None
-        return restore(self._path, conflicts)
+        return restore(self._path)
 
-    def undo_imports(self, conflicts: str = "report") -> RestoreSummary:
+    def undo_imports(self) -> RestoreSummary:
         """Undoes all imports: puts the former maps back and removes what was imported.
-        What others wrote in its place since is never removed. conflicts: as in
-        restore()."""
+        What others wrote in its place since is never removed."""
         self._planes = None
-        return RestoreSummary(**_core.undo_imports(self._path, conflicts))
+        return RestoreSummary(**_core.undo_imports(self._path))
 
     def _to_command(self, command, options):
         return {"workspace_path": os.fsencode(self._path), **command.to_text(options)}

@@ -4,7 +4,7 @@
 #include "colmap_tsar/base/folder.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/run/store/links.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
 
 #include <csignal>
 #include <utility>
@@ -50,9 +50,6 @@ class FolderTest : public testing::Test {
     });
     ExpectError(
         ErrorCode::kUnsupported, texts, [&] { RemoveTemporaries(folder); });
-    ExpectError(ErrorCode::kUnsupported, texts, [&] {
-      ReplaceByLink(outside_ / "precious", file);
-    });
   }
 
   TemporaryFolder folder_;

@@ -1,10 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/run/store/shard_record.h"
-#include "colmap_tsar/tools/import/import_store.h"
 
 #include <sstream>
 
@@ -20,14 +18,12 @@ void ReadRecordFile(std::span<const uint8_t> input) {
 
 std::vector<std::string> MakeRecordSeeds() {
   ImageRecord record;
-  record.version = "0.1.0";
   record.image = "left/b.png";
   record.type = "geometric";
   record.status = ImageStatus::kDone;
   record.options_hash = "0123456789abcdef";
-  record.inputs.emplace("photo", "fedcba9876543210");
-  record.depth.written = {{1, 2, {0, ~uint32_t{0}}}, {~uint64_t{0}, -1, {}}};
-  record.normal.written = {{2, 0, {}}};
+  record.inputs = "fedcba9876543210";
+  record.files["depth"] = {{1, 2, 3}, {~uint64_t{0}, -1, 0}};
   record.counts["measured"] = 12;
   record.seconds["read"] = 0.5;
   WriteRecord(UserPath(FuzzFolder() / "record.json"), record);
@@ -52,8 +48,7 @@ std::vector<std::string> MakeShardSeeds() {
   record.index = 1;
   record.count = 3;
   record.is_complete = true;
-  record.images.push_back(
-      {"left/b.png", {}, {{"photo", "0123456789abcdef"}}, ""});
+  record.images.push_back({"left/b.png", {}, ""});
   const std::filesystem::path root = FuzzFolder() / "shards";
   std::filesystem::create_directories(root / "stereo");
   WriteShardRecord(root, record);
@@ -61,46 +56,10 @@ std::vector<std::string> MakeShardSeeds() {
   return {TakeFile(path.lexically_relative(FuzzFolder()).string())};
 }
 
-// A workspace into which was imported, with a record that may be anything.
-void ReadImportRecordFile(std::span<const uint8_t> input) {
-  const std::filesystem::path root = FuzzFolder() / "imported";
-  const std::string map = "imported/stereo/depth_maps/a.png.geometric.bin";
-  const std::string former =
-      "imported/stereo/tsar_import/former/depth_maps/a.png.geometric.bin";
-  const std::string record =
-      "imported/stereo/tsar_import/records/a.png.geometric.json";
-  for (const std::string& file : {map, former, record}) {
-    std::filesystem::create_directories((FuzzFolder() / file).parent_path());
-  }
-  PutFile(map, BytesOf("imported"));
-  PutFile(former, BytesOf("former"));
-  PutFile(record, input);
-  Accepts([&] { UndoImport(root); });
-}
-
-std::vector<std::string> MakeImportRecordSeeds() {
-  return {R"({"depth_maps": ["0000000000000001@2:00000003", "4@-5:"],
-               "normal_maps": [], "cost_maps": []})"};
-}
-
-void ReadMarker(std::span<const uint8_t> input) {
-  std::filesystem::create_directories(FuzzFolder() / "output/stereo/tsar");
-  PutFile("output/stereo/tsar/output_of.json", input);
-  Accepts([&] { ReadOutputMarker(FuzzFolder() / "output"); });
-}
-
-std::vector<std::string> MakeMarkerSeeds() {
-  return {R"({"input": "/home/user/dense", "version": "0.1.0"})"};
-}
-
 }  // namespace
 
 const FuzzTarget kRecordTarget = {"record", &ReadRecordFile, &MakeRecordSeeds};
-const FuzzTarget kImportRecordTarget = {
-    "import_record", &ReadImportRecordFile, &MakeImportRecordSeeds};
 const FuzzTarget kShardRecordTarget = {
     "shard_record", &ReadShardFile, &MakeShardSeeds};
-const FuzzTarget kOutputMarkerTarget = {
-    "output_marker", &ReadMarker, &MakeMarkerSeeds};
 
 }  // namespace tsar

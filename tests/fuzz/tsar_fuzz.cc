@@ -33,7 +33,7 @@ constexpr const FuzzTarget* kTargets[] = {
     &kMapTarget,          &kSigmaMapTarget,    &kSparseBinaryTarget,
     &kSparseTextTarget,   &kConfigTarget,      &kImageListTarget,
     &kProjectIniTarget,   &kEvidenceTarget,    &kRecordTarget,
-    &kImportRecordTarget, &kShardRecordTarget, &kOutputMarkerTarget,
+    &kShardRecordTarget,
     &kDmbTarget,          &kApdTarget,         &kDmapTarget,
     &kStoredCameraTarget, &kNpyTarget,         &kPfmTarget,
     &kPngTarget,          &kTiffTarget,        &kExrTarget,

@@ -31,9 +31,6 @@ observed = os.path.join(folder.name, "observed")
 copy(start.mapped, observed)
 program.run("tsar_refine", observed, *SHARD[2:], "observe")
 program.run("tsar_refine", observed, "--TsarRefine.pass", "model")
-# Shards leave their lock's file.
-program.run("tsar_refine", observed, *SHARD[2:], "observe")
-program.run("tsar_refine", start.mapped, "--output_path", output)
 KEY = "v0.png.geometric"
 ini = os.path.join(work, "project.ini")
 with_ini = os.path.join(folder.name, "with_ini")
@@ -52,7 +49,6 @@ FILES = [
     (f"stereo/tsar/records/{KEY}.json", start.refined, [REFINE, RESTORE, REPORT]),
     (f"stereo/tsar/original/depth_maps/{KEY}.bin", start.refined, [REFINE, REPORT]),
     ("stereo/tsar/lock", start.refined, [REFINE, RESTORE, IMPORT, TO_STEREO]),
-    ("stereo/tsar/output_of.json", output, [REFINE, RESTORE, IMPORT, TO_STEREO, REPORT]),
     (f"stereo/provenance_maps/{KEY}.png", start.refined, [REPORT]),
     ("stereo/tsar/shards/observe-0-of-1.json", observed,
      [[*SHARD, "compose"], [*SHARD, "observe"]]),

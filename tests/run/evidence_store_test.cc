@@ -299,25 +299,5 @@ TEST_F(EvidenceStoreTest, ExpectedEvidenceMustBeThereAndCurrent) {
   expect_refusal(1);
 }
 
-// Other programs are at work on them.
-TEST_F(EvidenceStoreTest, ExpectedViewsCountWhateverTheirMapsAre) {
-  const Workspace workspace = Open();
-  Write(1);
-  std::map<int, InputState> views;
-  {
-    InputFingerprints inputs(workspace);
-    for (const int image : {0, 1, 2}) {
-      views[image] = inputs.OfView(image);
-    }
-  }
-  Touch(workspace.DepthPath(1, MapType::kGeometric));
-  EXPECT_FALSE(IsCurrent(1));
-  InputFingerprints inputs(workspace);
-  inputs.Expect(views, {0});
-  EvidenceStore store(workspace, inputs, kOptions, 4);
-  store.Expect({1});
-  EXPECT_TRUE(store.IsCurrent(1));
-}
-
 }  // namespace
 }  // namespace tsar

@@ -5,10 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/run/store/output_workspace.h"
 
-#include <algorithm>
-#include <optional>
 #include <system_error>
 
 namespace tsar {
@@ -45,15 +42,12 @@ std::string FindInputFolder(const fs::path& root, const fs::path& path) {
 void RequireOutsideInputs(const fs::path& root,
                           const fs::path& path,
                           const std::string& option) {
-  const std::optional<fs::path> source = ReadOutputMarker(root);
-  for (const fs::path& workspace : {root, source.value_or(root)}) {
-    const std::string folder = FindInputFolder(workspace, path);
-    if (!folder.empty()) {
-      throw Error::File(ErrorCode::kUnsupported,
-                        path.string(),
-                        "is in the folder " + folder + " of a workspace",
-                        "choose another " + option);
-    }
+  const std::string folder = FindInputFolder(root, path);
+  if (!folder.empty()) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "is in the folder " + folder + " of a workspace",
+                      "choose another " + option);
   }
 }
 

@@ -16,7 +16,7 @@ std::string FindInputFolder(const std::filesystem::path& root,
 
 // Programs only read these folders, so nothing else may be written there.
 // Throws Error kUnsupported, naming the option, where `path` lies in one of
-// this workspace or of the one that it is the output of.
+// them.
 void RequireOutsideInputs(const std::filesystem::path& root,
                           const std::filesystem::path& path,
                           const std::string& option);

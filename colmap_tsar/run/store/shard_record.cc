@@ -84,6 +84,7 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
         json.at("options").get<std::map<std::string, std::string>>();
     record.options_hash = json.at("options_hash").get<std::string>();
     record.images_hash = json.at("images_hash").get<std::string>();
+    record.inputs = json.at("inputs").get<std::string>();
     record.pass = json.at("pass").get<std::string>();
     record.index = json.at("index").get<int>();
     record.count = json.at("count").get<int>();
@@ -100,7 +101,6 @@ ShardRecord ReadShardRecord(const std::filesystem::path& path) {
       record.images.push_back(
           {image.at("image").get<std::string>(),
            EnumValue(kStateNames, image.at("state").get<std::string>()),
-           image.at("inputs").get<std::map<std::string, std::string>>(),
            image.at("note").get<std::string>()});
     }
     // A record under another shard's name would count as that one's.
@@ -125,7 +125,6 @@ void WriteShardRecord(const std::filesystem::path& root,
   for (const ShardRecord::Entry& entry : record.images) {
     images.push_back({{"image", entry.image},
                       {"state", EnumName(kStateNames, entry.state)},
-                      {"inputs", entry.inputs},
                       {"note", entry.note}});
   }
   nlohmann::json json = {{"version", record.version},
@@ -133,6 +132,7 @@ void WriteShardRecord(const std::filesystem::path& root,
                          {"options", record.options},
                          {"options_hash", record.options_hash},
                          {"images_hash", record.images_hash},
+                         {"inputs", record.inputs},
                          {"pass", record.pass},
                          {"index", record.index},
                          {"count", record.count},

@@ -28,9 +28,6 @@ struct ShardRecord {
   struct Entry {
     std::string image;
     State state = State::kNeeded;
-    // The inputs of its view, as fingerprints by input name; only in the pass
-    // observe.
-    std::map<std::string, std::string> inputs;
     std::string note;
   };
 
@@ -39,6 +36,8 @@ struct ShardRecord {
   std::map<std::string, std::string> options;
   std::string options_hash;
   std::string images_hash;  // A hash of the images to refine and their sources.
+  // The fingerprint of the inputs of the run, see InputFingerprints.
+  std::string inputs;
   std::string pass;
   int index = 0;
   int count = 1;

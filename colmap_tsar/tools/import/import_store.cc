@@ -4,223 +4,130 @@
 #include "colmap_tsar/tools/import/import_store.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/path.h"
-#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/originals.h"
-#include "colmap_tsar/run/store/output_workspace.h"
-#include "colmap_tsar/run/store/restore.h"
-#include "colmap_tsar/tools/import/import_record.h"
+#include "colmap_tsar/run/store/record.h"
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <set>
 #include <utility>
+#include <vector>
 
 namespace tsar {
 namespace {
 
-// Whether a file exists that no import wrote.
-bool IsForeignMap(const std::filesystem::path& path,
-                  const std::vector<WrittenMap>& ours) {
-  return Exists(path) && !IsAnyOf(path, ours);
+// The folders of the maps that an import writes, and their names in records.
+constexpr std::array<const char*, 3> kFolders = {
+    "depth_maps", "normal_maps", "cost_maps"};
+constexpr size_t kDepthMaps = 0;
+constexpr size_t kNormalMaps = 1;
+constexpr size_t kCostMaps = 2;
+
+// stereo/tsar_import: the maps that imports replaced and records of those they
+// wrote. tsar_refine, with stereo/tsar, treats imported maps as originals.
+ContainedPath GetImportFolder(const std::filesystem::path& root) {
+  return {root, std::filesystem::path("stereo") / "tsar_import"};
 }
 
-void SupersedeAndWarn(const ContainedPath& path, const ContainedPath& map) {
-  const ContainedPath moved = Supersede(path, map);
-  Warn(map.string() + ": what was kept or stood there is now " +
-       moved.string());
+// The files of one image's maps of one type and of what imports keep for them.
+struct ImportPaths {
+  std::array<ContainedPath, kFolders.size()> maps;
+  std::array<ContainedPath, kFolders.size()> former;
+  ContainedPath record;
+};
+
+// key: the image's name and the type, by which maps and records are named.
+ImportPaths GetImportPaths(const std::filesystem::path& root,
+                           const std::string& key) {
+  ImportPaths paths;
+  const ContainedPath stereo(root, "stereo");
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+    paths.maps[kind] = stereo / kFolders[kind] / (key + ".bin");
+    paths.former[kind] =
+        GetImportFolder(root) / "former" / kFolders[kind] / (key + ".bin");
+  }
+  paths.record = GetImportFolder(root) / "records" / (key + ".json");
+  return paths;
 }
 
-// The state of the former map; nullopt if there is none.
-std::optional<MapState> InspectKept(const ImportPaths& paths,
-                                    size_t kind,
-                                    const ImportRecord& record) {
-  if (!Exists(paths.former[kind])) {
-    return std::nullopt;
-  }
-  return InspectMap(
-      paths.maps[kind], paths.former[kind], &record.written[kind]);
+ImportPaths GetImportPaths(const std::filesystem::path& root,
+                           const std::string& image_name,
+                           MapType type) {
+  return GetImportPaths(root, image_name + "." + ToString(type));
 }
 
-// Keeps the maps that an import will replace, unless imports wrote them, and
-// describes them in the record. Throws kMismatch if their source is unknown.
-void KeepFormer(const ImportPaths& paths,
-                const ImportRecord& record,
-                ImportRecord* next) {
-  std::array<std::optional<MapState>, kImportFolders.size()> states;
-  for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
-    states[kind] = InspectKept(paths, kind, record);
+// The former maps; `path` is of no use where an import wrote the first map.
+std::array<OriginalMap, kFolders.size()> InspectFormer(
+    const ImportPaths& paths, const std::optional<ImageRecord>& record) {
+  std::array<OriginalMap, kFolders.size()> former;
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+    former[kind] = InspectOriginal(
+        paths.maps[kind], paths.former[kind], record, kFolders[kind]);
   }
-  const MapOwner owner = FindOwner(states[kDepthMaps], states[kNormalMaps]);
-  const bool has_former = states[kDepthMaps] || states[kNormalMaps];
-  if (has_former && owner == MapOwner::kUndecided) {
-    throw Error::File(
-        ErrorCode::kMismatch,
-        paths.maps[kDepthMaps].string(),
-        "nothing tells whether this map and its normals, or those "
-        "that an import has kept, are the former ones",
-        "decide by tsar_import " + OptionName("restore") + " 1 with " +
-            OptionName("restore_conflicts") + " original or keep");
-  }
-  const bool is_replaced = has_former && owner == MapOwner::kOtherProgram;
-  // All earlier former maps are removed before the first current one is kept,
-  // so that the two sets are never mixed.
-  for (size_t kind = 0; is_replaced && kind < kImportFolders.size(); ++kind) {
-    if (states[kind]) {
-      SupersedeAndWarn(paths.former[kind], paths.maps[kind]);
-    }
-  }
-  for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
-    const ContainedPath& current = paths.maps[kind];
-    const ContainedPath& former = paths.former[kind];
-    if (is_replaced) {
-      next->former[kind].reset();
-    }
-    if (!IsForeignMap(current, record.written[kind])) {
-      continue;
-    }
-    if (states[kind] && !is_replaced) {
-      if (states[kind] != MapState::kOriginal) {
-        SupersedeAndWarn(current, current);  // An edited or damaged import.
-        continue;
-      }
-    } else {
-      LinkOrCopyFile(current, former);
-    }
-    next->former[kind] = WrittenMap{HashFile(former), 0, {}};
-  }
+  return former;
 }
 
-// Removes empty folders, from `folder` up to below `top`.
-void RemoveEmptyFoldersUpTo(ContainedPath folder, const ContainedPath& top) {
-  while (folder.Path() != top.Path() && RemoveFolderIfEmpty(folder)) {
-    folder = folder.Parent();
+// Keeps a map that an import will replace, unless an import wrote it.
+void KeepFormer(const OriginalMap& former,
+                const ContainedPath& current,
+                const ContainedPath& kept) {
+  if (former.state == MapState::kUnknown) {
+    Supersede(current, current);
+  } else if (former.state == MapState::kForeign ||
+             former.state == MapState::kDamaged) {
+    KeepOriginal(former, current, kept);
   }
 }
 
 // Whether an import was killed in a write: it leaves its temporary.
 bool HasTemporaries(const std::filesystem::path& root) {
-  return std::ranges::any_of(kImportFolders, [&](const char* folder) {
+  return std::ranges::any_of(kFolders, [&](const char* folder) {
     return !ListFileNames({root, std::filesystem::path("stereo") / folder},
                           AtomicFile::kTemporarySuffix)
                 .empty();
   });
 }
 
-// Undoes the import of one image's maps of one type.
-class ImageUndoer {
- public:
-  ImageUndoer(const std::filesystem::path& root,
-              const std::string& key,
-              RestoreConflicts conflicts,
-              UndoResult* result)
-      : stereo_(root, "stereo"),
-        paths_(GetImportPaths(root, key)),
-        conflicts_(conflicts),
-        result_(result) {
-    const std::optional<ImportRecord> record = ReadImportRecord(paths_.record);
-    has_record_ = record.has_value();
-    record_ = record.value_or(ImportRecord());
-    for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
-      const ContainedPath& former = paths_.former[kind];
-      states_[kind] =
-          InspectMap(paths_.maps[kind],
-                     former,
-                     has_record_ ? &record_.written[kind] : nullptr);
-      is_changed_ =
-          is_changed_ ||
-          (Exists(former) &&
-           IsStoredChanged(states_[kind], former, record_.former[kind]));
-    }
-  }
-
-  void Run() {
-    const std::filesystem::path depth = paths_.maps[kDepthMaps];
-    const MapOwner owner = FindOwner(states_[kDepthMaps], states_[kNormalMaps]);
-    const bool is_own = owner == MapOwner::kThisProgram || !has_record_ ||
-                        record_.is_being_undone;
-    const bool puts_back =
-        conflicts_ == RestoreConflicts::kOriginal || (is_own && !is_changed_);
-    if (puts_back) {
-      const bool is_begun = !has_record_ || record_.is_being_undone;
-      if (!is_begun) {
-        record_.is_being_undone = true;
-        WriteImportRecord(paths_.record, record_);
-      }
-      for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
-        Undo(kind, is_begun);
-      }
-      RemoveEmptyFoldersUpTo(paths_.maps[kCostMaps].Parent(), stereo_);
-      ++result_->num_images;
-      // The record is removed last, since an interrupted undo still needs it.
-      RemoveFile(paths_.record);
-    } else if (conflicts_ == RestoreConflicts::kKeep ||
-               (owner == MapOwner::kOtherProgram && !is_changed_)) {
-      result_->kept.push_back(depth);
-    } else {
-      result_->conflicts.push_back(depth);
-    }
-  }
-
- private:
-  // is_begun: whether a map without a former one was not written by an import.
-  void Undo(size_t kind, bool is_begun) {
-    const ContainedPath& current = paths_.maps[kind];
-    const ContainedPath& former = paths_.former[kind];
-    const MapState state = states_[kind];
-    const bool has_former = Exists(former);
-    if (state == MapState::kWritten && !has_former) {
-      RemoveFile(current);
-      return;
-    }
-    // An imported map is all that there is where its former one was changed.
-    const bool is_foreign = state != MapState::kMissing &&
-                            (state != MapState::kWritten || is_changed_) &&
-                            state != MapState::kOriginal;
-    // Cost maps written later do not belong to the import.
-    if (is_foreign && (has_former || (kind != kCostMaps && !is_begun))) {
-      result_->superseded.push_back(Supersede(current, current).Path());
-    }
-    if (!has_former) {
-      return;
-    }
-    if (IsAnyOf(former, record_.written[kind])) {
-      // An import wrote the same bytes. If the undo stopped after the next
-      // step, the map would be taken for an imported one.
-      record_.written[kind].clear();
-      LinkOrCopyFile(former, current);
-      WriteImportRecord(paths_.record, record_);
-    }
-    CreateFolders(current.Parent());
-    RenameFile(former, current);
-  }
-
-  const ContainedPath stereo_;
-  const ImportPaths paths_;
-  const RestoreConflicts conflicts_;
-  UndoResult* const result_;
-  bool has_record_ = false;
-  ImportRecord record_;
-  bool is_changed_ = false;  // Whether a kept map is not the former one.
-  std::array<MapState, kImportFolders.size()> states_ = {};
+// The import of one image's maps of one type.
+struct Import {
+  ImportPaths paths;
+  std::optional<ImageRecord> record;
+  std::array<OriginalMap, kFolders.size()> former;
 };
+
+void Undo(const Import& import, RestoreResult* result) {
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+    const OriginalMap& former = import.former[kind];
+    const ContainedPath& current = import.paths.maps[kind];
+    if (former.is_kept && former.state == MapState::kForeign) {
+      result->kept.push_back(current);
+    }
+    if (const auto superseded =
+            PutOriginalBack(former, current, import.paths.former[kind])) {
+      result->superseded.push_back(*superseded);
+    } else if (!former.is_kept && former.state == MapState::kRefined) {
+      RemoveFile(current);
+    } else if (!former.is_kept && former.state == MapState::kDamaged &&
+               import.record && import.record->files.contains(kFolders[kind])) {
+      result->superseded.push_back(Supersede(current, current));
+    }
+  }
+  ++result->num_restored;
+  // An interrupted undo still needs the record.
+  RemoveFile(import.paths.record);
+}
 
 }  // namespace
 
 void RequireUnrefined(const std::filesystem::path& root) {
-  if (const auto source = ReadOutputMarker(root)) {
-    throw Error::File(
-        ErrorCode::kUnsupported,
-        root.string(),
-        "tsar_refine made this workspace from " + source->string(),
-        "import into that one");
-  }
   if (HasRunState(root)) {
     throw Error::File(
         ErrorCode::kUnsupported,
@@ -234,14 +141,13 @@ void RequireNoForeignMaps(const std::filesystem::path& root,
                           const std::string& image_name,
                           MapType type) {
   const ImportPaths paths = GetImportPaths(root, image_name, type);
-  const ImportRecord record =
-      ReadImportRecord(paths.record).value_or(ImportRecord());
+  const auto former = InspectFormer(paths, ReadRecord(paths.record));
   for (const size_t kind : {kDepthMaps, kNormalMaps}) {
-    const ContainedPath& path = paths.maps[kind];
-    if (IsForeignMap(path, record.written[kind])) {
+    if (former[kind].state != MapState::kMissing &&
+        former[kind].state != MapState::kRefined) {
       throw Error::File(
           ErrorCode::kUnsupported,
-          path.string(),
+          paths.maps[kind].string(),
           "the image has a map of this type already",
           "give " + OptionName("overwrite") +
               " 1 to replace such maps (tsar_import " + OptionName("restore") +
@@ -254,7 +160,7 @@ void RequireNoFolders(const std::filesystem::path& root,
                       const std::string& image_name,
                       MapType type) {
   const ImportPaths paths = GetImportPaths(root, image_name, type);
-  for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
     RequireNoFolder(paths.maps[kind].Path());
     RequireNoFolder(paths.former[kind].Path());
   }
@@ -266,30 +172,36 @@ void WriteImported(const std::filesystem::path& root,
                    MapType type,
                    const ImportedMaps& maps) {
   const ImportPaths paths = GetImportPaths(root, image_name, type);
-  const ImportRecord earlier =
-      ReadImportRecord(paths.record).value_or(ImportRecord());
-  ImportRecord record = earlier;
-  record.is_being_undone = false;
+  const auto former = InspectFormer(paths, ReadRecord(paths.record));
+  ImageRecord record;
+  record.image = image_name;
+  record.type = ToString(type);
+  record.status = ImageStatus::kDone;
   std::vector<AtomicFile> files;
   const bool has_cost = !maps.cost.values.empty();
-  for (size_t kind = 0; kind < (has_cost ? 3u : 2u); ++kind) {
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
     const ContainedPath& path = paths.maps[kind];
-    CreateFolders(path.Parent());
-    AtomicFile& file = files.emplace_back(path);
-    WrittenMap written = kind == kDepthMaps ? PutDepthMap(maps.depth, &file)
-                         : kind == kNormalMaps
-                             ? PutNormalMap(maps.normal, &file)
-                             : PutPlanarMap(maps.cost, &file);
-    file.Prepare();
-    written.time = file.Time();
-    std::vector<WrittenMap>& known = record.written[kind];
-    if (std::ranges::find(known, written.hash, &WrittenMap::hash) ==
-        known.end()) {
-      known.push_back(std::move(written));
+    std::vector<FileId>& ids = record.files[kFolders[kind]];
+    if (kind != kCostMaps || has_cost) {
+      CreateFolders(path.Parent());
+      AtomicFile& file = files.emplace_back(path);
+      const uint64_t hash = kind == kDepthMaps ? PutDepthMap(maps.depth, &file)
+                            : kind == kNormalMaps
+                                ? PutNormalMap(maps.normal, &file)
+                                : PutPlanarMap(maps.cost, &file);
+      ids.push_back(IdOfPrepared(path, &file, hash));
+    }
+    if (former[kind].state == MapState::kRefined) {
+      ids.push_back(FindFileId(path).value_or(FileId()));
+    }
+    if (ids.empty()) {
+      record.files.erase(kFolders[kind]);
     }
   }
-  KeepFormer(paths, earlier, &record);
-  WriteImportRecord(paths.record, record);
+  WriteRecord(paths.record, record);
+  for (size_t kind = 0; kind < kFolders.size(); ++kind) {
+    KeepFormer(former[kind], paths.maps[kind], paths.former[kind]);
+  }
   for (AtomicFile& file : files) {
     file.Commit();
   }
@@ -299,36 +211,42 @@ void WriteImported(const std::filesystem::path& root,
   }
 }
 
-UndoResult UndoImport(const std::filesystem::path& root,
-                      RestoreConflicts conflicts) {
+RestoreResult UndoImport(const std::filesystem::path& root) {
   RequireUnrefined(root);
+  const ContainedPath folder = GetImportFolder(root);
   std::set<std::string> keys;
-  keys.merge(ListFileNames(GetImportRecordFolder(root), ".json"));
-  for (size_t kind = 0; kind < kImportFolders.size(); ++kind) {
-    // A killed import may have no record yet.
-    keys.merge(ListFileNames(GetFormerFolder(root, kind), ".bin"));
+  keys.merge(ListFileNames(folder / "records", ".json"));
+  for (const char* kind : kFolders) {
+    keys.merge(ListFileNames(folder / "former" / kind, ".bin"));
   }
   if (keys.empty() && !HasTemporaries(root)) {
     throw Error::File(ErrorCode::kNotFound,
-                      GetImportFolder(root).string(),
+                      folder.string(),
                       "nothing was imported into this workspace",
                       "check " + OptionName("workspace_path"));
   }
-  UndoResult result;
   // Everything is checked before the first file is changed.
-  std::vector<ImageUndoer> images;
+  std::vector<Import> imports;
   for (const std::string& key : keys) {
-    images.emplace_back(root, key, conflicts, &result);
+    Import import = {GetImportPaths(root, key), std::nullopt, {}};
+    for (const ContainedPath& former : import.paths.former) {
+      RequireFileIfThere(former);
+    }
+    import.record = ReadRecordIfValid(import.paths.record);
+    import.former = InspectFormer(import.paths, import.record);
+    imports.push_back(std::move(import));
   }
-  for (ImageUndoer& image : images) {
-    image.Run();
+  RestoreResult result;
+  for (const Import& import : imports) {
+    Undo(import, &result);
   }
   // This includes the temporaries of images without a record.
-  for (const char* folder : kImportFolders) {
-    RemoveTemporaries({root, std::filesystem::path("stereo") / folder});
+  for (const char* kind : kFolders) {
+    RemoveTemporaries({root, std::filesystem::path("stereo") / kind});
   }
-  RemoveTemporaries(GetImportFolder(root));
-  RemoveEmptyFolders(GetImportFolder(root));
+  RemoveEmptyFolders(GetMapPaths(root, "").cost.Parent());
+  RemoveTemporaries(folder);
+  RemoveEmptyFolders(folder);
   return result;
 }
 

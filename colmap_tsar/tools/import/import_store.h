@@ -14,7 +14,7 @@
 namespace tsar {
 
 // Throws Error kUnsupported if tsar_refine has refined this workspace (its
-// originals would not be those of the imported maps) or made it.
+// originals would not be those of the imported maps).
 void RequireUnrefined(const std::filesystem::path& root);
 
 // Throws Error kUnsupported for a depth or normal map that no import wrote.
@@ -29,28 +29,20 @@ void RequireNoFolders(const std::filesystem::path& root,
                       MapType type);
 
 // Writes the maps of an image. Former maps of the same name and their cost map
-// are kept in stereo/tsar_import unless an import wrote them. Each file is
-// complete at any time, and UndoImport always works. Throws Error kIo.
+// are kept in stereo/tsar_import/former unless an import wrote them, by the
+// rules in originals.h. Each file is complete at any time, and UndoImport always
+// works. Throws Error kIo.
 void WriteImported(const std::filesystem::path& root,
                    const std::string& image_name,
                    MapType type,
                    const ImportedMaps& maps);
 
-struct UndoResult {
-  int num_images = 0;  // Undone imports, counted by image and type.
-  // Paths of depth maps, as in RestoreResult.
-  std::vector<std::filesystem::path> kept;
-  std::vector<std::filesystem::path> conflicts;
-  std::vector<std::filesystem::path> superseded;
-};
-
 // Restores the former maps and removes imported ones and stereo/tsar_import. No
 // files of other programs are removed, neither former maps nor those in their
-// place, by the rules of Restore() in restore.h. Can be called again after an
-// interruption. The caller holds the WorkspaceLock. Throws Error: kNotFound
-// (nothing was imported), kUnsupported (see RequireUnrefined() in
-// import_store.h), kCorrupt (a record is broken), kIo.
-UndoResult UndoImport(const std::filesystem::path& root,
-                      RestoreConflicts conflicts = RestoreConflicts::kReport);
+// place, by the rules of Restore() in restore.h. num_restored of the result are
+// undone imports. Can be called again after an interruption. The caller holds
+// the WorkspaceLock. Throws Error: kNotFound (nothing was imported),
+// kUnsupported (see RequireUnrefined()), kIo.
+RestoreResult UndoImport(const std::filesystem::path& root);
 
 }  // namespace tsar

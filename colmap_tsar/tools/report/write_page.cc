@@ -249,7 +249,7 @@ Gain<DepthEvaluation> EvaluateDepthGain(const Workspace& workspace,
     const int image = workspace.Model().IndexOf(name);
     return image < 0
                ? GetMapPaths(workspace.Root(), name, type).depth
-               : FindOriginals(workspace.SourcePaths(image, type)).depth.path;
+               : FindOriginals(workspace.Paths(image, type)).depth.path;
   };
   gain.before = EvaluateDepthMaps(workspace.Root(), evaluation);
   return gain;
@@ -283,11 +283,6 @@ int WritePage(const Workspace& workspace,
       workspace.Root(), options.report_path, OptionName("report_path"));
   // The lock keeps the maps before and after consistent.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
-  std::optional<WorkspaceLock> input_lock;
-  if (workspace.IsOutput()) {
-    input_lock.emplace(workspace.SourceRoot(),
-                       WorkspaceLock::Mode::kSharedIfThere);
-  }
   const std::vector<int> refined = RequireRefinedImages(workspace);
   WarnOfChangedResults(workspace);
 

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/originals.h"
-#include "colmap_tsar/tools/import/import_record.h"
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
@@ -33,7 +32,7 @@ class ImportStoreTest : public testing::Test {
   }
   MapPaths Paths() const { return GetMapPaths(root_, kName, kType); }
   std::filesystem::path Former(const std::string& folder) const {
-    return GetImportFolder(root_) / "former" / folder /
+    return root_ / "stereo/tsar_import" / "former" / folder /
            (kName + ".geometric.bin");
   }
 
@@ -53,8 +52,8 @@ TEST_F(ImportStoreTest, KeepsTheFirstFormerMapsThroughSeveralImports) {
     EXPECT_EQ(std::filesystem::exists(Paths().cost), value == 60.f);
     RequireNoForeignMaps(root_, kName, kType);
   }
-  const UndoResult result = UndoImport(root_);
-  EXPECT_EQ(result.num_images, 1);
+  const RestoreResult result = UndoImport(root_);
+  EXPECT_EQ(result.num_restored, 1);
   EXPECT_TRUE(result.kept.empty());
   EXPECT_TRUE(result.superseded.empty());
   EXPECT_TRUE(ReadTree(root_) == before);
@@ -96,7 +95,7 @@ TEST_F(ImportStoreTest, UndoesAnImportThatBarelyBegan) {
     std::filesystem::create_hard_link(
         root_ / "stereo" / folder / (kName + ".geometric.bin"), Former(folder));
   }
-  const UndoResult result = UndoImport(root_);
+  const RestoreResult result = UndoImport(root_);
   EXPECT_TRUE(result.superseded.empty());
   EXPECT_TRUE(ReadTree(root_) == before);
 }
@@ -109,53 +108,49 @@ TEST_F(ImportStoreTest, UndoesAnImportThatHasOnlyTemporaries) {
   });
   for (const ContainedPath& path : {Paths().depth, Paths().normal}) {
     WriteText(path.string() + AtomicFile::kTemporarySuffix, "half a map");
-    EXPECT_EQ(UndoImport(root_).num_images, 0);
+    EXPECT_EQ(UndoImport(root_).num_restored, 0);
     EXPECT_TRUE(ReadTree(root_) == before);
   }
 }
 
-// As for the originals of tsar_refine.
-TEST_F(ImportStoreTest, FormerMapsThatWereChangedAreAConflict) {
+// By the rules of the originals of tsar_refine.
+TEST_F(ImportStoreTest, UndoingLosesNothingThatOthersWrote) {
+  WriteText(Paths().cost, ReadText(Paths().depth));
   for (const std::string folder : {"depth_maps", "normal_maps", "cost_maps"}) {
-    SCOPED_TRACE(folder);
-    WriteText(Paths().cost, "not read");
-    Write(50.f, true);
-    Write(60.f, true);  // The record of the first import is not lost.
-    std::string bytes = ReadText(Former(folder));
-    bytes.back() ^= 1;
-    WriteText(Former(folder), bytes);
-    const auto before = ReadTree(root_);
-    const std::filesystem::path map =
-        root_ / "stereo" / folder / (kName + ".geometric.bin");
-    const std::string imported = ReadText(map);
-    UndoResult result = UndoImport(root_);
-    EXPECT_EQ(result.num_images, 0);
-    EXPECT_THAT(result.conflicts, testing::ElementsAre(Paths().depth.Path()));
-    EXPECT_TRUE(ReadTree(root_) == before);
-    result = UndoImport(root_, RestoreConflicts::kKeep);
-    EXPECT_THAT(result.kept, testing::ElementsAre(Paths().depth.Path()));
-    EXPECT_TRUE(ReadTree(root_) == before);
-    // On demand it comes back, and the imported map is superseded.
-    result = UndoImport(root_, RestoreConflicts::kOriginal);
-    EXPECT_EQ(result.num_images, 1);
-    EXPECT_EQ(ReadText(map), bytes);
-    EXPECT_EQ(ReadText(GetSupersededFolder(root_) / folder /
-                       (kName + ".geometric.bin")),
-              imported);
-    std::filesystem::remove_all(root_);
-    MakeTestWorkspace(root_);
+    for (const bool is_complete : {true, false}) {
+      SCOPED_TRACE(folder);
+      Write(50.f, true);
+      Write(60.f, true);
+      const std::filesystem::path map =
+          root_ / "stereo" / folder / (kName + ".geometric.bin");
+      const std::filesystem::path superseded =
+          GetSupersededFolder(root_) / folder / (kName + ".geometric.bin");
+      const std::string former = ReadText(Former(folder));
+      std::string bytes = ReadText(map);
+      is_complete ? void(bytes.back() ^= 1) : bytes.resize(20);
+      WriteText(map, bytes);
+      const RestoreResult result = UndoImport(root_);
+      EXPECT_EQ(result.kept.size(), is_complete ? 1u : 0u);
+      EXPECT_EQ(ReadText(map), is_complete ? bytes : former);
+      EXPECT_EQ(ReadText(superseded), is_complete ? former : bytes);
+      std::filesystem::remove_all(GetSupersededFolder(root_).Path());
+      WriteText(map, former);
+    }
   }
 }
 
-TEST_F(ImportStoreTest, BrokenRecordsAreErrors) {
+// A broken one counts for nothing.
+TEST_F(ImportStoreTest, UndoesImportsWithoutTheirRecords) {
+  const std::string depth = ReadText(Paths().depth);
   Write(50.f);
-  for (const char* text : {"", "{", "[]", "{\"depth_maps\": 3}"}) {
-    WriteText(GetImportFolder(root_) / "records" / (kName + ".geometric.json"),
-              text);
-    ExpectError(ErrorCode::kCorrupt,
-                {kName + ".geometric.json", "tsar_import/former"},
-                [&] { UndoImport(root_); });
-  }
+  const std::string imported = ReadText(Paths().depth);
+  WriteText(root_ / "stereo/tsar_import/records" / (kName + ".geometric.json"),
+            "{");
+  EXPECT_EQ(UndoImport(root_).superseded.size(), 2u);
+  EXPECT_EQ(ReadText(Paths().depth), depth);
+  EXPECT_EQ(ReadText(GetSupersededFolder(root_) / "depth_maps" /
+                     (kName + ".geometric.bin")),
+            imported);
 }
 
 }  // namespace
