@@ -73,12 +73,13 @@ void InputFingerprints::AddView(const Workspace& workspace, int image) {
     }
     add("list of sources", FingerprintOf(names));
   }
+  const OriginalMaps to_refine =
+      FindOriginals(workspace.Paths(image, workspace.Type()));
+  if (to_refine.depth.path.empty() || to_refine.normal.path.empty()) {
+    return;  // Nobody reads what else there is.
+  }
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
     const OriginalMaps originals = FindOriginals(workspace.Paths(image, type));
-    if (type == workspace.Type() &&
-        (originals.depth.path.empty() || originals.normal.path.empty())) {
-      return;  // Nobody reads what else there is.
-    }
     const std::string name = ToString(type);
     add(name + " depth map", FileState(originals.depth.path));
     add(name + " normal map", FileState(originals.normal.path));

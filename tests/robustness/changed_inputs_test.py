@@ -2,15 +2,14 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Changes what results depend on after a run has ended, one thing at a time. The
-same command again names it and gives the bytes of a fresh run; tsar_stereo, which
-would have to do all of it again, names it and stops."""
+same command again names it and gives the bytes of a fresh run."""
 import copy as objects
 import os
 import shutil
 
 from changing_workspace import ChangingWorkspace
 from synthetic_workspace import NAMES
-from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
+from robustness import (Program, check, check_same, copy, make_folder, parse_arguments,
                         read_tree)
 
 args = parse_arguments()
@@ -135,103 +134,5 @@ def change_one_thing():
             check_same(results(target, workspace.sources), fresh_results[case], f"{case}, {mode}")
 
 
-STEREO = [word for name, value in (("num_iterations", 1), ("num_levels", 1),
-                                   ("num_geometric_passes", 2))
-          for word in ("--TsarStereo." + name, value)]
-# What is changed before tsar_stereo is called again, and what it says.
-STEREO_CHANGES = {
-    "a pose": (lambda w: w.move(A), [f"images/{A}: its camera"]),
-    "a focal length": (lambda w: w.zoom(D), [f"images/{D}: its camera has changed"]),
-    "a photo": (lambda w: w.repaint(B), [f"images/{B}: its photo has changed since the maps"]),
-    "two photos": (lambda w: (w.repaint(C), w.repaint(D)), [
-        f"images/{C}: its photo has changed", "and 1 other image has changed, too"]),
-    "a list of sources": (lambda w: w.set_sources({**CHAIN, A: [B, C]}), [
-        f"images/{A}: its list of sources has changed"]),
-    "a source is no reference": (lambda w: w.set_sources({A: [B], B: [A, C], C: [B, D]}), [
-        f"images/{D}: its list of sources and the range of its sparse points have changed"]),
-    "an image is gone": (lambda w: w.set_sources({A: [B], B: [A, C], C: [B]}, [A, B, C]), [
-        f"images/{C}: its list of sources"]),
-    "a sparse point": (lambda w: w.write("sparse/points3D.txt", b"1 0 0 6 0 0 0 0 1 0 2 0 3 0 4 0\n"), [
-        f"images/{B}: the range of its sparse points has changed", "3 other images have"]),
-}
-
-
-class StereoStart:
-    """Maps that tsar_stereo made in `work`, and none in `drawn`."""
-
-    def __init__(self, sources):
-        for root in (work, drawn):
-            shutil.rmtree(root, ignore_errors=True)
-        self.workspace = ChangingWorkspace(drawn, CHAIN, with_maps=False)
-        self.workspace.set_sources(sources)
-        copy(drawn, dense)
-        program.run("tsar_stereo", dense, *STEREO)
-        self.workspace.roots = [dense, drawn]
-
-    def check_result(self, case):
-        copy(drawn, fresh)
-        program.run("tsar_stereo", fresh, *STEREO)
-        made = maps_of(read_tree(fresh))
-        # Maps of images that are no references any more stay.
-        found = maps_of(read_tree(dense))
-        check_same({path: found.get(path) for path in made}, made, case)
-
-    def check_refused(self, case, texts):
-        before = read_tree(dense)
-        program.fails_with_one_line("tsar_stereo", dense, *STEREO,
-                                    texts=[*texts, "give --overwrite 1"])
-        check_same(read_tree(dense), before, f"{case} is refused")
-
-    def check_goes_on(self, case, names):
-        """That maps of these images alone are written."""
-        def depths():
-            folder = os.path.join(dense, "stereo", "depth_maps")
-            return {path: os.stat(os.path.join(folder, path)).st_ino for path in read_tree(folder)}
-
-        before = depths()
-        program.run("tsar_stereo", dense, *STEREO)
-        made = {path for path, number in depths().items() if before.get(path) != number}
-        expected = {f"{name}.{kind}.bin" for name in names
-                    for kind in ("photometric", "geometric")}
-        check(made == expected, f"{case}: {made} were made")
-
-
-def stereo():
-    for case, (change, texts) in STEREO_CHANGES.items():
-        start = StereoStart(CHAIN)
-        start.check_goes_on("nothing", [])
-        change(start.workspace)
-        start.check_refused(case, texts)
-        program.run("tsar_stereo", dense, *STEREO, "--overwrite", 1)
-        start.check_result(case)
-        start.check_goes_on("nothing", [])
-
-    # An image on which no other one depends can come and go.
-    four = {**THREE, D: [C]}
-    start = StereoStart(THREE)
-    start.workspace.set_sources(four)
-    start.check_goes_on("an image is added", [D])
-    start.check_result("an image is added")
-    start.workspace.set_sources(THREE)
-    start.check_goes_on("it goes", [])
-    start.workspace.set_sources(four)
-    start.check_goes_on("it comes back", [])
-    start.check_result("it comes back")
-    # But not with another photo, or with maps of another time.
-    start.workspace.set_sources(THREE)
-    start.workspace.repaint(D)
-    start.check_goes_on("what is not used changes", [])
-    start.workspace.set_sources(four)
-    start.check_refused("it comes back as another one", [f"images/{D}: its photo"])
-    start.workspace.set_sources(THREE)
-    start.workspace.repaint(A)
-    program.run("tsar_stereo", dense, *STEREO, "--overwrite", 1)
-    start.workspace.set_sources(four)
-    start.check_refused("it comes back from another time", [f"{D}.photometric.bin: is of another"])
-    program.run("tsar_stereo", dense, *STEREO, "--overwrite", 1)
-    start.check_result("it comes back from another time")
-
-
 change_one_thing()
-stereo()
 print(f"{len(CHANGES)} changes in {len(MODES)} ways")

@@ -16,7 +16,7 @@ from start_workspaces import STEREO, StartWorkspaces
 args = parse_arguments()
 program = Program(args.program)
 folder = make_folder(args.folder)
-work, output, external = (os.path.join(folder.name, name) for name in ("work", "output", "arrays"))
+work, external = (os.path.join(folder.name, name) for name in ("work", "arrays"))
 start = StartWorkspaces(folder.name)
 start.make(program)
 REFINE = ["tsar_refine", work]
@@ -119,14 +119,6 @@ for index, (file, source, commands) in enumerate(FILES):
                        if before.get(path) != after.get(path)]
             check(not changed, f"{what}: {changed} changed")
             num_cases += 1
-
-# A link to itself is no output workspace, which could be deleted.
-copy(start.mapped, work)
-os.symlink("tsar", os.path.join(work, "stereo", "tsar"))
-for command in (REFINE, RESTORE):
-    line = program.fails_with_one_line(*command, texts=["stereo/tsar", "symbolic links"])
-    check("delete" not in line, line)
-    num_cases += 1
 
 # Those of other programs that are imported.
 for kind in KINDS:

@@ -77,7 +77,7 @@ TEST_F(InputFingerprintsTest, NamesWhatHasChanged) {
          WriteText(root_ / "stereo/patch-match.cfg",
                    "a.png\nleft/b.png\nleft/b.png\na.png\n");
        },
-       "the camera of c.png and 9 other inputs have changed"},
+       "the camera of c.png and 10 other inputs have changed"},
       // Images that are neither references nor sources do not count, and of one
       // without maps nothing else does.
       {[&] { Touch(root_ / "images/c.png"); }, ""},

@@ -40,23 +40,6 @@ TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
   }
 }
 
-TEST_F(RefineWorkspaceTest, RefinesAgainWhereTheMapsOfTheInputAreNew) {
-  RefineOptions refine;
-  refine.scene_planes = false;
-  WorkspaceRefineOptions options = Options(root_);
-  options.output_path = folder_.Path() / "out";
-  EXPECT_EQ(Refine(options, refine).num_refined, 4);
-  EXPECT_EQ(Refine(options, refine).num_refined, 0);
-  Image<float> depth = ReadDepthMap(Paths(3).depth);
-  depth(40, 30) *= 1.01f;
-  WriteDepthMap(Paths(3).depth, depth);
-  testing::internal::CaptureStderr();
-  EXPECT_EQ(Refine(options, refine).num_refined, 4);
-  EXPECT_THAT(testing::internal::GetCapturedStderr(),
-              testing::HasSubstr("refined again, since the geometric depth map "
-                                 "of v3.png has changed\n"));
-}
-
 // Maps tell the numbers of these planes, which readers look up.
 TEST_F(RefineWorkspaceTest, RefinesAgainWithoutThePlanesOfTheScene) {
   Refine();
@@ -271,38 +254,6 @@ TEST_F(RefineWorkspaceTest, GoesOnWhereAllThatIsMissingIsTheSecondPass) {
   ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
 }
 
-TEST_F(RefineWorkspaceTest, EvidenceOfOtherOptionsIsNotUsed) {
-  RefineOptions others;
-  others.min_aggregated_score = 0.95;
-  others.superpixel_size = 200;
-  Observe(Options(root_), others);
-  Refine();
-  ExpectSameFiles(RefinedInOneGo(), MapsOf(root_));
-}
-
-TEST_F(RefineWorkspaceTest, EvidenceOfMapsThatWereReplacedIsNotUsed) {
-  const auto remove_depths = [](const std::filesystem::path& root) {
-    RemoveDepths(root, 3);
-  };
-  Observe(Options(root_));
-  // Of an image that has none now, none would be written over the old.
-  remove_depths(root_);
-  Refine();
-  ExpectSameFiles(RefinedInOneGo({}, remove_depths), MapsOf(root_));
-
-  // Nor of one that is no longer to be refined, nor a source.
-  std::filesystem::remove_all(root_);
-  MakeSyntheticWorkspace(root_);
-  const auto leave_out = [](const std::filesystem::path& root) {
-    WriteText(root / "stereo/patch-match.cfg",
-              "v0.png\nv1.png, v3.png\nv1.png\nv0.png, v3.png\n");
-  };
-  Observe(Options(root_));
-  leave_out(root_);
-  Refine();
-  ExpectSameFiles(RefinedInOneGo({}, leave_out), MapsOf(root_));
-}
-
 TEST_F(RefineWorkspaceTest, NeighborsWithoutMapsOrDepthsDoNotMatter) {
   // Without maps, as if nobody had listed the image.
   const Tree expected =
@@ -351,19 +302,6 @@ TEST_F(RefineWorkspaceTest, TheOrderOfTheImagesDoesNotMatter) {
             "v1.png\n__all__\n");
   Refine();
   ExpectSameFiles(expected, MapsOf(root_));
-}
-
-TEST_F(RefineWorkspaceTest, AnInterruptedRunLeavesNoEvidenceInTheInput) {
-  const Tree before = ReadTree(root_);
-  WorkspaceRefineOptions options = Options(root_);
-  options.output_path = folder_.Path() / "out";
-  Observe(options);
-  ExpectSameFiles(before, ReadTree(root_));
-  Refine(options);
-  ExpectSameFiles(before, ReadTree(root_));
-  EXPECT_FALSE(
-      std::filesystem::exists(options.output_path / "stereo/tsar/evidence"));
-  ExpectSameFiles(RefinedInOneGo(), MapsOf(options.output_path));
 }
 
 }  // namespace

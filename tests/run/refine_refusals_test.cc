@@ -218,7 +218,7 @@ TEST_F(RefineWorkspaceTest, RefusesOriginalsThatAreNoMapsOfTheImage) {
         {normal, ErrorCode::kCorrupt},
         {std::string("1&1&1&\0\0\0\0", 10), ErrorCode::kMismatch}}) {
     WriteText(paths.original_depth, other);
-    ExpectRefusal(code, {paths.original_depth.string()});
+    ExpectRefusal(code, {"v3.png.geometric.bin"});
   }
   WriteDepthMap(paths.depth, Image<float>(96, 72, 7.f));
   EXPECT_EQ(Refine().num_images, 4);

@@ -30,10 +30,14 @@ std::string FindInputFolder(const fs::path& root, const fs::path& path) {
                                            : path.parent_path()) /
       path.filename();
   const fs::path target = Canonical(path);
-  for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
-    const fs::path folder = Canonical(root / name);
-    if (IsWithin(place, folder) || IsWithin(target, folder)) {
-      return name;
+  // Of an output workspace, the images lead to the input.
+  for (const fs::path& workspace :
+       {root, Canonical(root / "images").parent_path()}) {
+    for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
+      const fs::path folder = Canonical(workspace / name);
+      if (IsWithin(place, folder) || IsWithin(target, folder)) {
+        return name;
+      }
     }
   }
   return "";

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -141,20 +140,15 @@ OriginalMaps InspectOriginals(const MapPaths& paths,
   return maps;
 }
 
-OriginalMaps FindOriginals(const MapPaths& paths,
-                           std::optional<ImageRecord>* record) {
+OriginalMaps FindOriginals(const MapPaths& paths) {
   for (;;) {
     const OriginalMaps::Files before = FindMapFiles(paths);
-    std::optional<ImageRecord> found = ReadRecord(paths.record);
-    OriginalMaps maps = InspectOriginals(paths, found);
+    OriginalMaps maps = InspectOriginals(paths, ReadRecord(paths.record));
     if (before != FindMapFiles(paths)) {
       continue;  // The record may be that of the files before or after.
     }
     RequireOriginal(maps.depth, paths.depth, paths.original_depth);
     RequireOriginal(maps.normal, paths.normal, paths.original_normal);
-    if (record != nullptr) {
-      *record = std::move(found);
-    }
     return maps;
   }
 }

@@ -40,8 +40,7 @@ struct OriginalMap {
   bool is_kept = false;  // A file is in stereo/tsar/original.
   // The original; empty where there is none: there is no map, or it is lost.
   std::filesystem::path path;
-
-  // There is a refined map whose original is neither kept nor complete.
+  // There is a refined map, and what is kept for it is gone or incomplete.
   bool is_lost = false;
 };
 
@@ -66,12 +65,10 @@ OriginalMaps::Files FindMapFiles(const MapPaths& paths);
 OriginalMaps InspectOriginals(const MapPaths& paths,
                               const std::optional<ImageRecord>& record);
 
-// The originals by the image's record, which `record` receives. Other programs
-// may be refining the image meanwhile. Throws Error: kMismatch where an
-// original is lost, or where nothing tells whose a map is; what ReadRecord
-// throws.
-OriginalMaps FindOriginals(const MapPaths& paths,
-                           std::optional<ImageRecord>* record = nullptr);
+// The originals by the image's record. Other programs may be refining the image
+// meanwhile. Throws Error: kMismatch where an original is lost, or where nothing
+// tells whose a map is; what ReadRecord throws.
+OriginalMaps FindOriginals(const MapPaths& paths);
 
 // Throws Error kMismatch where the files beside an image's maps show that they
 // were refined, but stereo/tsar, which held their originals, is gone: refined

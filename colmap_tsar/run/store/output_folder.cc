@@ -99,10 +99,8 @@ void EmptyUnfinished(const OutputFolderKind& kind, const fs::path& path) {
   }
 }
 
-// The list goes first and the marker last, so that what a killed program leaves
-// is neither taken for a whole folder nor for anybody else's.
+// The marker goes last, so that a killed program leaves a recognizable folder.
 void RemoveUnfinished(const OutputFolderKind& kind, const fs::path& path) {
-  RemoveFile(UserPath(path) / kind.list_file);
   EmptyUnfinished(kind, path);
   RemoveTree(UserPath(path));
 }
@@ -199,9 +197,6 @@ bool CheckPlace(const OutputFolderKind& kind,
       Folder(UserPath(path)).List().empty()) {
     return false;
   }
-  if (IsUnfinished(kind, path) && !IsThere(path / kind.list_file)) {
-    return true;
-  }
   std::error_code error;
   if (!fs::is_regular_file(path / kind.known_file, error)) {
     throw Error::File(ErrorCode::kUnsupported,
@@ -217,6 +212,17 @@ bool CheckPlace(const OutputFolderKind& kind,
   }
   CheckHoldsNothingElse(kind, path);
   return true;
+}
+
+// The name of a former folder where the file system cannot exchange two.
+fs::path FormerPath(const fs::path& path) {
+  return path.string() + ".tsar_old";
+}
+
+void RemoveFormer(const OutputFolderKind& kind, const fs::path& path) {
+  if (IsUnfinished(kind, FormerPath(path))) {
+    RemoveUnfinished(kind, FormerPath(path));
+  }
 }
 
 }  // namespace
@@ -241,6 +247,7 @@ OutputFolder::OutputFolder(const OutputFolderKind& kind,
   lock_ = std::make_unique<Folder>(Folder::Create(UserPath(temporary_)));
   Lock(kind_, *lock_);
   EmptyUnfinished(kind_, temporary_);  // Remains of a killed program.
+  RemoveFormer(kind_, path_);
   try {
     Mark(kind_, temporary_);
   } catch (const Error&) {
@@ -266,9 +273,9 @@ void OutputFolder::Commit() {
   if (CheckPlace(kind_, path_, overwrite_)) {
     Mark(kind_, path_);
     if (!ExchangeFiles(from, to)) {
-      // Until the next call there is none if the program is killed here.
-      RemoveUnfinished(kind_, path_);
+      RenameFile(to, UserPath(FormerPath(path_)));
       RenameFile(from, to);
+      RemoveFormer(kind_, path_);
     }
   } else {
     RenameFile(from, to);

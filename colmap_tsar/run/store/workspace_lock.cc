@@ -11,9 +11,11 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <optional>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -47,18 +49,6 @@ OwnedDescriptor OpenFile(const ContainedPath& path) {
   return file;
 }
 
-// Warns where it cannot.
-bool CanOpen(const ContainedPath& path) {
-  try {
-    OpenFile(path);
-    return true;
-  } catch (const Error& failure) {
-    Warn(std::string(failure.what()) +
-         "; do not change this workspace while it is read");
-    return false;
-  }
-}
-
 // Whether the file still has its name, which the former holder may have removed
 // after it was opened.
 bool HasName(const OwnedDescriptor& file) {
@@ -66,35 +56,46 @@ bool HasName(const OwnedDescriptor& file) {
   return fstat(file.Get(), &state) == 0 && state.st_nlink > 0;
 }
 
-// what: for the message, as "another program is working on this workspace".
-OwnedDescriptor Lock(const ContainedPath& path,
-                     int operation,
-                     const std::string& what) {
+// Returns the locked file, or nothing where another program holds the lock. On
+// file systems without locks it only warns.
+std::optional<OwnedDescriptor> Lock(const ContainedPath& path, int operation) {
   // A program that leaves holds the lock alone for a moment, and may remove the
-  // file and its folder while others open them.
+  // file and its folders while others make them.
   constexpr int kMaxAttempts = 20;
   for (int i = 1;; ++i) {
-    OwnedDescriptor file = OpenFile(path);
+    OwnedDescriptor file{-1};
+    try {
+      file = OpenFile(path);
+    } catch (const Error&) {
+      if (i == kMaxAttempts) {
+        throw;
+      }
+    }
+    const bool is_open = file.Get() >= 0;
     const bool is_locked =
-        file.Get() >= 0 && flock(file.Get(), operation | LOCK_NB) == 0;
+        is_open && flock(file.Get(), operation | LOCK_NB) == 0;
     const int reason = errno;
     if (is_locked && HasName(file)) {
       return file;
     }
-    if (file.Get() >= 0 && !is_locked && reason != EWOULDBLOCK) {
+    if (is_open && !is_locked && reason != EWOULDBLOCK) {
       Warn(path.string() + ": the file cannot be locked (" +
            std::strerror(reason) +
            "); do not start a second program on this workspace");
       return file;
     }
-    if (i == kMaxAttempts || (file.Get() >= 0 && !is_locked && operation == LOCK_EX)) {
-      throw Error::File(ErrorCode::kUnsupported,
-                        path.string(),
-                        what,
-                        "wait until it has ended");
+    if (i == kMaxAttempts || (is_open && !is_locked && operation == LOCK_EX)) {
+      return std::nullopt;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
+}
+
+Error InUse(const ContainedPath& path, const std::string& what) {
+  return Error::File(ErrorCode::kUnsupported,
+                     path.string(),
+                     "another program is working on " + what,
+                     "wait until it has ended");
 }
 
 }  // namespace
@@ -114,17 +115,28 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
     RequireFoldersInside(root);
   }
   const ContainedPath path = GetTsarFolder(root) / kFileName;
-  if (mode == Mode::kShared && !CanOpen(path)) {
+  std::optional<OwnedDescriptor> lock;
+  try {
+    lock = Lock(path, mode == Mode::kExclusive ? LOCK_EX : LOCK_SH);
+  } catch (const Error& failure) {
+    if (mode != Mode::kShared) {
+      throw;
+    }
+    Warn(std::string(failure.what()) +
+         "; do not change this workspace while it is read");
     return;
   }
-  lock_ = Lock(path,
-               mode == Mode::kExclusive ? LOCK_EX : LOCK_SH,
-               "another program is working on this workspace");
+  if (!lock) {
+    throw InUse(path, "this workspace");
+  }
+  lock_ = std::move(*lock);
   if (mode == Mode::kShard) {
-    shard_lock_ = Lock(ShardLockPath(root, shard),
-                       LOCK_EX,
-                       "another program is working on shard " +
-                           std::to_string(shard) + " of this workspace");
+    lock = Lock(ShardLockPath(root, shard), LOCK_EX);
+    if (!lock) {
+      throw InUse(ShardLockPath(root, shard),
+                  "shard " + std::to_string(shard) + " of this workspace");
+    }
+    shard_lock_ = std::move(*lock);
   }
 }
 

@@ -338,7 +338,7 @@ TEST_F(WriteBackTest, RefusesBrokenRecords) {
     SCOPED_TRACE(text);
     WriteText(paths.record, text);
     ExpectError(
-        ErrorCode::kCorrupt, {paths.record.string(), "--restore 1"}, [&] {
+        ErrorCode::kCorrupt, {paths.record.string(), "restore 1"}, [&] {
           ReadRecord(paths.record);
         });
   }

@@ -85,6 +85,9 @@ TEST_F(TsarImportTest, LeavesMapsThatAreNewer) {
   auto superseded = after.extract(
       "stereo/tsar/superseded/depth_maps/v1.png.geometric.bin");
   superseded.key() = "stereo/depth_maps/v1.png.geometric.bin";
+  std::erase_if(after, [](const auto& entry) {
+    return entry.first.starts_with("stereo/tsar");
+  });
   after.insert(std::move(superseded));
   EXPECT_TRUE(after == before);
 }
