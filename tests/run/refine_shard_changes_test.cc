@@ -1,7 +1,6 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/shard_record.h"
 
@@ -74,31 +73,6 @@ TEST_F(RefineShardTest, ChangesWhileShardsObserveAreSeen) {
   }
 }
 
-// Also if it is the former one again when its own shard looks at it.
-TEST_F(RefineShardTest, AnotherCameraIsSeenWhateverItsShard) {
-  RunAll("observe", 2);
-  const std::filesystem::path path = root_ / "sparse/images.txt";
-  const std::string images = ReadText(path);
-  for (int view = 0; view < 4; ++view) {
-    const std::string number = std::to_string(view + 1) + " 1 ";
-    std::string changed = images;
-    changed.replace(changed.find(number), number.size(), number + "1e-4 ");
-    const size_t fourth = changed.find(" 0 0 0", changed.find("1e-4"));
-    ASSERT_NE(fourth, std::string::npos);
-    changed.erase(fourth, 2);
-    WriteText(path, changed);
-    for (const char* shard : {"0/2", "1/2"}) {
-      ExpectError(ErrorCode::kMismatch,
-                  {"inputs of the run have changed", "observe of all shards"},
-                  [&] { Run("compose", shard); });
-    }
-  }
-  WriteText(path, images);
-  RunAll("compose", 2);
-  Run("merge");
-  EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
-}
-
 TEST_F(RefineShardTest, RecordsOfOtherListsOfImagesAreNamed) {
   RunAll("observe", 2);
   ShardRecord record = ReadShardRecord(GetShardPath(root_, "observe", 1, 2));
@@ -108,48 +82,6 @@ TEST_F(RefineShardTest, RecordsOfOtherListsOfImagesAreNamed) {
                 {"observe-1-of-2.json", "names 1 images, not 2"},
                 "compose",
                 "0/2");
-}
-
-// What is stored of maps that no shard works on may be older than these.
-TEST_F(RefineShardTest, ReadsTheLatestMapsOfOtherTypesAndImages) {
-  RefineOptions refine;
-  refine.scene_planes = false;
-  refine.filter = false;
-  WorkspaceRefineOptions photometric = Options(root_);
-  photometric.input_type = MapType::kPhotometric;
-  Refine(photometric, refine);
-  Refine(Options(root_), refine);
-  const auto write_anew = [&](int view, MapType type) {
-    const MapPaths paths =
-        GetMapPaths(root_, SyntheticWorkspace::Names()[view], type);
-    ASSERT_TRUE(std::filesystem::exists(paths.original_depth));
-    WriteDepthMap(paths.depth, Image<float>(96, 72, 5.5f));
-    WriteNormalMap(paths.normal,
-                   Image<Vec3f>(96, 72, Vec3f{0.06f, 0.08f, -0.99499f}));
-    for (const ContainedPath& path : {paths.depth, paths.normal}) {
-      std::filesystem::last_write_time(
-          path, std::filesystem::last_write_time(path) + std::chrono::hours(1));
-    }
-  };
-  for (const bool is_other_type : {true, false}) {
-    if (is_other_type) {
-      write_anew(0, MapType::kPhotometric);
-    } else {
-      write_anew(3, MapType::kGeometric);
-      WriteText(root_ / "stereo/patch-match.cfg",
-                "v0.png\n__all__\nv1.png\n__all__\nleft/v2.png\n__all__\n");
-    }
-    const std::filesystem::path whole =
-        folder_.Path() / (is_other_type ? "whole_type" : "whole_image");
-    std::filesystem::copy(
-        root_, whole, std::filesystem::copy_options::recursive);
-    refine.segment = !is_other_type;
-    Refine(Options(whole), refine);
-    RunAll("observe", 3, refine);
-    RunAll("compose", 3, refine);
-    Run("merge", "", refine);
-    EXPECT_TRUE(ResultOf(root_) == ResultOf(whole)) << is_other_type;
-  }
 }
 
 TEST_F(RefineShardTest, LostAndForeignEvidenceIsSeen) {

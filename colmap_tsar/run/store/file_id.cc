@@ -37,7 +37,7 @@ bool AreSameFile(const std::filesystem::path& a,
   const std::optional<FileId> second = FindFileId(b);
   return first && second &&
          (std::filesystem::equivalent(a, b, error) ||
-          first->HasSizeAndTimeOf(*second));
+          (first->HasSizeAndTimeOf(*second) && HashFile(a) == HashFile(b)));
 }
 
 std::string ToText(const FileId& id) {

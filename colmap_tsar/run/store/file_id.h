@@ -30,7 +30,8 @@ std::optional<FileId> FindFileId(const std::filesystem::path& path);
 // of its content.
 bool IsUnchanged(const std::filesystem::path& path, const FileId& written);
 
-// Whether both are the same file, or have the same size and time.
+// Whether both are one file, or have the same size, time and content: all files
+// of a copy may have one time, and maps of a scene have one size.
 bool AreSameFile(const std::filesystem::path& a,
                  const std::filesystem::path& b);
 

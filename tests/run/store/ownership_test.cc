@@ -61,6 +61,17 @@ const std::vector<Case>& Cases() {
        kOriginal,
        kOther,
        kOriginal},
+      {"the map is written anew and has the time of the one that is kept",
+       [](const MapPaths& p) {
+         WriteText(p.depth, OtherMap());
+         std::filesystem::last_write_time(
+             p.depth.Path(),
+             std::filesystem::last_write_time(p.original_depth.Path()));
+       },
+       kOther,
+       kOriginal,
+       kOther,
+       kOriginal},
       {"half of the map is masked",
        [](const MapPaths& p) {
          std::string bytes = ReadText(p.depth);
