@@ -77,7 +77,6 @@ TEST(PlanRefinement, IsAnUpperBoundOfWhatAnImageTakes) {
         RefineOptions options;
         options.scene_planes = scene_planes;
         options.superpixel_size = superpixel_size;
-        options.spread_medians = !scene_planes;
         const MemoryPlan plan = PlanRefinement(
             options,
             OverviewOf(int64_t{width} * height,
