@@ -161,9 +161,7 @@ void CollectView(const Workspace& workspace, int image, Scene* scene) {
   const Image<uint16_t> planes =
       is_of_scene ? require_size(paths.planes, ReadGray16Png(paths.planes))
                   : Image<uint16_t>();
-  const Image<float> truth =
-      ReadDepthMap(workspace.SourceRoot() / "ground_truth" / "depth" /
-                   (model_image.name + ".bin"));
+  const Image<float> truth = ReadTruth(workspace, model_image.name);
   const int width = depths.Width();
   const int height = depths.Height();
   DepthResolution resolution =

@@ -38,6 +38,15 @@ const T& AtSamePlace(const Image<T>& image,
                y * image.Height() / of.Height());
 }
 
+// The true depths of an image, which are beside the images: those of an output
+// workspace are a link to its input's.
+inline Image<float> ReadTruth(const Workspace& workspace,
+                              const std::string& image) {
+  return ReadDepthMap(
+      std::filesystem::canonical(workspace.Root() / "images").parent_path() /
+      "ground_truth" / "depth" / (image + ".bin"));
+}
+
 // A view of a modeled scene as composition sees it.
 struct ModeledImage {
   Image<float> depth;  // Before refinement.
@@ -118,8 +127,7 @@ class ModeledScene {
     result.noise = evidence.noise;
     result.intrinsics = view.camera.GetIntrinsics();
     result.depth = view.depth;
-    result.truth = ReadDepthMap(workspace_.SourceRoot() / "ground_truth" /
-                                "depth" / (Name(image) + ".bin"));
+    result.truth = ReadTruth(workspace_, Name(image));
     const DeviceImage<Rgb> color(*device_, evidence.color);
     const DeviceImage<float> depth(*device_, view.depth);
     DeviceImage<uint8_t> flags(*device_, evidence.flags);

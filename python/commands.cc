@@ -160,22 +160,18 @@ py::dict Refine(const py::dict& options, const py::tuple& listeners) {
   return ToDict(Run("refine", command, listeners));
 }
 
-py::dict RestoreOriginals(const std::filesystem::path& workspace_path,
-                          const std::string& conflicts) {
+py::dict RestoreOriginals(const std::filesystem::path& workspace_path) {
   PrepareStreams();
   RestoreResult result;
   {
     const py::gil_scoped_release release;
     const WorkspaceLock lock(workspace_path);
-    result = Restore(workspace_path, ParseRestoreConflicts(conflicts));
+    result = Restore(workspace_path);
   }
-  // Those are for the user to decide about as well.
-  result.conflicts.insert(
-      result.conflicts.end(), result.lost.begin(), result.lost.end());
   return py::dict("num_restored"_a = result.num_restored,
                   "kept"_a = ToTexts(result.kept),
                   "superseded"_a = ToTexts(result.superseded),
-                  "conflicts"_a = ToTexts(result.conflicts));
+                  "lost"_a = ToTexts(result.lost));
 }
 
 py::dict Stereo(const py::dict& options, const py::tuple& listeners) {

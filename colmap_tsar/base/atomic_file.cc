@@ -162,8 +162,6 @@ void AtomicFile::Prepare() {
   }
 }
 
-int64_t AtomicFile::Time() const { return TimeOf(state_->temporary); }
-
 void AtomicFile::Commit() {
   Prepare();
   const ContainedPath& path = state_->path;

@@ -41,10 +41,6 @@ class AtomicFile {
   // before the first is renamed. Nothing may be written afterwards.
   void Prepare();
 
-  // The modification time of the new file in nanoseconds; valid after
-  // Prepare().
-  int64_t Time() const;
-
   // Renames the file to its final name; calls Prepare() first if needed.
   void Commit();
 

@@ -78,12 +78,4 @@ bool IsWithin(const fs::path& path, const fs::path& folder) {
              .first == folder.end();
 }
 
-int64_t TimeOf(const fs::path& path) {
-  constexpr int64_t kPerSecond = 1000000000;
-  struct stat state;
-  return stat(path.c_str(), &state) == 0
-             ? state.st_mtim.tv_sec * kPerSecond + state.st_mtim.tv_nsec
-             : 0;
-}
-
 }  // namespace tsar

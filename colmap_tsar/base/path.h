@@ -32,7 +32,4 @@ std::filesystem::file_status SymlinkStatus(const std::filesystem::path& path);
 bool IsWithin(const std::filesystem::path& path,
               const std::filesystem::path& folder);
 
-// The modification time of a file in nanoseconds; 0 if there is no file.
-int64_t TimeOf(const std::filesystem::path& path);
-
 }  // namespace tsar

@@ -67,7 +67,6 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                "Put the original maps back, remove all that tsar_refine wrote, "
                "and do nothing else. What others wrote in their place since is "
                "never removed.");
-  AddRestoreConflicts(&command->restore_conflicts, options);
 }
 
 void AddRunOptions(RefineCommand* command, OptionSet* options) {
@@ -125,16 +124,10 @@ int RestoreWorkspace(const RefineCommand& command) {
     }
   }
   const WorkspaceLock lock(given.workspace_path);
-  const RestoreResult result = Restore(
-      given.workspace_path, ParseRestoreConflicts(command.restore_conflicts));
+  const RestoreResult result = Restore(given.workspace_path);
   std::cout << "Put the original maps of "
             << Counted(result.num_restored, "image") << " back.\n";
-  for (const std::filesystem::path& output : result.relinked) {
-    std::cout << "Made the links of " << Printable(output.string())
-              << " to these maps again.\n";
-  }
-  ReportRestored(result.kept, result.superseded, result.conflicts);
-  RequireNoneLost(result.lost);
+  ReportRestored(result);
   return 0;
 }
 

@@ -20,7 +20,6 @@ struct RefineCommand {
   std::string input_type;
   std::string prior_type = "auto";
   bool restore = false;
-  std::string restore_conflicts = "report";
   std::string preset = "default";
   DeviceArguments devices;
   std::string shard;

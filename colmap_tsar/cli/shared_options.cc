@@ -131,52 +131,19 @@ std::optional<MapType> ParseMapType(const std::string& value) {
                                                   : MapType::kGeometric;
 }
 
-void AddRestoreConflicts(std::string* value, OptionSet* options) {
-  Option& option = options->AddChoice(
-      "restore_conflicts",
-      value,
-      {"report", "keep", "original"},
-      "For --restore, where nothing tells whose the depth and normal maps of "
-      "an image are, such as where one of the two alone was written anew. "
-      "report: change nothing for this image and say so. keep: leave what is "
-      "there. original: put the originals back, also where another program has "
-      "made both maps anew; what is there moves to stereo/tsar/superseded.");
-  option.is_advanced = true;
-}
-
-void ReportRestored(const std::vector<std::filesystem::path>& kept,
-                    const std::vector<std::filesystem::path>& superseded,
-                    const std::vector<std::filesystem::path>& conflicts) {
+void ReportRestored(const RestoreResult& result) {
   PrintList(
-      "Left these and their normal maps as they are, which were written since; "
-      "the maps before are kept beside them (--restore_conflicts original puts "
-      "those back):",
-      kept);
+      "Left these maps as they are, which were written since; the originals "
+      "before them are now in stereo/tsar/superseded:",
+      result.kept);
   PrintList(
-      "What stood in the place of these maps, and was not written by this "
-      "program as it was, is now here:",
-      superseded);
-  if (conflicts.empty()) {
-    return;
-  }
-  PrintList("Changed nothing for these and their normal maps:", conflicts);
-  std::cout << std::flush;
-  throw Error(
-      ErrorCode::kMismatch,
-      FirstAndNumber(conflicts) +
-          ": depth and normals are not of one source, or an original was "
-          "changed where it is kept, and nothing tells whether these maps or "
-          "those that are kept should stay; give --restore_conflicts original "
-          "to put the originals back (what is there moves to "
-          "stereo/tsar/superseded), or keep to leave what is there");
-}
-
-void RequireNoneLost(const std::vector<std::filesystem::path>& lost) {
-  PrintList("Left these refined maps, whose originals are gone:", lost);
-  if (!lost.empty()) {
+      "What had to make room is now here, and is never touched again:",
+      result.superseded);
+  PrintList("Left these refined maps, whose originals are gone:", result.lost);
+  if (!result.lost.empty()) {
     std::cout << std::flush;
     throw Error(ErrorCode::kMismatch,
-                FirstAndNumber(lost) +
+                FirstAndNumber(result.lost) +
                     ": this map has been refined, and its original is gone; "
                     "run patch_match_stereo again for this image");
   }

@@ -6,6 +6,7 @@
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/device_options.h"
+#include "colmap_tsar/run/store/restore.h"
 
 #include <filesystem>
 #include <optional>
@@ -61,17 +62,9 @@ void AddPriorOptions(const std::string& use,
 // The map type of a value; nothing where that is empty.
 std::optional<MapType> ParseMapType(const std::string& value);
 
-// Adds --restore_conflicts.
-void AddRestoreConflicts(std::string* value, OptionSet* options);
-
-// Prints which maps were kept and the new paths of superseded ones. Then throws
-// Error kMismatch where images are left that the user has to decide about.
-void ReportRestored(const std::vector<std::filesystem::path>& kept,
-                    const std::vector<std::filesystem::path>& superseded,
-                    const std::vector<std::filesystem::path>& conflicts);
-
-// Throws Error kMismatch where refined maps have lost their originals.
-void RequireNoneLost(const std::vector<std::filesystem::path>& lost);
+// Prints which maps stayed, and the new paths of superseded ones. Then throws
+// Error kMismatch where refined maps have lost their originals.
+void ReportRestored(const RestoreResult& result);
 
 // Checks, before the work is done, whether a command may write a file to a path
 // that an option gives. Throws Error kNotFound where its folder is missing,

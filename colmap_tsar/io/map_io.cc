@@ -59,9 +59,7 @@ Image<T> ReadMap(const std::filesystem::path& path, int64_t* num_not_finite) {
 // Writes one map and hashes it on the way.
 class MapWriter {
  public:
-  MapWriter(const MapSize& size, AtomicFile* file)
-      : file_(file), num_values_(size.NumValues()) {
-    written_.samples.reserve(kNumSamples);
+  MapWriter(const MapSize& size, AtomicFile* file) : file_(file) {
     Require(size.width > 0 && size.height > 0 && size.channels > 0, "empty");
     const std::string header = std::to_string(size.width) + "&" +
                                std::to_string(size.height) + "&" +
@@ -79,22 +77,9 @@ class MapWriter {
       Require(is_finite, "not finite");
       Put(piece.data(), piece.size_bytes());
     });
-    num_written_ += values.size();
-    for (size_t i = written_.samples.size(); i < kNumSamples; ++i) {
-      const size_t position = SamplePosition(i, num_values_);
-      if (position >= num_written_) {
-        break;
-      }
-      written_.samples.push_back(std::bit_cast<uint32_t>(
-          values[position - (num_written_ - values.size())]));
-    }
   }
 
-  // The description of the written map; the file's time is not known yet.
-  WrittenMap Written() {
-    written_.hash = hash_.Value();
-    return std::move(written_);
-  }
+  uint64_t Hash() const { return hash_.Value(); }
 
  private:
   static void Require(bool condition, const char* what) {
@@ -113,10 +98,7 @@ class MapWriter {
   }
 
   AtomicFile* file_;
-  const size_t num_values_;
-  size_t num_written_ = 0;
   ContentHash hash_;
-  WrittenMap written_;
 };
 
 }  // namespace
@@ -253,13 +235,13 @@ PlanarMap ReadPlanarMap(const std::filesystem::path& path) {
   return map;
 }
 
-WrittenMap PutDepthMap(const Image<float>& depth, AtomicFile* file) {
+uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file) {
   MapWriter writer({depth.Width(), depth.Height(), 1}, file);
   writer.Write({depth.Data(), depth.NumPixels()});
-  return writer.Written();
+  return writer.Hash();
 }
 
-WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
+uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
   MapWriter writer({normal.Width(), normal.Height(), 3}, file);
   std::vector<float> channel;
   for (float Vec3f::*element : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
@@ -271,13 +253,13 @@ WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
       writer.Write(channel);
     });
   }
-  return writer.Written();
+  return writer.Hash();
 }
 
-WrittenMap PutPlanarMap(const PlanarMap& map, AtomicFile* file) {
+uint64_t PutPlanarMap(const PlanarMap& map, AtomicFile* file) {
   MapWriter writer({map.width, map.height, map.channels}, file);
   writer.Write(map.values);
-  return writer.Written();
+  return writer.Hash();
 }
 
 void WriteDepthMap(const ContainedPath& path, const Image<float>& depth) {

@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/io/written_map.h"
 
 #include <array>
 #include <cstddef>
@@ -139,10 +138,10 @@ void WriteDepthMap(const ContainedPath& path, const Image<float>& depth);
 void WriteNormalMap(const ContainedPath& path, const Image<Vec3f>& normal);
 void WritePlanarMap(const ContainedPath& path, const PlanarMap& map);
 
-// Writers to a file that the caller commits. They return its description
-// without the time.
-WrittenMap PutDepthMap(const Image<float>& depth, AtomicFile* file);
-WrittenMap PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file);
-WrittenMap PutPlanarMap(const PlanarMap& map, AtomicFile* file);
+// Writers to a file that the caller commits. They return the hash of its
+// content, see content_hash.h.
+uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file);
+uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file);
+uint64_t PutPlanarMap(const PlanarMap& map, AtomicFile* file);
 
 }  // namespace tsar

@@ -24,7 +24,7 @@ bool NeedsEvidence(const RefineOptions& options) {
 }
 
 EvidenceStore::EvidenceStore(const Workspace& workspace,
-                             InputFingerprints& inputs,
+                             const InputFingerprints& inputs,
                              std::string options_hash,
                              size_t max_num_views)
     : workspace_(workspace),
@@ -37,7 +37,7 @@ bool EvidenceStore::IsObserved(int image) {
     return false;
   }
   const std::optional<std::string> key = ReadEvidenceKey(Path(image));
-  const std::string current = Fingerprint(image);
+  const std::string current = Fingerprint();
   return key == current || key == current + kNothing;
 }
 
@@ -46,8 +46,8 @@ void EvidenceStore::RequireObserved(int image) {
     throw Error::File(ErrorCode::kNotFound,
                       Path(image).string(),
                       workspace_.Name(image) +
-                          " was not observed with these options, or something "
-                          "that it was made of has changed since",
+                          " was not observed with these options, or an input "
+                          "of the run has changed since",
                       "run " + OptionName("pass") +
                           " observe of all shards again");
   }
@@ -55,15 +55,15 @@ void EvidenceStore::RequireObserved(int image) {
 
 bool EvidenceStore::IsCurrent(int image) {
   return inputs_.Problem(image) != nullptr &&
-         ReadEvidenceKey(Path(image)) == Fingerprint(image);
+         ReadEvidenceKey(Path(image)) == Fingerprint();
 }
 
 void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
-  WriteEvidence(Path(image), Fingerprint(image), evidence);
+  WriteEvidence(Path(image), Fingerprint(), evidence);
 }
 
 void EvidenceStore::WriteNothing(int image) {
-  WriteEvidence(Path(image), Fingerprint(image) + kNothing, {});
+  WriteEvidence(Path(image), Fingerprint() + kNothing, {});
 }
 
 void EvidenceStore::RemoveUnlikePriors() {
@@ -120,12 +120,8 @@ ContainedPath EvidenceStore::Path(int image) const {
       workspace_.Root(), workspace_.Name(image), workspace_.Type());
 }
 
-std::string EvidenceStore::Fingerprint(int image) {
-  std::string states = inputs_.StateOfView(image);
-  for (const int source : inputs_.Problem(image)->sources) {
-    states += " " + inputs_.StateOfView(source);
-  }
-  return options_hash_ + " " + FingerprintOf(states);
+std::string EvidenceStore::Fingerprint() const {
+  return options_hash_ + " " + inputs_.OfRun();
 }
 
 }  // namespace tsar

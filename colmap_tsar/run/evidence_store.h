@@ -31,14 +31,13 @@ class EvidenceStore {
   // workspace and inputs must outlive this object. options_hash: evidence of
   // other options does not count. max_num_views: how many are kept in memory.
   EvidenceStore(const Workspace& workspace,
-                InputFingerprints& inputs,
+                const InputFingerprints& inputs,
                 std::string options_hash,
                 size_t max_num_views);
 
-  // Whether the image was observed with these options, from these sources,
-  // cameras, photos and original maps. Always false for an image that is no
-  // reference: nobody would renew its evidence. Throws what
-  // InputFingerprints::OfView throws for the image and its sources.
+  // Whether the image was observed with these options, from the inputs of this
+  // run. Always false for an image that is no reference: nobody would renew its
+  // evidence.
   bool IsObserved(int image);
   // Throws kNotFound, naming the file, for a reference that was not.
   void RequireObserved(int image);
@@ -69,11 +68,11 @@ class EvidenceStore {
  private:
   ContainedPath Path(int image) const;
 
-  // A fingerprint of the inputs and options of a reference's evidence.
-  std::string Fingerprint(int image);
+  // A fingerprint of the inputs and options of the evidence.
+  std::string Fingerprint() const;
 
   const Workspace& workspace_;
-  InputFingerprints& inputs_;
+  const InputFingerprints& inputs_;
   const std::string options_hash_;
   SharedCache<ViewEvidence> views_;
 };

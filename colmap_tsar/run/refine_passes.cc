@@ -158,9 +158,6 @@ ObservePass::ObservePass(const RefineRun& run,
 
 ImageReport ObservePass::Begin(size_t index) {
   ImageReport report;
-  if (run_.plan.CanRefine(index)) {
-    run_.plan.WarnOfChanges(index);
-  }
   // The last pass finds out and reports why an image cannot be refined.
   const int image = run_.plan.Reference(index);
   if (!(has_model_ ? run_.plan.IsNeeded(index) : run_.plan.IsAnyNeeded()) ||
@@ -215,9 +212,6 @@ ImageReport ComposePass::Begin(size_t index) {
     writer_.Keep(run_.plan.Reference(index), report.reason, &report);
   } else if (report.outcome == ImageReport::Outcome::kNotDone) {
     report.seconds = seconds_[index];
-    if (!run_.HasScenePlanes()) {
-      run_.plan.WarnOfChanges(index);
-    }
   }
   return report;
 }

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/image_lists.h"
+#include "colmap_tsar/run/store/manifest.h"
 #include "colmap_tsar/run/store/write_back.h"
 
 #include <algorithm>
@@ -58,7 +59,7 @@ std::vector<bool> FindListedImages(const Workspace& workspace,
 }
 
 RefinePlan::RefinePlan(const Workspace& workspace,
-                       InputFingerprints& inputs,
+                       const InputFingerprints& inputs,
                        std::vector<bool> has_maps,
                        std::vector<bool> is_listed,
                        std::string options_hash,
@@ -69,7 +70,6 @@ RefinePlan::RefinePlan(const Workspace& workspace,
       is_listed_(std::move(is_listed)),
       options_hash_(std::move(options_hash)),
       planes_(std::move(planes)),
-      is_done_flags_(workspace.Problems().size()),
       is_done_(workspace.Problems().size()),
       users_(workspace.Model().images.size()) {
   for (size_t index = 0; index < NumImages(); ++index) {
@@ -78,6 +78,8 @@ RefinePlan::RefinePlan(const Workspace& workspace,
         users_[view].push_back(index);
       }
     }
+    is_done_[index] = IsCurrent(Reference(index));
+    is_any_needed_ = is_any_needed_ || IsToBeRefined(index);
   }
 }
 
@@ -103,39 +105,26 @@ size_t RefinePlan::NumListed() const {
   return static_cast<size_t>(std::ranges::count(is_listed_, true));
 }
 
-bool RefinePlan::IsCurrent(int image) {
-  return IsDone(
-      workspace_, image, options_hash_, inputs_.OfResult(image, planes_));
+bool RefinePlan::IsCurrent(int image) const {
+  ImageRecord expected;
+  expected.options_hash = options_hash_;
+  expected.inputs = inputs_.OfRun();
+  expected.planes = planes_;
+  return IsDone(workspace_, image, expected);
 }
 
-bool RefinePlan::HasBeenRefined(size_t index) {
-  std::call_once(is_done_flags_[index], [&] {
-    // Records the inputs before any is read.
-    is_done_[index] = IsCurrent(Reference(index));
-  });
-  return is_done_[index] != 0;
-}
-
-bool RefinePlan::IsToBeRefined(size_t index) {
+bool RefinePlan::IsToBeRefined(size_t index) const {
   return IsListed(index) && CanRefine(index) && !HasBeenRefined(index);
 }
 
-bool RefinePlan::IsNeeded(size_t index) {
-  const std::vector<size_t>& users = users_[Reference(index)];
+bool RefinePlan::IsNeeded(size_t index) const {
   return std::ranges::any_of(
-      users, [&](size_t other) { return IsToBeRefined(other); });
+      users_[Reference(index)],
+      [&](size_t other) { return IsToBeRefined(other); });
 }
 
-bool RefinePlan::IsAnyNeeded() {
-  std::call_once(is_any_needed_flag_, [&] {
-    for (size_t index = 0; index < NumImages() && !is_any_needed_; ++index) {
-      is_any_needed_ = IsToBeRefined(index);
-    }
-  });
-  return is_any_needed_;
-}
-
-void RefinePlan::RequireOthersFit(const std::filesystem::path& list) {
+void RefinePlan::RequireOthersFit(
+    const std::filesystem::path& list) const {
   for (size_t index = 0; index < NumImages(); ++index) {
     if (!IsListed(index) && IsAnyNeeded() &&
         ReadRecordOfDone(workspace_, Reference(index)) &&
@@ -152,26 +141,37 @@ void RefinePlan::RequireOthersFit(const std::filesystem::path& list) {
   }
 }
 
-void RefinePlan::WarnOfChanges(size_t index) {
-  if (!IsListed(index) || HasBeenRefined(index)) {
+void RefinePlan::WarnOfChanges() const {
+  std::string first;
+  int num_again = 0;
+  for (size_t index = 0; index < NumImages(); ++index) {
+    if (!IsToBeRefined(index)) {
+      continue;
+    }
+    const std::optional<ImageRecord> record =
+        ReadRecordOfDone(workspace_, Reference(index));
+    if (record && record->options_hash == options_hash_) {
+      first = num_again == 0 ? Name(index) : first;
+      ++num_again;
+    }
+  }
+  if (num_again == 0) {
     return;
   }
-  const std::optional<ImageRecord> record =
-      ReadRecordOfDone(workspace_, Reference(index));
-  if (!record || record->options_hash != options_hash_) {
-    return;
+  const Manifest manifest = ReadManifestInputs(workspace_);
+  std::string reason = inputs_.ChangesSince(manifest.inputs);
+  if (manifest.version != TSAR_VERSION) {
+    reason = "another version refined them";
+  } else if (reason.empty()) {
+    reason = "some of what was written for them is missing or has changed";
   }
-  std::string reason =
-      record->version != TSAR_VERSION
-          ? "it was refined by another version"
-          : inputs_.ChangesOfResult(Reference(index), record->inputs);
-  if (reason.empty()) {
-    reason = "some of what was written for it is missing or has changed";
-  }
-  Warn(Name(index) + ": refined again, since " + reason);
+  Warn(first +
+       (num_again > 1 ? " and " + std::to_string(num_again - 1) + " more"
+                      : std::string()) +
+       ": refined again, since " + reason);
 }
 
-ImageReport RefinePlan::Begin(size_t index) {
+ImageReport RefinePlan::Begin(size_t index) const {
   const int image = Reference(index);
   const std::string type = ToString(workspace_.Type());
   ImageReport report;
@@ -179,8 +179,6 @@ ImageReport RefinePlan::Begin(size_t index) {
     report.outcome = ImageReport::Outcome::kNotListed;
     return report;
   }
-  // Records the state of the maps, for their users, before they change.
-  inputs_.OfView(image);
   if (!HasMaps(image)) {
     report.reason =
         "it has no " + type + " maps; " +

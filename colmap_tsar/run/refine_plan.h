@@ -8,9 +8,7 @@
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <string>
 #include <vector>
 
@@ -35,9 +33,9 @@ class RefinePlan {
   // and serve as sources alone. options_hash: the hash of the options that the
   // images are refined with. planes: a fingerprint of the current planes of the
   // scene, where images share them; images that were refined with others are
-  // refined again.
+  // refined again. Throws what ReadRecord throws.
   RefinePlan(const Workspace& workspace,
-             InputFingerprints& inputs,
+             const InputFingerprints& inputs,
              std::vector<bool> has_maps,
              std::vector<bool> is_listed,
              std::string options_hash,
@@ -62,43 +60,41 @@ class RefinePlan {
   size_t NumListed() const;
 
   // Whether the image had been refined before the run and is not to be refined
-  // again. The first call checks its maps and inputs.
-  bool HasBeenRefined(size_t index);
+  // again.
+  bool HasBeenRefined(size_t index) const { return is_done_[index]; }
   // Whether the image is listed, can be refined, and has not been refined
   // before the run.
-  bool IsToBeRefined(size_t index);
+  bool IsToBeRefined(size_t index) const;
   // Whether the image, or one whose source it is, is to be refined.
-  bool IsNeeded(size_t index);
+  bool IsNeeded(size_t index) const;
   // Whether some image is to be refined.
-  bool IsAnyNeeded();
+  bool IsAnyNeeded() const { return is_any_needed_; }
 
   // For images that share the planes of the scene, which are found anew where
   // any image is to be refined: throws kUnsupported, naming the list, where an
   // image that is not listed was refined before the run with other options, or
   // from inputs that have changed since.
-  void RequireOthersFit(const std::filesystem::path& list);
-  // Warns where the image is to be refined again because an input has changed.
-  void WarnOfChanges(size_t index);
+  void RequireOthersFit(const std::filesystem::path& list) const;
+  // Warns where images that were refined with these options are to be refined
+  // again, and says which input has changed.
+  void WarnOfChanges() const;
 
   // The report of the image before it is refined, with the outcome kNotDone
   // where it is to be; else the outcome is final, and kKept comes with the
   // reason.
-  ImageReport Begin(size_t index);
+  ImageReport Begin(size_t index) const;
 
  private:
-  bool IsCurrent(int image);
+  bool IsCurrent(int image) const;
 
   const Workspace& workspace_;
-  InputFingerprints& inputs_;
+  const InputFingerprints& inputs_;
   const std::vector<bool> has_maps_;
   const std::vector<bool> is_listed_;  // By image of the run.
   const std::string options_hash_;
   const std::string planes_;
-  // By image of the run: whether it had been refined before the run; valid once
-  // the flag is set.
-  std::vector<std::once_flag> is_done_flags_;
-  std::vector<uint8_t> is_done_;
-  std::once_flag is_any_needed_flag_;
+  // By image of the run: whether it had been refined before the run.
+  std::vector<bool> is_done_;
   bool is_any_needed_ = false;
   // By image of the sparse model: the images of the run that need it as their
   // reference or as a source.

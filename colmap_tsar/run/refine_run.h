@@ -31,10 +31,10 @@ struct RefineRun {
   // Indices in Problems(), by shard; the run works on those of its own shard.
   const std::vector<std::vector<size_t>>& shards;
   const RefineDevices& devices;
-  InputFingerprints& inputs;
+  const InputFingerprints& inputs;
   EvidenceStore& evidence;
   const SceneModelStore& model;
-  RefinePlan& plan;
+  const RefinePlan& plan;
   ViewLoader& loader;
 
   const std::vector<size_t>& Images() const {

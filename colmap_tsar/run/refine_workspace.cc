@@ -59,9 +59,8 @@ class RefineController {
   void OpenOutput();
   // Returns the outcome of the last pass of this run.
   PipelineOutcome RunPasses(const RefineRun& run);
-  // For a shard: makes sure that images can be read while others refine them,
-  // and that all that this one needs was observed.
-  void PrepareShard(const RefineRun& run);
+  // Throws where a view that a shard needs to compose was not observed.
+  void RequireObserved(const RefineRun& run);
   PipelineOutcome Observe(const RefineRun& run,
                           std::vector<StageSeconds>& seconds);
   // Finds the planes of the scene, if they are needed and not known. Returns
@@ -93,19 +92,14 @@ void RefineController::Lock() {
   const bool in_place = options_.output_path.empty();
   if (IsShard()) {
     lock_.emplace(workspace_.Root(),
-                  options_.pass == RefinePass::kObserve
-                      ? WorkspaceLock::Mode::kObserve
-                      : WorkspaceLock::Mode::kCompose,
+                  WorkspaceLock::Mode::kShard,
                   options_.shard.index);
   } else if (in_place) {
     lock_.emplace(workspace_.Root());
   }
-  if (!in_place || workspace_.IsOutput()) {
+  if (!in_place) {
     // The lock keeps others from changing the originals while they are read.
-    input_lock_.emplace(workspace_.SourceRoot(),
-                        workspace_.IsOutput()
-                            ? WorkspaceLock::Mode::kSharedIfThere
-                            : WorkspaceLock::Mode::kShared);
+    input_lock_.emplace(workspace_.Root(), WorkspaceLock::Mode::kShared);
   }
 }
 
@@ -122,9 +116,6 @@ void RefineController::Check() {
        FindFusionObstacles(workspace_.Model(), workspace_.ModelFolder())) {
     Warn(obstacle);
   }
-  if (options_.pass != RefinePass::kCompose) {
-    CheckOriginals(workspace_);
-  }
 }
 
 RunSummary RefineController::Run() {
@@ -138,13 +129,13 @@ RunSummary RefineController::Run() {
     OpenOutput();
   }
   const std::string options_hash = HashRefineOptions(refine_options_);
-  InputFingerprints inputs(workspace_);
+  const InputFingerprints inputs(workspace_);
   EvidenceStore evidence(workspace_,
                          inputs,
                          options_hash,
                          NumEvidenceViews(overview_, devices_.NumScenes()));
   const SceneModelStore model(workspace_, inputs, options_hash);
-  RefinePlan plan(
+  const RefinePlan plan(
       workspace_,
       inputs,
       overview_.has_maps,
@@ -153,6 +144,9 @@ RunSummary RefineController::Run() {
       NeedsEvidence(refine_options_) ? model.PlanesFingerprint() : "");
   if (NeedsEvidence(refine_options_)) {
     plan.RequireOthersFit(options_.image_list_path);
+  }
+  if (options_.pass != RefinePass::kCompose) {
+    plan.WarnOfChanges();
   }
   ViewLoader loader(workspace_);
   const RefineRun run = {options_,
@@ -175,51 +169,27 @@ RunSummary RefineController::Run() {
 }
 
 void RefineController::OpenOutput() {
-  if (ReadOutputMarker(options_.output_path)) {
-    // Another program may be at work on it.
-    lock_.emplace(options_.output_path);
-  }
-  const bool has_own_list = workspace_.IsOutput();
+  BeginOutputWorkspace(workspace_, options_.output_path);
+  lock_.emplace(options_.output_path);
   workspace_ = CreateOutputWorkspace(
       workspace_, options_.output_path, workspace_.Type());
   workspace_.UseMasks(options_.mask_path);
   workspace_.UsePriors(options_.prior_path, options_.prior_type);
-  if (!lock_) {
-    lock_.emplace(workspace_.Root());
-  }
-  if (has_own_list) {
-    // The image list of an output's output is that of the first workspace.
-    overview_ = CheckWorkspace(workspace_);
-  }
-  shards_ = SplitImages(workspace_, options_.shard.count);
 }
 
-void RefineController::PrepareShard(const RefineRun& run) {
-  if (!run.HasScenePlanes()) {
-    if (!workspace_.IsOutput() && options_.pass == RefinePass::kCompose) {
-      workspace_.TrustStoredOriginals();
-    }
-    for (const size_t index : Images()) {
-      const int reference = run.plan.Reference(index);
-      if (!workspace_.IsOutput() && options_.pass == RefinePass::kObserve &&
-          run.plan.HasMaps(reference)) {
-        StoreOriginals(workspace_, reference);
-      }
-    }
-  } else if (options_.pass == RefinePass::kCompose) {
-    for (const size_t index : Images()) {
-      if (run.plan.IsToBeRefined(index)) {
-        for (const int view : run.plan.SourcesAndReference(index)) {
-          run.evidence.RequireObserved(view);
-        }
+void RefineController::RequireObserved(const RefineRun& run) {
+  for (const size_t index : Images()) {
+    if (run.plan.IsToBeRefined(index)) {
+      for (const int view : run.plan.SourcesAndReference(index)) {
+        run.evidence.RequireObserved(view);
       }
     }
   }
 }
 
 PipelineOutcome RefineController::RunPasses(const RefineRun& run) {
-  if (IsShard()) {
-    PrepareShard(run);
+  if (run.HasScenePlanes() && options_.pass == RefinePass::kCompose) {
+    RequireObserved(run);
   }
   std::vector<StageSeconds> seconds(run.plan.NumImages());
   if (options_.pass != RefinePass::kCompose) {

@@ -64,7 +64,8 @@ void ResultWriter::Write(int image, RefinedMaps maps, ImageReport* report) {
   ImageRecord record;
   record.note = Describe(report->prior);
   record.options_hash = options_hash_;
-  record.inputs = run_.inputs.OfResult(image, planes_);
+  record.inputs = run_.inputs.OfRun();
+  record.planes = planes_;
   record.counts = report->counts;
   record.seconds = report->seconds;
   const Stopwatch writing;

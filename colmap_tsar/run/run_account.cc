@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/text_stream.h"
-#include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <cstddef>
@@ -15,15 +14,6 @@
 
 namespace tsar {
 namespace {
-
-bool WasRefinedBefore(RefinePlan& plan, size_t index) {
-  try {
-    return plan.HasBeenRefined(index);
-  } catch (const Error&) {
-    // The failure may be that this cannot be found out.
-    return false;
-  }
-}
 
 // The runtime settings of a run, by name; no result depends on them.
 std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
@@ -91,11 +81,6 @@ void RunAccount::End(const PipelineOutcome& outcome) {
   } else {
     SceneModelStore::Remove(run_.workspace);
   }
-  if (run_.options.output_path.empty() && !run_.workspace.IsOutput()) {
-    // Kept images got their maps back from the folder that links lead to.
-    bool are_all_linked = true;
-    RelinkOutputs(run_.workspace.Root(), &are_all_linked);
-  }
 }
 
 Manifest RunAccount::Build() const {
@@ -103,6 +88,7 @@ Manifest RunAccount::Build() const {
                                     RefineOptionsText(run_.refine_options),
                                     HashRefineOptions(run_.refine_options));
   manifest.runtime = RuntimeText(run_.options.devices, run_.devices);
+  manifest.inputs = run_.inputs.States();
   if (!run_.options.image_list_path.empty()) {
     manifest.runtime["listed_images"] = std::to_string(run_.plan.NumListed());
   }
@@ -118,7 +104,7 @@ void RunAccount::MarkFailures(const PipelineOutcome& outcome,
     }
     Manifest::Entry& entry = manifest->images[i];
     entry.note = FailureText(outcome.failures[i]);
-    if (WasRefinedBefore(run_.plan, i)) {
+    if (run_.plan.HasBeenRefined(i)) {
       // The image was only to be observed, and its maps are as valid as before.
       entry.note = "cannot be observed for other images: " + entry.note;
     } else {

@@ -20,8 +20,7 @@ class RunAccount {
   void Begin();
   // Called when the last pass has ended or had to stop: then throws the failure
   // of an image, or kInterrupted. When all images are done, the files that only
-  // an unfinished run needs are removed, and the links of output workspaces
-  // made from this one are renewed.
+  // an unfinished run needs are removed.
   void End(const PipelineOutcome& outcome);
 
  private:

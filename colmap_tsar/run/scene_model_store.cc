@@ -33,7 +33,7 @@ void WarnOfPlanesWithoutName(size_t num_planes) {
 }  // namespace
 
 SceneModelStore::SceneModelStore(const Workspace& workspace,
-                                 InputFingerprints& inputs,
+                                 const InputFingerprints& inputs,
                                  std::string options_hash)
     : workspace_(workspace),
       inputs_(inputs),
@@ -84,8 +84,7 @@ void SceneModelStore::Remove(const Workspace& workspace) {
 }
 
 std::string SceneModelStore::Fingerprint() const {
-  return options_hash_ + " " + ToString(workspace_.Type()) + " " +
-         inputs_.StateOfScene();
+  return options_hash_ + " " + inputs_.OfRun();
 }
 
 }  // namespace tsar

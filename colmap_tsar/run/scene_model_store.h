@@ -19,7 +19,7 @@ class SceneModelStore {
   // workspace and inputs must outlive this object. options_hash: a model made
   // with other options is not current.
   SceneModelStore(const Workspace& workspace,
-                  InputFingerprints& inputs,
+                  const InputFingerprints& inputs,
                   std::string options_hash);
 
   // Whether there is a model with labels, made with these options from all
@@ -44,7 +44,7 @@ class SceneModelStore {
   std::string Fingerprint() const;
 
   const Workspace& workspace_;
-  InputFingerprints& inputs_;
+  const InputFingerprints& inputs_;
   const std::string options_hash_;
 };
 

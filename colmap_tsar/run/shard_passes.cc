@@ -41,9 +41,9 @@ void Model(const WorkspaceRefineOptions& options,
   const WorkspaceOverview overview = CheckWorkspace(workspace);
   const MemoryPlan memory = PlanRefinement(refine_options, overview);
   const std::string options_hash = HashRefineOptions(refine_options);
-  InputFingerprints inputs(workspace);
+  const InputFingerprints inputs(workspace);
   const SceneModelStore store(workspace, inputs, options_hash);
-  RefinePlan plan(workspace,
+  const RefinePlan plan(workspace,
                   inputs,
                   overview.has_maps,
                   FindListedImages(workspace, {}),
@@ -81,20 +81,21 @@ void Model(const WorkspaceRefineOptions& options,
 // Throws where an image that can be refined has not been, as it is now.
 void RequireAllDone(const Workspace& workspace,
                     const RefineOptions& options,
+                    const InputFingerprints& inputs,
                     const Manifest& manifest) {
-  InputFingerprints inputs(workspace);
-  const std::string options_hash = HashRefineOptions(options);
-  const std::string planes =
-      NeedsEvidence(options)
-          ? SceneModelStore(workspace, inputs, options_hash).PlanesFingerprint()
-          : "";
+  ImageRecord expected;
+  expected.options_hash = HashRefineOptions(options);
+  expected.inputs = inputs.OfRun();
+  if (NeedsEvidence(options)) {
+    expected.planes = SceneModelStore(workspace, inputs, expected.options_hash)
+                          .PlanesFingerprint();
+  }
   std::string first;
   size_t num_missing = 0;
   for (size_t i = 0; i < manifest.images.size(); ++i) {
     const int image = workspace.Problems()[i].reference;
     if (manifest.images[i].status != ImageStatus::kKept &&
-        !IsDone(
-            workspace, image, options_hash, inputs.OfResult(image, planes))) {
+        !IsDone(workspace, image, expected)) {
       first = num_missing++ == 0 ? manifest.images[i].image : first;
     }
   }
@@ -123,11 +124,6 @@ RunSummary ModelShards(const WorkspaceRefineOptions& options,
   const OpenCvWithoutThreads opencv_without_threads;
   const Workspace workspace = OpenWorkspace(options);
   const WorkspaceLock lock(workspace.Root());
-  std::optional<WorkspaceLock> input_lock;
-  if (workspace.IsOutput()) {
-    input_lock.emplace(workspace.SourceRoot(),
-                       WorkspaceLock::Mode::kSharedIfThere);
-  }
   Model(options, refine_options, workspace, progress, should_stop);
   RunSummary summary;
   summary.workspace_path = workspace.Root();
@@ -146,7 +142,9 @@ RunSummary MergeShards(const WorkspaceRefineOptions& workspace_options,
   Manifest manifest = BuildManifest(workspace,
                                     RefineOptionsText(refine_options),
                                     HashRefineOptions(refine_options));
-  RequireAllDone(workspace, refine_options, manifest);
+  const InputFingerprints inputs(workspace);
+  manifest.inputs = inputs.States();
+  RequireAllDone(workspace, refine_options, inputs, manifest);
   std::vector<int> references;
   for (const StereoProblem& problem : workspace.Problems()) {
     references.push_back(problem.reference);

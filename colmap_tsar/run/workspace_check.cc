@@ -27,18 +27,14 @@ namespace {
 
 constexpr const char* kAgain = "run patch_match_stereo again for this image";
 
-std::string SizeText(const MapSize& size) {
-  return ToString(RasterSize{size.width, size.height});
-}
-
 void RequireSameSize(const std::filesystem::path& path,
-                     const MapSize& size,
-                     const MapSize& depth_size) {
+                     const RasterSize& size,
+                     const RasterSize& depth_size) {
   if (size.width != depth_size.width || size.height != depth_size.height) {
     throw Error::File(ErrorCode::kMismatch,
                       path.string(),
-                      "the map has " + SizeText(size) +
-                          " pixels, the depth map " + SizeText(depth_size),
+                      "the map has " + ToString(size) +
+                          " pixels, the depth map " + ToString(depth_size),
                       kAgain);
   }
 }
@@ -54,94 +50,50 @@ int64_t RequirePossibleSize(const std::filesystem::path& path,
   if (num_pixels > kMaxNumPixels) {
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),
-                      "has " + SizeText({width, height, 1}) +
+                      "has " + ToString(RasterSize{width, height}) +
                           " pixels, more than the 2^30 that can be worked on",
                       advice);
   }
   return num_pixels;
 }
 
-MapSize RequireMap(const Workspace& workspace,
-                   int image,
-                   const std::filesystem::path& path,
-                   int num_channels) {
-  const MapSize size = ReadMapSize(path);
-  if (size.channels != num_channels) {
-    throw Error::File(ErrorCode::kCorrupt,
-                      path.string(),
-                      "has " + std::to_string(size.channels) +
-                          " channels, but needs " +
-                          std::to_string(num_channels),
-                      kAgain);
-  }
-  workspace.RequireShapeOfImage(image, path, {size.width, size.height});
-  return size;
-}
-
-// The size of an image's map, or nothing where there is none. Where its
-// original is kept elsewhere, both are checked, since either may be the one to
-// read.
-std::optional<MapSize> CheckMap(const Workspace& workspace,
-                                int image,
-                                const std::filesystem::path& current,
-                                const std::filesystem::path& stored,
-                                int num_channels) {
-  std::optional<MapSize> size;
-  if (Exists(stored)) {
-    try {
-      size = RequireMap(workspace, image, stored, num_channels);
-    } catch (const Error&) {
-      // The original may be outdated: CheckOriginals() tells whether it
-      // matters. Or a shard that keeps the image's maps has put it back.
-      if (!Exists(current)) {
-        throw;
-      }
-    }
-  }
-  if (Exists(current)) {
-    try {
-      size = RequireMap(workspace, image, current, num_channels);
-    } catch (const Error& error) {
-      if (!size || error.Code() != ErrorCode::kCorrupt) {
-        throw;
-      }
-    }
-  }
-  return size;
-}
-
-std::optional<MapSize> CheckMaps(const Workspace& workspace,
-                                 int image,
-                                 MapType type) {
-  const MapPaths paths = workspace.SourcePaths(image, type);
+// The size of an image's original maps, or nothing where there are none.
+std::optional<RasterSize> CheckMaps(const Workspace& workspace,
+                                    int image,
+                                    MapType type) {
+  const MapPaths paths = workspace.Paths(image, type);
   RequireNoStrayResults(paths);
-  const auto depth =
-      CheckMap(workspace, image, paths.depth, paths.original_depth, 1);
-  const auto normal =
-      CheckMap(workspace, image, paths.normal, paths.original_normal, 3);
-  if (depth.has_value() != normal.has_value()) {
+  const OriginalMaps originals = FindOriginals(paths);
+  const bool has_depth = !originals.depth.path.empty();
+  const bool has_normal = !originals.normal.path.empty();
+  if (has_depth != has_normal) {
     throw Error::File(
         ErrorCode::kNotFound,
-        (depth ? paths.normal : paths.depth).string(),
-        depth ? "there is a depth map of this name, but no normal map"
-              : "there is a normal map of this name, but no depth map",
+        (has_depth ? paths.normal : paths.depth).string(),
+        has_depth ? "there is a depth map of this name, but no normal map"
+                  : "there is a normal map of this name, but no depth map",
         kAgain);
   }
-  if (depth) {
-    RequireSameSize(paths.normal, *normal, *depth);
+  if (!has_depth) {
+    return std::nullopt;
   }
-  return depth;
+  const DepthNormalReader maps = workspace.OpenOriginalMaps(image, type);
+  return RasterSize{maps.Width(), maps.Height()};
 }
 
 void CheckCosts(const Workspace& workspace,
                 int image,
                 MapType type,
-                const MapSize& depth_size) {
+                const RasterSize& depth_size) {
   const std::filesystem::path path = workspace.CostPath(image, type);
-  const std::optional<MapSize> size = CheckMap(workspace, image, path, {}, 2);
-  if (size) {
-    RequireSameSize(path, *size, depth_size);
+  if (!Exists(path)) {
+    return;
   }
+  const MapReader costs(path);
+  costs.RequireChannels(2, "a cost map");
+  const RasterSize size = {costs.Size().width, costs.Size().height};
+  workspace.RequireShapeOfImage(image, path, size);
+  RequireSameSize(path, size, depth_size);
 }
 
 // Checks that the files of an image can be written, before hours of work.
@@ -158,14 +110,14 @@ bool CheckImage(const Workspace& workspace,
                 int image,
                 WorkspaceOverview* overview) {
   const MapType type = workspace.Type();
-  const std::optional<MapSize> size = CheckMaps(workspace, image, type);
+  const std::optional<RasterSize> size = CheckMaps(workspace, image, type);
   if (!size) {
     return false;
   }
   CheckTargets(workspace.Paths(image, type));
   CheckPhotoFile(workspace.ImagePath(image));
   overview->num_with_alpha += HasAlpha(workspace.ImagePath(image)) ? 1 : 0;
-  workspace.CheckMask(image, {size->width, size->height});
+  workspace.CheckMask(image, *size);
   workspace.CheckPrior(image);
   overview->has_priors =
       overview->has_priors || workspace.Priors().HasPrior(image);
@@ -173,10 +125,9 @@ bool CheckImage(const Workspace& workspace,
   const MapType other =
       type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
   if (workspace.HasMaps(image, other)) {
-    const std::optional<MapSize> other_size =
-        CheckMaps(workspace, image, other);
-    RequireSameSize(
-        workspace.SourcePaths(image, other).depth, *other_size, *size);
+    RequireSameSize(workspace.DepthPath(image, other),
+                    CheckMaps(workspace, image, other).value_or(*size),
+                    *size);
     CheckCosts(workspace, image, other, *size);
   }
   const Camera& camera = workspace.CameraOf(image);
@@ -257,7 +208,7 @@ void RequireMapsOfTheirOwn(const Workspace& workspace,
 bool HasAnyMap(const Workspace& workspace, MapType type) {
   return std::ranges::any_of(
       workspace.Problems(), [&](const StereoProblem& problem) {
-        const MapPaths paths = workspace.SourcePaths(problem.reference, type);
+        const MapPaths paths = workspace.Paths(problem.reference, type);
         return Exists(paths.depth) || Exists(paths.normal) ||
                Exists(paths.original_depth) || Exists(paths.original_normal);
       });
@@ -276,17 +227,6 @@ Workspace OpenMapsOf(const WorkspaceRefineOptions& options) {
 }
 
 }  // namespace
-
-void CheckOriginals(const Workspace& workspace) {
-  for (const int image : ImagesOfProblems(workspace)) {
-    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-      const MapPaths paths = workspace.SourcePaths(image, type);
-      if (Exists(paths.original_depth) || Exists(paths.original_normal)) {
-        FindOriginals(paths, Scrutiny::kTimeAndSamples);
-      }
-    }
-  }
-}
 
 WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   const std::set<int> images = ImagesOfProblems(workspace);

@@ -31,14 +31,9 @@ struct WorkspaceOverview {
 // (no image in patch-match.cfg has maps; an image file is missing; one of depth
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is
-// not of its image's shape), and what Workspace::CheckMask and CheckPrior
-// throw. Depth priors are read.
+// not of its image's shape), and what FindOriginals, Workspace::CheckMask and
+// CheckPrior throw. Depth priors are read.
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
-
-// Finds the originals of all images with stored ones, so that the errors of
-// FindOriginals() end a run before anything is changed. Reads maps that have
-// changed since they were written. Nobody may be changing maps meanwhile.
-void CheckOriginals(const Workspace& workspace);
 
 // Opens the workspace with the requested type of maps, or the type that it has.
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options);

@@ -13,14 +13,13 @@ from typing import Literal, Optional, Sequence, Union
 from . import _core
 
 # What the workspace and the methods themselves say.
-_NOT_KEYWORDS = {"workspace_path", "input_type", "restore", "restore_conflicts"}
+_NOT_KEYWORDS = {"workspace_path", "input_type", "restore"}
 # By the kind of value: its type, with those of NumPy, how it is called, and how it is
 # read from and written to a command line.
 _KINDS = {
     "0|1": (bool, "True or False", lambda text: text == "1", lambda value: str(int(value))),
     "INT": (numbers.Integral, "an integer", int, lambda value: str(int(value))),
     "NUMBER": (numbers.Real, "a number", float, lambda value: repr(float(value))),
-}
 
 
 def advice(name, names):

@@ -83,20 +83,13 @@ def refine_with_listeners(workspace_path, input_type, priors, listeners, options
         return RefineSummary(**_core.refine(command, listeners))
 
 
-def restore(workspace_path: _Path, conflicts: str = "report") -> RestoreSummary:
+def restore(workspace_path: _Path) -> RestoreSummary:
     """Puts COLMAP's maps back and removes all that refine() wrote. What others wrote
     in their place since is never removed.
 
-    conflicts: what to do where nothing tells whose the depth and normal maps of an
-    image are, such as where one of the two alone was written anew: "report" changes
-    nothing for this image, "keep" leaves what is there, "original" puts the
-    originals back, also where another program has made both maps anew.
-
-    Raises NotFoundError where there is nothing to restore, and UnsupportedError for
-    a workspace that refine() made as output_path: COLMAP's maps are in the other
-    one.
+    Raises NotFoundError where there is nothing to restore.
     """
-    return RestoreSummary(**_core.restore(os.fspath(workspace_path), conflicts))
+    return RestoreSummary(**_core.restore(os.fspath(workspace_path)))
 
 
 REFINE.document(refine)

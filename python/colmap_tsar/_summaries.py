@@ -56,14 +56,11 @@ class RestoreSummary(Result):
     num_restored: int
     """Maps of how many images and types were put back."""
     kept: List[str]
-    """Depth maps that patch_match_stereo has written since, or that were kept on
-    demand: left as they were, with their normal maps."""
+    """Maps that were written since in the place of refined ones, and stay."""
     superseded: List[str]
-    """Where the maps are now that stood in the place of originals and were not
-    written by this program as they were."""
-    conflicts: List[str]
-    """Depth maps for which nothing was changed, since nothing tells whose they
-    and their normal maps are."""
+    """Where what had to make room is now."""
+    lost: List[str]
+    """Refined depth maps whose originals are gone: left as they were."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -216,10 +216,10 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
             *(cloud_path, depth_scale, overwrite, progress),
         )
 
-    def restore(self, conflicts: str = "report") -> RestoreSummary:
+    def restore(self) -> RestoreSummary:
         """Puts COLMAP's maps back; see restore()."""
         self._planes = None
-        return restore(self._path, conflicts)
+        return restore(self._path)
 
     def _to_command(self, command, options):
         return {"workspace_path": os.fsencode(self._path), **command.to_text(options)}

@@ -135,20 +135,6 @@ def depth_in_other_units():
               + struct.pack(f"<{len(floats)}f", *floats))
 
 
-def depth_alone_made_anew():
-    """After a refinement, of which this is all that undoing it looks at."""
-    name = "v000.jpg.geometric"
-    for kind in ("depth_maps", "normal_maps"):
-        with open(f"dense/stereo/{kind}/{name}.bin", "rb") as file:
-            write(f"dense/stereo/tsar/original/{kind}/{name}.bin", file.read())
-    write(f"dense/stereo/tsar/records/{name}.json", json.dumps({
-        "version": "0.1.0", "image": "v000.jpg", "type": "geometric", "status": "done",
-        "options_hash": "", "inputs": {}, "written_depth": ["0@0:"], "written_normal": ["0@0:"],
-        "results": {}, "original_depth": "", "original_normal": "", "counts": {}, "seconds": {},
-        "note": ""}))
-    write(f"dense/stereo/depth_maps/{name}.bin", b"1&1&1&" + struct.pack("<f", 1.0))
-
-
 SITUATIONS = {
     "The folder is not a dense workspace":
         lambda: (os.mkdir("project"), os.rename("dense/sparse", "project/sparse")),
@@ -182,7 +168,6 @@ SITUATIONS = {
     "A depth prior is a picture": lambda: write("priors/v000.png", png(8, 640, 480)),
     "The originals are gone": lambda: write(
         "dense/stereo/provenance_maps/v000.jpg.geometric.png", "of a refinement"),
-    "Restoring leaves maps as they are": depth_alone_made_anew,
     "The report comes before the refinement": lambda: None,
     "The planes come before the refinement": lambda: None,
     "Something goes into the workspace's own folders": lambda: None,

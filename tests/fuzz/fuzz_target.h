@@ -29,7 +29,6 @@ extern const FuzzTarget kConfigTarget;
 extern const FuzzTarget kImageListTarget;
 extern const FuzzTarget kProjectIniTarget;
 extern const FuzzTarget kRecordTarget;
-extern const FuzzTarget kOutputMarkerTarget;
 extern const FuzzTarget kDmbTarget;
 extern const FuzzTarget kApdTarget;
 extern const FuzzTarget kDmapTarget;

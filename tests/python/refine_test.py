@@ -66,7 +66,7 @@ class RefineTest(SampleTest):
 
         self.assertEqual(
             colmap_tsar.restore(self.workspace).todict(),
-            {"num_restored": self.num_images, "kept": [], "superseded": [], "conflicts": []},
+            {"num_restored": self.num_images, "kept": [], "superseded": [], "lost": []},
         )
         self.assertEqual(digests(self.workspace), before)
 

@@ -16,14 +16,14 @@ class ChangingWorkspace:
     """A workspace, in several folders at once. sources: with which images each
     image is compared; those that are left out are no references."""
 
-    def __init__(self, root, sources, with_maps=True):
+    def __init__(self, root, sources):
         self.roots = [root]
         self.time = BEGIN
         self.names = list(NAMES)
         self.sources = dict(sources)
         self.position = {name: BASELINE * view for view, name in enumerate(NAMES)}
         self.focal = {name: FOCAL for name in NAMES}
-        synthetic_workspace.draw(root, len(NAMES), with_maps)
+        synthetic_workspace.draw(root, len(NAMES))
         for parent, _, files in os.walk(root):
             for file in files:
                 os.utime(os.path.join(parent, file), (BEGIN, BEGIN))

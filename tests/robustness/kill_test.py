@@ -44,9 +44,8 @@ def leave_normals_unchanged(name):
     path = os.path.join(work, "stereo", "tsar", "records", name + ".json")
     with open(path, encoding="utf-8") as file:
         record = json.load(file)
-    written = record["written_normal"][0]
-    original = record["original_normal"]
-    record["written_normal"] = [original[:original.index("@")] + written[written.index("@"):]]
+    state = os.stat(os.path.join(work, "stereo", "normal_maps", name + ".bin"))
+    record["files"]["normal"] = [f"{state.st_size}@{state.st_mtime_ns}"]
     synthetic_workspace.write(path, json.dumps(record).encode())
 
 

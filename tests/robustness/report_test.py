@@ -115,14 +115,17 @@ synthetic_workspace.write(os.path.join(outside, "unfinished_page"), PRECIOUS)
 os.symlink(outside, page + ".tsar_tmp")
 fails("a link as report.tsar_tmp", REPLACE, "report.tsar_tmp")
 shutil.rmtree(outside)
-for faults in ({}, {"no_exchange": 1}):
-    copy(kept, site)
-    synthetic_workspace.write(page + ".tsar_old", PRECIOUS)
-    synthetic_workspace.write(page + ".tsar_old_1/tsar_report.txt", PRECIOUS)
-    before = describe(site)
-    program.run(*REPLACE, **faults)
-    check_same(describe(site), before, "folders that are called as former pages")
-    num_cases += 1
+copy(kept, site)
+synthetic_workspace.write(page + ".tsar_old/tsar_report.txt", PRECIOUS)
+before = describe(site)
+program.run(*REPLACE)
+check_same(describe(site), before, "a folder that is called as a former page")
+code, errors = program.call(*REPLACE, no_exchange=1)
+check(code == 1 and "report.tsar_old" in errors, f"a former page in the way: {errors}")
+after = {path: content for path, content in describe(site).items()
+         if os.path.basename(path) != "unfinished_page"}
+check_same(after, before, "a former page in the way")
+num_cases += 2
 
 # Two at a time.
 copy(kept, site)

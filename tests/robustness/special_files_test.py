@@ -16,7 +16,7 @@ from start_workspaces import STEREO, StartWorkspaces
 args = parse_arguments()
 program = Program(args.program)
 folder = make_folder(args.folder)
-work, output, external = (os.path.join(folder.name, name) for name in ("work", "output", "arrays"))
+work, external = (os.path.join(folder.name, name) for name in ("work", "arrays"))
 start = StartWorkspaces(folder.name)
 start.make(program)
 REFINE = ["tsar_refine", work]
@@ -29,9 +29,6 @@ observed = os.path.join(folder.name, "observed")
 copy(start.mapped, observed)
 program.run("tsar_refine", observed, *SHARD[2:], "observe")
 program.run("tsar_refine", observed, "--TsarRefine.pass", "model")
-# Shards leave their lock's file.
-program.run("tsar_refine", observed, *SHARD[2:], "observe")
-program.run("tsar_refine", start.mapped, "--output_path", output)
 KEY = "v0.png.geometric"
 ini = os.path.join(work, "project.ini")
 with_ini = os.path.join(folder.name, "with_ini")
@@ -50,7 +47,6 @@ FILES = [
     (f"stereo/tsar/records/{KEY}.json", start.refined, [REFINE, RESTORE, REPORT]),
     (f"stereo/tsar/original/depth_maps/{KEY}.bin", start.refined, [REFINE, REPORT]),
     ("stereo/tsar/lock", start.refined, [REFINE, RESTORE, TO_STEREO]),
-    ("stereo/tsar/output_of.json", output, [REFINE, RESTORE, TO_STEREO, REPORT]),
     (f"stereo/provenance_maps/{KEY}.png", start.refined, [REPORT]),
     (f"stereo/tsar/evidence/{KEY}.bin", observed, [[*SHARD, "compose"]]),
     ("project.ini", with_ini, [[*REFINE, "--project_path", ini]]),
@@ -117,14 +113,6 @@ for index, (file, source, commands) in enumerate(FILES):
                        if before.get(path) != after.get(path)]
             check(not changed, f"{what}: {changed} changed")
             num_cases += 1
-
-# A link to itself is no output workspace, which could be deleted.
-copy(start.mapped, work)
-os.symlink("tsar", os.path.join(work, "stereo", "tsar"))
-for command in (REFINE, RESTORE):
-    line = program.fails_with_one_line(*command, texts=["stereo/tsar", "symbolic links"])
-    check("delete" not in line, line)
-    num_cases += 1
 
 # Those of other programs that are imported.
 for kind in KINDS:

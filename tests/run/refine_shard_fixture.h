@@ -33,6 +33,7 @@ inline nlohmann::json ManifestOf(const std::filesystem::path& root) {
       nlohmann::json::parse(ReadText(root / "stereo/tsar/manifest.json"));
   json.erase("seconds");
   json.erase("runtime");
+  json.erase("inputs");
   for (nlohmann::json& image : json["images"]) {
     image.erase("seconds");
   }

@@ -57,8 +57,8 @@ TEST_F(RefineShardTest, ShardsSideBySideGiveTheSame) {
       // What others read must not be what a shard is just writing.
       for (int view = 0; view < 4; ++view) {
         EXPECT_EQ(std::filesystem::exists(Evidence(view)), scene_planes);
-        EXPECT_TRUE(std::filesystem::exists(Paths(view).original_depth) ||
-                    (scene_planes && pass == std::string("observe")));
+        EXPECT_EQ(std::filesystem::exists(Paths(view).original_depth),
+                  pass == std::string("compose"));
       }
     }
     Run("merge", "", refine);

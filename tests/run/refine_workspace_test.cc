@@ -233,19 +233,6 @@ TEST_F(RefineWorkspaceTest, OutputPathLeavesTheInputAlone) {
   ExpectSameFiles(MapsOf(root_), MapsOf(options.output_path));
 }
 
-TEST_F(RefineWorkspaceTest, OutputsOfOutputsTakeTheListOfTheirSource) {
-  WorkspaceRefineOptions options = Options(root_);
-  options.output_path = folder_.Path() / "out";
-  Refine(options);
-  // Its own copy of the list names fewer images than the workspace's.
-  WriteText(options.output_path / "stereo/patch-match.cfg",
-            SyntheticWorkspace::Names()[0] + "\n__all__\n");
-  options.workspace_path = options.output_path;
-  options.output_path = folder_.Path() / "again";
-  EXPECT_EQ(Refine(options).num_refined, 4);
-  ExpectSameFiles(MapsOf(options.workspace_path), MapsOf(options.output_path));
-}
-
 TEST_F(RefineWorkspaceTest, KeepsImagesThatCannotBeRefined) {
   // v1 has no maps, v2 sees only v1, and v3 has no depth.
   RemoveMaps(1, MapType::kGeometric);

@@ -5,10 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/run/store/output_workspace.h"
 
-#include <algorithm>
-#include <optional>
 #include <system_error>
 
 namespace tsar {
@@ -33,10 +30,14 @@ std::string FindInputFolder(const fs::path& root, const fs::path& path) {
                                            : path.parent_path()) /
       path.filename();
   const fs::path target = Canonical(path);
-  for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
-    const fs::path folder = Canonical(root / name);
-    if (IsWithin(place, folder) || IsWithin(target, folder)) {
-      return name;
+  // Of an output workspace, the images lead to the input.
+  for (const fs::path& workspace :
+       {root, Canonical(root / "images").parent_path()}) {
+    for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
+      const fs::path folder = Canonical(workspace / name);
+      if (IsWithin(place, folder) || IsWithin(target, folder)) {
+        return name;
+      }
     }
   }
   return "";
@@ -45,15 +46,12 @@ std::string FindInputFolder(const fs::path& root, const fs::path& path) {
 void RequireOutsideInputs(const fs::path& root,
                           const fs::path& path,
                           const std::string& option) {
-  const std::optional<fs::path> source = ReadOutputMarker(root);
-  for (const fs::path& workspace : {root, source.value_or(root)}) {
-    const std::string folder = FindInputFolder(workspace, path);
-    if (!folder.empty()) {
-      throw Error::File(ErrorCode::kUnsupported,
-                        path.string(),
-                        "is in the folder " + folder + " of a workspace",
-                        "choose another " + option);
-    }
+  const std::string folder = FindInputFolder(root, path);
+  if (!folder.empty()) {
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "is in the folder " + folder + " of a workspace",
+                      "choose another " + option);
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/run/store/manifest.h"
 
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/json_file.h"
 
@@ -12,6 +13,13 @@
 #include <nlohmann/json.hpp>
 
 namespace tsar {
+namespace {
+
+ContainedPath PathOf(const Workspace& workspace) {
+  return GetTsarFolder(workspace.Root()) / "manifest.json";
+}
+
+}  // namespace
 
 int Manifest::NumImages(ImageStatus status) const {
   return static_cast<int>(std::ranges::count(images, status, &Entry::status));
@@ -57,6 +65,19 @@ void NoteMasksAndPriors(const std::optional<int64_t>& num_masks,
   }
 }
 
+Manifest ReadManifestInputs(const Workspace& workspace) {
+  Manifest manifest;
+  InputFile file(PathOf(workspace).Path());
+  try {
+    const nlohmann::json json = nlohmann::json::parse(file);
+    json.at("version").get_to(manifest.version);
+    json.at("inputs").get_to(manifest.inputs);
+  } catch (const nlohmann::json::exception&) {
+    return Manifest();
+  }
+  return manifest;
+}
+
 void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
   nlohmann::json images = nlohmann::json::array();
   for (const Manifest::Entry& entry : manifest.images) {
@@ -68,7 +89,6 @@ void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
   }
   nlohmann::json totals;
   for (const ImageStatus status : {ImageStatus::kPending,
-                                   ImageStatus::kWriting,
                                    ImageStatus::kDone,
                                    ImageStatus::kKept,
                                    ImageStatus::kFailed}) {
@@ -78,11 +98,12 @@ void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
                                {"type", manifest.type},
                                {"options", manifest.options},
                                {"runtime", manifest.runtime},
+                               {"inputs", manifest.inputs},
                                {"num_images", totals},
                                {"counts", manifest.counts},
                                {"seconds", manifest.seconds},
                                {"images", images}};
-  WriteJson(GetTsarFolder(workspace.Root()) / "manifest.json", json);
+  WriteJson(PathOf(workspace), json);
 }
 
 }  // namespace tsar

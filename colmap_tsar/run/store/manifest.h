@@ -21,6 +21,8 @@ struct Manifest {
   std::map<std::string, std::string> options;
   // The runtime settings of the run; no result depends on them.
   std::map<std::string, std::string> runtime;
+  // The inputs of the run, see InputFingerprints.
+  std::map<std::string, std::string> inputs;
   // Sums over the images' records.
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;
@@ -48,6 +50,10 @@ Manifest BuildManifest(const Workspace& workspace,
 void NoteMasksAndPriors(const std::optional<int64_t>& num_masks,
                         const std::optional<int64_t>& num_priors,
                         Manifest* manifest);
+
+// The version and the inputs of the manifest in a workspace; an empty manifest
+// where there is none.
+Manifest ReadManifestInputs(const Workspace& workspace);
 
 // Writes the manifest atomically.
 void WriteManifest(const Workspace& workspace, const Manifest& manifest);

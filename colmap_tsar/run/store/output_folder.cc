@@ -25,9 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The suffix of a former folder where the file system cannot exchange two.
-constexpr const char* kFormerSuffix = ".tsar_old";
-
 // The absolute path without a trailing separator.
 fs::path Normal(const fs::path& path) {
   const fs::path normal = fs::absolute(path).lexically_normal();
@@ -169,33 +166,19 @@ void CheckHoldsNothingElse(const OutputFolderKind& kind, const fs::path& path) {
                       "), so that other files in it would not be noticed",
                   "move or delete it");
   }
-  std::set<std::string> folders;
-  for (const fs::path file : *files) {
-    for (fs::path folder = file.parent_path(); folder.has_relative_path();
-         folder = folder.parent_path()) {
-      folders.insert(folder.generic_string());
-    }
-  }
   const ContainedPath folder = UserPath(path);
-  const std::vector<TreeEntry> tree = ListTree(folder);
-  const TreeEntry* foreign = nullptr;  // A file rather than the folder above.
-  for (const TreeEntry& entry : tree) {
+  for (const TreeEntry& entry : ListTree(folder)) {
     const std::string name = NameIn(folder, entry);
-    const bool is_known =
-        entry.is_folder ? folders.contains(name)
-                        : !entry.is_link && (files->contains(name) ||
-                                             name == kind.unfinished_file ||
-                                             name == TemporaryMarker(kind));
-    if (!is_known &&
-        (foreign == nullptr || (foreign->is_folder && !entry.is_folder))) {
-      foreign = &entry;
+    if (!entry.is_folder &&
+        (entry.is_link || (!files->contains(name) &&
+                           name != kind.unfinished_file &&
+                           name != TemporaryMarker(kind)))) {
+      throw Refused(kind,
+                    entry.path,
+                    std::string("is not of the ") + kind.name +
+                        " in this folder",
+                    "move it away");
     }
-  }
-  if (foreign != nullptr) {
-    throw Refused(kind,
-                  foreign->path,
-                  std::string("is not of the ") + kind.name + " in this folder",
-                  "move it away");
   }
 }
 
@@ -231,28 +214,14 @@ bool CheckPlace(const OutputFolderKind& kind,
   return true;
 }
 
-// A name for a former folder; a number is appended where names are taken.
-fs::path FormerPath(const fs::path& path, int number) {
-  std::string name = path.string() + kFormerSuffix;
-  if (number > 0) {
-    name.append("_").append(std::to_string(number));
-  }
-  return name;
-}
-
-fs::path FreeFormerPath(const fs::path& path) {
-  int number = 0;
-  while (IsThere(FormerPath(path, number))) {
-    ++number;
-  }
-  return FormerPath(path, number);
+// The name of a former folder where the file system cannot exchange two.
+fs::path FormerPath(const fs::path& path) {
+  return path.string() + ".tsar_old";
 }
 
 void RemoveFormer(const OutputFolderKind& kind, const fs::path& path) {
-  for (int i = 0; IsThere(FormerPath(path, i)); ++i) {
-    if (IsUnfinished(kind, FormerPath(path, i))) {
-      RemoveUnfinished(kind, FormerPath(path, i));
-    }
+  if (IsUnfinished(kind, FormerPath(path))) {
+    RemoveUnfinished(kind, FormerPath(path));
   }
 }
 
@@ -278,6 +247,7 @@ OutputFolder::OutputFolder(const OutputFolderKind& kind,
   lock_ = std::make_unique<Folder>(Folder::Create(UserPath(temporary_)));
   Lock(kind_, *lock_);
   EmptyUnfinished(kind_, temporary_);  // Remains of a killed program.
+  RemoveFormer(kind_, path_);
   try {
     Mark(kind_, temporary_);
   } catch (const Error&) {
@@ -298,35 +268,19 @@ OutputFolder::~OutputFolder() {
 
 void OutputFolder::Commit() {
   WriteList(kind_, temporary_);
+  const ContainedPath from = UserPath(temporary_);
+  const ContainedPath to = UserPath(path_);
   if (CheckPlace(kind_, path_, overwrite_)) {
     Mark(kind_, path_);
-    if (!ExchangeFiles(UserPath(temporary_), UserPath(path_))) {
-      ReplaceInTwoSteps();
+    if (!ExchangeFiles(from, to)) {
+      RenameFile(to, UserPath(FormerPath(path_)));
+      RenameFile(from, to);
+      RemoveFormer(kind_, path_);
     }
   } else {
-    RenameFile(UserPath(temporary_), UserPath(path_));
+    RenameFile(from, to);
   }
-  RemoveFile(UserPath(path_) / kind_.unfinished_file);
-  // The new folder is in place: later failures do not undo that.
-  try {
-    if (IsUnfinished(kind_, temporary_)) {
-      RemoveUnfinished(kind_, temporary_);
-    }
-    RemoveFormer(kind_, path_);
-  } catch (const std::exception&) {
-    // The next call with the same path removes them.
-  }
-}
-
-void OutputFolder::ReplaceInTwoSteps() {
-  const ContainedPath former = UserPath(FreeFormerPath(path_));
-  RenameFile(UserPath(path_), former);
-  try {
-    RenameFile(UserPath(temporary_), UserPath(path_));
-  } catch (const Error&) {
-    RenameFile(former, UserPath(path_));
-    throw;
-  }
+  RemoveFile(to / kind_.unfinished_file);
 }
 
 }  // namespace tsar

@@ -29,9 +29,7 @@ struct OutputFolderKind {
 // A folder lists its files (list_file) and is replaced only where it holds
 // nothing else. A folder that is being removed holds a marker (unfinished_file)
 // until it is empty, by which the next call recognizes the remains of a killed
-// program; without the marker a folder is never touched. A complete folder may
-// hold the marker, too, where the program was killed after replacing a former
-// one.
+// program; without the marker a folder is never touched.
 class OutputFolder {
  public:
   // kind must outlive this object. Throws Error: kUnsupported (the folder holds
@@ -49,14 +47,12 @@ class OutputFolder {
   const std::filesystem::path& Temporary() const { return temporary_; }
 
   // Lists the written files and replaces the former folder, atomically where
-  // the file system can, then removes it. Throws what the constructor throws,
-  // since files may have been added meanwhile.
+  // the file system can exchange two. The former one goes with this object.
+  // Throws what the constructor throws, since files may have been added
+  // meanwhile.
   void Commit();
 
  private:
-  // For file systems that cannot exchange two folders.
-  void ReplaceInTwoSteps();
-
   const OutputFolderKind& kind_;
   std::filesystem::path path_;
   std::filesystem::path temporary_;

@@ -3,8 +3,9 @@
 
 #pragma once
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/contained_path.h"
-#include "colmap_tsar/io/written_map.h"
+#include "colmap_tsar/run/store/file_id.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -16,50 +17,44 @@
 namespace tsar {
 
 enum class ImageStatus {
-  kPending,  // Not begun.
-  kWriting,  // The refined maps are being given their names.
-  kDone,     // The refined maps are in place.
+  kPending,  // Not done.
+  kDone,     // The refined maps are in place, or about to be.
   kKept,     // The original maps were left as they are; the note says why.
   kFailed,   // An error; the note says which.
 };
 
 std::string ToString(ImageStatus status);
 
-// The record of a depth or normal map.
-struct MapRecord {
-  // The maps of this program that may be in place, the latest first. More than
-  // one only while maps are being replaced.
-  std::vector<WrittenMap> written;
-  // The original that the map was made from, to recognize one that was put back
-  // or whose stored file was changed. Nothing in output workspaces.
-  std::optional<WrittenMap> original;
-};
-
 // The record of one image's maps of one type, stored as
-// stereo/tsar/records/NAME.TYPE.json. The caller of WriteBack fills in
-// options_hash, inputs, counts, seconds and note, WriteBack the rest.
+// stereo/tsar/records/NAME.TYPE.json. It is written before the first map gets
+// its name, so that a file in place is this program's if, and only if, the
+// record lists it. The caller of WriteBack fills in what the maps were made
+// from, counts, seconds and note, WriteBack the rest.
 struct ImageRecord {
-  std::string version;  // The version of the writing program.
   std::string image;
   std::string type;
   ImageStatus status = ImageStatus::kPending;
   std::string options_hash;
-  // The inputs of the maps, as fingerprints by input name.
-  std::map<std::string, std::string> inputs;
-  // The input with the fingerprint of the planes of the scene; empty where
-  // there were none.
-  static constexpr const char* kPlanes = "planes";
-  MapRecord depth;
-  MapRecord normal;
-  // The files that belong to the maps, by their names in ResultFiles().
-  std::map<std::string, WrittenMap> results;
+  // The fingerprints of the inputs of the run (see InputFingerprints), and of
+  // the planes of the scene; the last is empty where there were none.
+  std::string inputs;
+  std::string planes;
+  // The files of this program by "depth", "normal" and the names in
+  // ResultFiles(): the latest, then one that it may not have replaced yet.
+  std::map<std::string, std::vector<FileId>> files;
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;
   std::string note;
+
+  // Whether the latest file of this name is in this place.
+  bool Has(const std::string& name, const std::filesystem::path& path) const;
 };
 
-// Nothing where there is no such file; Error kCorrupt where it is not a record,
-// or the record of another image.
+// Flushes a file that is to be listed in a record, and describes it; renaming
+// changes nothing of that. path: its name; hash: of its content, 0 if unknown.
+FileId IdOfPrepared(const ContainedPath& path, AtomicFile* file, uint64_t hash);
+
+// Nothing where there is no such file; Error kCorrupt where it is not a record.
 std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path);
 
 // ReadRecord(), but nothing and a warning instead of Error kCorrupt.

@@ -3,151 +3,69 @@
 
 #include "colmap_tsar/run/store/restore.h"
 
-#include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/originals.h"
-#include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 
-#include <array>
 #include <optional>
 #include <set>
-#include <utility>
-#include <vector>
+#include <string>
 
 namespace tsar {
 namespace {
 
-// The folders of stereo/tsar that stay after a restoration, if not empty.
+// The folders of stereo/tsar by whose files images are found.
 constexpr const char* kOriginals = "original";
 constexpr const char* kRecords = "records";
 
-constexpr std::array kConflictNames = {
-    std::pair(RestoreConflicts::kReport, "report"),
-    std::pair(RestoreConflicts::kKeep, "keep"),
-    std::pair(RestoreConflicts::kOriginal, "original"),
+struct RefinedImage {
+  MapPaths paths;
+  OriginalMaps originals;
 };
 
-// The restoration of one image's maps of one type.
-class ImageRestorer {
- public:
-  ImageRestorer(const MapPaths& paths,
-                RestoreConflicts conflicts,
-                RestoreResult* result)
-      : paths_(paths),
-        conflicts_(conflicts),
-        result_(result),
-        // Without a record, or with a broken one, the stored originals count.
-        record_(ReadRecordIfValid(paths.record)),
-        depth_(Inspect(paths.depth,
-                       paths.original_depth,
-                       record_ ? &record_->depth.written : nullptr)),
-        normal_(Inspect(paths.normal,
-                        paths.original_normal,
-                        record_ ? &record_->normal.written : nullptr)),
-        is_changed_(
-            IsStoredChanged(depth_,
-                            paths.original_depth,
-                            record_ ? record_->depth.original : std::nullopt) ||
-            IsStoredChanged(
-                normal_,
-                paths.original_normal,
-                record_ ? record_->normal.original : std::nullopt)) {
-    for (const ResultFile& result : ResultFiles(paths_)) {
-      RequireNoFolder(result.path->Path());
-    }
+// Checks all before the first file is changed.
+RefinedImage Find(const MapPaths& paths) {
+  RequireFileIfThere(paths.original_depth);
+  RequireFileIfThere(paths.original_normal);
+  for (const ResultFile& result : ResultFiles(paths)) {
+    RequireNoFolder(result.path->Path());
   }
+  return {paths, InspectOriginals(paths, ReadRecordIfValid(paths.record))};
+}
 
-  void Run() {
-    if (record_ && ((!depth_ && IsRefined(paths_.depth, &record_->depth)) ||
-                    (!normal_ && IsRefined(paths_.normal, &record_->normal)))) {
-      // Without its record, a refined map would count as an original.
-      result_->lost.push_back(paths_.depth.Path());
-      return;
-    }
-    if (!depth_ && !normal_) {
-      RemoveResults(paths_);
-      // The record goes last: an interrupted restoration still needs it.
-      RemoveFile(paths_.record);
-      return;
-    }
-    const MapOwner owner = FindOwner(depth_, normal_);
-    const bool is_own = owner == MapOwner::kThisProgram ||
-                        (owner == MapOwner::kUndecided && !record_);
-    if (conflicts_ == RestoreConflicts::kOriginal || (is_own && !is_changed_)) {
-      PutBack();
-    } else if (conflicts_ == RestoreConflicts::kKeep ||
-               (owner == MapOwner::kOtherProgram && !is_changed_)) {
-      Keep();
-    } else {
-      result_->conflicts.push_back(paths_.depth.Path());
-    }
+void PutBack(const OriginalMap& original,
+             const ContainedPath& current,
+             const ContainedPath& kept,
+             RestoreResult* result) {
+  if (original.is_kept && original.state == MapState::kForeign) {
+    result->kept.push_back(current);
   }
-
- private:
-  // The state of a map; nothing where no original is stored.
-  static std::optional<MapState> Inspect(
-      const ContainedPath& current,
-      const ContainedPath& stored,
-      const std::vector<WrittenMap>* written) {
-    const std::filesystem::file_status status = SymlinkStatus(stored.Path());
-    if (std::filesystem::exists(status) &&
-        !std::filesystem::is_regular_file(status) &&
-        !std::filesystem::is_symlink(status)) {
-      throw Error::File(ErrorCode::kCorrupt,
-                        stored.string(),
-                        "stands in the place of an original and is no file",
-                        "remove it");
-    }
-    return std::filesystem::exists(status)
-               ? std::optional(InspectMap(current, stored, written))
-               : std::nullopt;
+  if (const auto superseded = PutOriginalBack(original, current, kept)) {
+    result->superseded.push_back(*superseded);
   }
+}
 
-  void PutBack() {
-    PutBack(normal_, paths_.normal, paths_.original_normal);
-    PutBack(depth_, paths_.depth, paths_.original_depth);
-    ++result_->num_restored;
-    RemoveResults(paths_);
-    RemoveFile(paths_.record);
+void Restore(const RefinedImage& image, RestoreResult* result) {
+  const auto& [depth, normal, files] = image.originals;
+  const MapPaths& paths = image.paths;
+  if (depth.is_lost || normal.is_lost) {
+    // Without its record, a refined map would count as an original.
+    result->lost.push_back(paths.depth);
+    return;
   }
-
-  void PutBack(std::optional<MapState> state,
-               const ContainedPath& current,
-               const ContainedPath& stored) {
-    if (!state) {
-      return;
-    }
-    CreateFolders(current.Parent());
-    const bool is_own =
-        state == MapState::kWritten || state == MapState::kOriginal;
-    if (state != MapState::kMissing && (!is_own || is_changed_)) {
-      result_->superseded.push_back(Supersede(current, current).Path());
-    }
-    RenameFile(stored, current);
-  }
-
-  // Record and originals stay, so that the user can decide otherwise later.
-  void Keep() {
-    RemoveResults(paths_);
-    result_->kept.push_back(paths_.depth.Path());
-  }
-
-  const MapPaths paths_;
-  const RestoreConflicts conflicts_;
-  RestoreResult* const result_;
-  const std::optional<ImageRecord> record_;
-  const std::optional<MapState> depth_;
-  const std::optional<MapState> normal_;
-  const bool is_changed_;
-};
+  PutBack(normal, paths.normal, paths.original_normal, result);
+  PutBack(depth, paths.depth, paths.original_depth, result);
+  result->num_restored += depth.is_kept || normal.is_kept ? 1 : 0;
+  RemoveResults(paths);
+  // The record goes last: an interrupted restoration still needs it.
+  RemoveFile(paths.record);
+}
 
 // The entries of stereo/tsar that runs have left, except the lock and
 // superseded maps.
@@ -163,46 +81,32 @@ std::vector<Folder::Entry> ListTsarFolder(const std::filesystem::path& root) {
   return entries;
 }
 
-void RemoveTsarFolder(const std::filesystem::path& root, bool are_all_linked) {
-  const ContainedPath tsar = GetTsarFolder(root);
-  RemoveTemporaries(tsar / kOriginals);
-  RemoveEmptyFolders(tsar / kOriginals);
-  const bool needs_notes = Exists(tsar / kOriginals) || !are_all_linked;
+void RemoveRemains(const std::filesystem::path& root) {
+  const ContainedPath stereo(root, "stereo");
+  for (const char* folder : {"depth_maps", "normal_maps"}) {
+    RemoveTemporaries(stereo / folder);
+  }
+  for (const char* folder : kResultFolders) {
+    RemoveTemporaries(stereo / folder);
+    RemoveEmptyFolders(stereo / folder);
+  }
   for (const Folder::Entry& entry : ListTsarFolder(root)) {
-    const ContainedPath path = tsar / entry.name;
+    const ContainedPath path = GetTsarFolder(root) / entry.name;
     if (!entry.is_folder) {
       RemoveFile(path);
-    } else if (entry.name == kRecords) {
+    } else if (entry.name == kRecords || entry.name == kOriginals) {
       RemoveTemporaries(path);
       RemoveEmptyFolders(path);
-    } else if (entry.name != kOriginals &&
-               !(needs_notes && entry.name == kOutputsFolder)) {
+    } else {
       RemoveTree(path);
     }
   }
-  RemoveFolderIfEmpty(tsar);
+  RemoveFolderIfEmpty(GetTsarFolder(root));
 }
 
 }  // namespace
 
-RestoreConflicts ParseRestoreConflicts(const std::string& text) {
-  if (const auto conflicts = FindEnumValue(kConflictNames, text)) {
-    return *conflicts;
-  }
-  throw Error(ErrorCode::kBadOption,
-              OptionName("restore_conflicts") + ": '" + text +
-                  "' is not known; give report, keep or original");
-}
-
-RestoreResult Restore(const std::filesystem::path& root,
-                      RestoreConflicts conflicts) {
-  if (const auto source = ReadOutputMarker(root)) {
-    throw Error::File(
-        ErrorCode::kUnsupported,
-        root.string(),
-        "this is an output workspace; its originals are in " + source->string(),
-        "delete the output workspace where it is not wanted");
-  }
+RestoreResult Restore(const std::filesystem::path& root) {
   const ContainedPath tsar = GetTsarFolder(root);
   // A run that was stopped before its first map leaves no original, but its
   // manifest and its evidence.
@@ -217,26 +121,15 @@ RestoreResult Restore(const std::filesystem::path& root,
   keys.merge(ListFileNames(tsar / kRecords, ".json"));
   keys.merge(ListFileNames(tsar / kOriginals / "depth_maps", ".bin"));
   keys.merge(ListFileNames(tsar / kOriginals / "normal_maps", ".bin"));
-  RestoreResult result;
-  // All images are checked before the first file is changed.
-  std::vector<ImageRestorer> images;
+  std::vector<RefinedImage> images;
   for (const std::string& key : keys) {
-    images.emplace_back(GetMapPaths(root, key), conflicts, &result);
+    images.push_back(Find(GetMapPaths(root, key)));
   }
-  for (ImageRestorer& image : images) {
-    image.Run();
+  RestoreResult result;
+  for (const RefinedImage& image : images) {
+    Restore(image, &result);
   }
-  bool are_all_linked = true;
-  result.relinked = RelinkOutputs(root, &are_all_linked);
-  const ContainedPath stereo(root, "stereo");
-  for (const char* folder : {"depth_maps", "normal_maps"}) {
-    RemoveTemporaries(stereo / folder);
-  }
-  for (const char* folder : kResultFolders) {
-    RemoveTemporaries(stereo / folder);
-    RemoveEmptyFolders(stereo / folder);
-  }
-  RemoveTsarFolder(root, are_all_linked);
+  RemoveRemains(root);
   return result;
 }
 

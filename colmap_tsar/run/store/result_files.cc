@@ -4,7 +4,6 @@
 #include "colmap_tsar/run/store/result_files.h"
 
 #include "colmap_tsar/base/folder.h"
-#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/run/store/record.h"
 
@@ -37,12 +36,10 @@ void WarnOfChangedResults(const Workspace& workspace,
       continue;
     }
     for (const ResultFile& file : ResultFiles(paths)) {
-      const auto written = record->results.find(file.name);
       const bool is_wanted =
           names.empty() || std::ranges::find(names, file.name) != names.end();
-      if (!is_wanted || written == record->results.end() ||
-          (IsFile(*file.path) &&
-           IsAnyOf(*file.path, {written->second}, Scrutiny::kTimeAndSamples))) {
+      if (!is_wanted || !record->files.contains(file.name) ||
+          record->Has(file.name, *file.path)) {
         continue;
       }
       first = num_changed == 0 ? file.path->string() : first;

@@ -11,7 +11,6 @@
 #include "colmap_tsar/io/photo.h"
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/store/originals.h"
-#include "colmap_tsar/run/store/output_workspace.h"
 
 #include <algorithm>
 #include <system_error>
@@ -33,30 +32,28 @@ void RequireFolder(const std::filesystem::path& folder,
   }
 }
 
-// Opens the stored map or, where there is none, the current one. Meanwhile
-// another program that keeps the image's maps may put the stored map back.
-template <typename Open>
-auto OpenStoredOrCurrent(const std::filesystem::path& stored,
-                         const std::filesystem::path& current,
-                         const Open& open) {
-  if (Exists(stored)) {
-    try {
-      return open(stored);
-    } catch (const Error&) {
-      if (Exists(stored)) {
-        throw;
-      }
-    }
-  }
-  return open(current);
-}
-
-void RequireMap(const OriginalMap& map, const char* kind) {
-  if (map.state == OriginalState::kMissing) {
+void RequireMap(const OriginalMap& map,
+                const ContainedPath& current,
+                const char* kind) {
+  if (map.path.empty()) {
     throw Error::File(ErrorCode::kNotFound,
-                      map.path.string(),
+                      current.string(),
                       std::string("the image has no ") + kind + " map",
                       "run patch_match_stereo for this image");
+  }
+}
+
+void RequireSameSize(const std::filesystem::path& path,
+                     const MapSize& normal,
+                     const MapSize& depth) {
+  if (normal.width != depth.width || normal.height != depth.height) {
+    throw Error::File(ErrorCode::kMismatch,
+                      path.string(),
+                      "the normal map has " +
+                          ToString(RasterSize{normal.width, normal.height}) +
+                          " pixels, the depth map " +
+                          ToString(RasterSize{depth.width, depth.height}),
+                      "run patch_match_stereo again for this image");
   }
 }
 
@@ -75,21 +72,13 @@ std::filesystem::path ConfigPath(const std::filesystem::path& root) {
 }  // namespace
 
 Workspace::Workspace(const std::filesystem::path& root, MapType type)
-    : root_(root), source_root_(root), type_(type) {
+    : root_(root), type_(type) {
   RequireFolder(root, "check " + OptionName("workspace_path"));
   for (const char* folder : {"images", "sparse", "stereo"}) {
     RequireFolder(root / folder, "make the workspace with image_undistorter");
   }
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     RequireFolder(root / "stereo" / folder, "run patch_match_stereo first");
-  }
-  if (const std::optional<std::filesystem::path> source =
-          ReadOutputMarker(root)) {
-    source_root_ = *source;
-    is_output_ = true;
-    RequireFolder(source_root_,
-                  "the input of this output workspace has been moved or "
-                  "deleted; make the output workspace again");
   }
   model_folder_ = FindModelFolder(root);
   model_ = ReadWorkspaceModel(model_folder_);
@@ -133,17 +122,6 @@ std::filesystem::path Workspace::DepthPath(int image, MapType type) const {
 
 std::filesystem::path Workspace::CostPath(int image, MapType type) const {
   return Paths(image, type).cost;
-}
-
-MapPaths Workspace::SourcePaths(int image, MapType type) const {
-  return GetMapPaths(source_root_, Name(image), type);
-}
-
-void Workspace::TrustStoredOriginals() {
-  trusts_stored_.assign(model_.images.size(), false);
-  for (const StereoProblem& problem : problems_) {
-    trusts_stored_[problem.reference] = true;
-  }
 }
 
 void Workspace::UseMasks(const std::filesystem::path& folder) {
@@ -220,7 +198,7 @@ std::shared_ptr<DepthPrior> Workspace::ReadPrior(int image) const {
 void Workspace::CheckPrior(int image) const { ReadPrior(image); }
 
 bool Workspace::HasMaps(int image, MapType type) const {
-  const MapPaths paths = SourcePaths(image, type);
+  const MapPaths paths = Paths(image, type);
   return (Exists(paths.depth) || Exists(paths.original_depth)) &&
          (Exists(paths.normal) || Exists(paths.original_normal));
 }
@@ -261,45 +239,35 @@ DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
 }
 
 DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
-  const MapPaths paths = SourcePaths(image, type);
+  const MapPaths paths = Paths(image, type);
   const auto open = [&]<typename Reader>(const std::filesystem::path& path) {
     Reader map(path);
     RequireShapeOfImage(image, path, {map.Size().width, map.Size().height});
     return map;
   };
-  const auto open_depth = [&](const std::filesystem::path& path) {
-    return open.operator()<DepthMapReader>(path);
-  };
-  const auto open_normal = [&](const std::filesystem::path& path) {
-    return open.operator()<NormalMapReader>(path);
-  };
-  const auto open_both = [&]() -> DepthNormalReader {
-    if (type == type_ && !trusts_stored_.empty() &&
-        trusts_stored_.at(static_cast<size_t>(image))) {
-      return {
-          OpenStoredOrCurrent(paths.original_depth, paths.depth, open_depth),
-          OpenStoredOrCurrent(
-              paths.original_normal, paths.normal, open_normal)};
+  for (;;) {
+    const OriginalMaps originals = FindOriginals(paths);
+    RequireMap(originals.depth, paths.depth, "depth");
+    RequireMap(originals.normal, paths.normal, "normal");
+    const auto is_still_there = [&] {
+      return originals.files == FindMapFiles(paths);
+    };
+    try {
+      DepthNormalReader maps = {
+          open.operator()<DepthMapReader>(originals.depth.path),
+          open.operator()<NormalMapReader>(originals.normal.path)};
+      // A refined map may have taken the name meanwhile.
+      if (!is_still_there()) {
+        continue;
+      }
+      RequireSameSize(paths.normal, maps.normal.Size(), maps.depth.Size());
+      return maps;
+    } catch (const Error&) {
+      if (is_still_there()) {
+        throw;
+      }
     }
-    const OriginalMaps originals =
-        FindOriginals(paths, Scrutiny::kTimeAndSamples);
-    RequireMap(originals.depth, "depth");
-    RequireMap(originals.normal, "normal");
-    return {open_depth(originals.depth.path),
-            open_normal(originals.normal.path)};
-  };
-  DepthNormalReader maps = open_both();
-  const MapSize& normal = maps.normal.Size();
-  if (maps.Width() != normal.width || maps.Height() != normal.height) {
-    throw Error::File(ErrorCode::kMismatch,
-                      paths.normal.string(),
-                      "the normal map has " +
-                          ToString(RasterSize{normal.width, normal.height}) +
-                          " pixels, the depth map " +
-                          ToString(RasterSize{maps.Width(), maps.Height()}),
-                      "run patch_match_stereo again for this image");
   }
-  return maps;
 }
 
 }  // namespace tsar

@@ -80,25 +80,13 @@ class Workspace {
                            const std::filesystem::path& map,
                            const RasterSize& size) const;
 
-  // The workspace that holds the originals: another one if this one was made by
-  // CreateOutputWorkspace, otherwise this one.
-  const std::filesystem::path& SourceRoot() const { return source_root_; }
-  bool IsOutput() const { return is_output_; }
-
   std::filesystem::path ImagePath(int image) const;
-  // The paths in this workspace, and in the one that holds the originals.
   MapPaths Paths(int image, MapType type) const;
-  MapPaths SourcePaths(int image, MapType type) const;
   std::filesystem::path DepthPath(int image, MapType type) const;
   std::filesystem::path CostPath(int image, MapType type) const;
 
-  // From now on, ReadOriginalMaps() takes the stored maps of references and
-  // this type, if any, without a record: other programs may be at work on these
-  // maps. Stored maps of other images and types may be outdated.
-  void TrustStoredOriginals();
-
-  // From now on, images have the masks in this folder, see image_masks.h;
-  // none where it is empty. Throws Error: what FindImageMasks throws,
+  // From now on, images have the masks in this folder, see image_masks.h; none
+  // where it is empty. Throws Error: what FindImageMasks throws,
   // kBadOption (it is the folder of the images).
   void UseMasks(const std::filesystem::path& folder);
   bool HasMask(int image) const { return !MaskPath(image).empty(); }
@@ -131,7 +119,8 @@ class Workspace {
   Image<Rgb> ReadImage(int image, int width, int height) const;
 
   // The maps as COLMAP wrote them, also where they have been refined since.
-  // Maps that COLMAP has written anew after that are the originals. Throws
+  // Maps that were written anew after that are the originals. Other programs may
+  // be refining the image meanwhile. Throws
   // Error: kNotFound (one of the two is missing), kMismatch (sizes differ; a
   // map is not of the image's shape; or the original is lost), and what the
   // readers of map_io.h throw.
@@ -143,9 +132,6 @@ class Workspace {
   MaskSizes SizesOfMask(int image, const RasterSize& maps) const;
 
   std::filesystem::path root_;
-  std::filesystem::path source_root_;
-  bool is_output_ = false;
-  std::vector<bool> trusts_stored_;           // By image; empty: none.
   std::vector<std::filesystem::path> masks_;  // By image; empty: none.
   PriorFolder priors_;
   MapType type_;

@@ -3,12 +3,12 @@
 
 #include "colmap_tsar/run/store/workspace_lock.h"
 
+#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/run/store/links.h"
 
 #include <cerrno>
 #include <chrono>
@@ -16,168 +16,104 @@
 #include <string>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 namespace tsar {
 namespace {
 
-// Whether the open file still has the name: the former holder may have removed
-// it between open() and the lock.
-bool HasName(int descriptor, const ContainedPath& path) {
-  struct stat opened;
-  struct stat named;
-  const std::optional<Folder> folder = Folder::OpenIfThere(path.Parent());
-  return folder && fstat(descriptor, &opened) == 0 &&
-         fstatat(folder->Descriptor(),
-                 path.Filename().c_str(),
-                 &named,
-                 AT_SYMLINK_NOFOLLOW) == 0 &&
-         opened.st_dev == named.st_dev && opened.st_ino == named.st_ino;
-}
-
 using Mode = WorkspaceLock::Mode;
+using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
-// Bytes of the file represent the locks: one for each shared mode, then one for
-// each shard. The file itself stays empty.
-constexpr off_t kFirstShard = 16;
-
-struct Range {
-  off_t begin;
-  off_t size;  // 0: to the end of all files.
-};
-
-constexpr Range kEverything = {0, 0};
-
-Range KindOf(Mode mode) { return {static_cast<off_t>(mode), 1}; }
-
-// Locks that the open file itself holds do not count.
-int Control(int descriptor, int command, short type, Range range) {
-  struct flock lock = {};
-  lock.l_type = type;
-  lock.l_whence = SEEK_SET;
-  lock.l_start = range.begin;
-  lock.l_len = range.size;
-  if (fcntl(descriptor, command, &lock) != 0) {
-    return errno == EACCES ? EAGAIN : errno;
-  }
-  return command == F_OFD_GETLK && lock.l_type != F_UNLCK ? EAGAIN : 0;
+ContainedPath ShardLockPath(const std::filesystem::path& root, int shard) {
+  return GetTsarFolder(root) / "shards" / (std::to_string(shard) + ".lock");
 }
 
-// Looks for locks of other modes. A program sets its own lock before it looks
-// for others, so that of two that come at once at least one sees the other.
-int FindOthers(int descriptor, Mode mode) {
-  for (const Mode other : {Mode::kShared, Mode::kObserve, Mode::kCompose}) {
-    const int reason =
-        other == mode
-            ? 0
-            : Control(descriptor, F_OFD_GETLK, F_WRLCK, KindOf(other));
-    if (reason != 0) {
-      return reason;
+File NoFile() { return {nullptr, &std::fclose}; }
+
+// Follows no link, and opens nothing but a file. Null where another program
+// has removed its folder meanwhile.
+File OpenFile(const ContainedPath& path) {
+  const Folder folder = Folder::Create(path.Parent());
+  const int descriptor = openat(
+      folder.Descriptor(),
+      path.Filename().c_str(),
+      O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC,
+      0666);
+  if (descriptor < 0) {
+    if (errno == ENOENT) {
+      return NoFile();
     }
+    ThrowSystemError(path, "cannot be written", errno);
   }
-  return 0;
+  struct stat state;
+  const bool is_file = fstat(descriptor, &state) == 0 && S_ISREG(state.st_mode);
+  File file = {is_file ? fdopen(descriptor, "r+") : nullptr, &std::fclose};
+  if (!file) {
+    const int error = is_file ? errno : EINVAL;
+    close(descriptor);
+    ThrowSystemError(path, "cannot be opened as a file", error);
+  }
+  return file;
 }
 
-// Returns 0, EAGAIN where another program is in the way, or another error
-// number of the system.
-int LockOnce(int descriptor, Mode mode) {
-  if (mode == Mode::kExclusive) {
-    return Control(descriptor, F_OFD_SETLK, F_WRLCK, kEverything);
-  }
-  int reason = Control(descriptor, F_OFD_SETLK, F_RDLCK, KindOf(mode));
-  if (reason == 0) {
-    reason = FindOthers(descriptor, mode);
-  }
-  if (reason != 0) {
-    Control(descriptor, F_OFD_SETLK, F_UNLCK, kEverything);
-  }
-  return reason;
+// Whether the file still has its name, which the former holder may have removed
+// after it was opened.
+bool HasName(const File& file) {
+  struct stat state;
+  return fstat(fileno(file.get()), &state) == 0 && state.st_nlink > 0;
 }
 
-int LockMode(int descriptor, Mode mode) {
-  // A program that leaves holds the lock exclusively for a moment, and two that
-  // come at once may both give way.
+// Returns the locked file, or null where another program holds the lock. On
+// file systems without locks it only warns.
+File Lock(const ContainedPath& path, int operation) {
+  // A program that leaves holds the lock alone for a moment, and may remove the
+  // file and its folders while others make them.
   constexpr int kMaxAttempts = 20;
   for (int i = 1;; ++i) {
-    const int reason = LockOnce(descriptor, mode);
-    if (reason != EAGAIN || i == kMaxAttempts || mode == Mode::kExclusive) {
-      return reason;
+    File file = NoFile();
+    try {
+      file = OpenFile(path);
+    } catch (const Error&) {
+      if (i == kMaxAttempts) {
+        throw;
+      }
+    }
+    const bool is_locked =
+        file && flock(fileno(file.get()), operation | LOCK_NB) == 0;
+    const int reason = errno;
+    if (is_locked && HasName(file)) {
+      return file;
+    }
+    if (file && !is_locked && reason != EWOULDBLOCK) {
+      Warn(path.string() + ": the file cannot be locked (" +
+           std::strerror(reason) +
+           "); do not start a second program on this workspace");
+      return file;
+    }
+    if (i == kMaxAttempts || (file && !is_locked && operation == LOCK_EX)) {
+      return NoFile();
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }
 
-Error InUse(const ContainedPath& path, Mode mode) {
-  return Error::File(
-      ErrorCode::kUnsupported,
-      path.string(),
-      mode == Mode::kObserve || mode == Mode::kCompose
-          ? "another program, or a shard in the other pass, is working on this "
-            "workspace"
-          : "another program is working on this workspace",
-      "wait until it has ended");
+Error InUse(const ContainedPath& path, const std::string& what) {
+  return Error::File(ErrorCode::kUnsupported,
+                     path.string(),
+                     "another program is working on " + what,
+                     "wait until it has ended");
 }
-
-// Whether nothing but the lock lies in the folder.
-bool IsAlone(const ContainedPath& path) {
-  const std::optional<Folder> folder = Folder::OpenIfThere(path.Parent());
-  return !folder || folder->List().size() <= 1;
-}
-
-// The file, or -1 with the system's error number.
-struct Opened {
-  int descriptor = -1;
-  int error = 0;
-};
-
-// Does not follow a link, and opens nothing but a file.
-Opened OpenFile(const ContainedPath& path, bool creates) {
-  Opened opened;
-  const std::optional<Folder> folder = creates
-                                           ? Folder::Create(path.Parent())
-                                           : Folder::OpenIfThere(path.Parent());
-  if (!folder) {
-    opened.error = ENOENT;
-    return opened;
-  }
-  opened.descriptor = openat(folder->Descriptor(),
-                             path.Filename().c_str(),
-                             O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY |
-                                 O_CLOEXEC | (creates ? O_CREAT : 0),
-                             0666);
-  struct stat state;
-  if (opened.descriptor < 0) {
-    opened.error = errno;
-  } else if (fstat(opened.descriptor, &state) != 0 || !S_ISREG(state.st_mode)) {
-    close(opened.descriptor);
-    opened = {-1, EINVAL};
-  }
-  return opened;
-}
-
-std::string ReasonText(int error) {
-  return error == ELOOP    ? "it is a link"
-         : error == EINVAL ? "it is no file"
-                           : std::strerror(error);
-}
-
-bool IsReader(Mode mode) {
-  return mode == Mode::kShared || mode == Mode::kSharedIfThere;
-}
-
-// For locks, all reading modes are one.
-Mode ForLocks(Mode mode) { return IsReader(mode) ? Mode::kShared : mode; }
 
 }  // namespace
 
 WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
                              Mode mode,
-                             std::optional<int> shard)
-    : path_(GetTsarFolder(root) / kFileName), mode_(mode) {
+                             int shard)
+    : root_(root), shard_(shard), lock_(NoFile()), shard_lock_(NoFile()) {
   std::error_code error;
   if (!std::filesystem::is_directory(root / "stereo", error)) {
     throw Error::File(ErrorCode::kNotFound,
@@ -185,115 +121,70 @@ WorkspaceLock::WorkspaceLock(const std::filesystem::path& root,
                       "no such folder, so this is not a dense workspace",
                       "check " + OptionName("workspace_path"));
   }
-  if (!IsReader(mode)) {
+  if (mode != Mode::kShared) {
     RequireFoldersInside(root);
   }
-  do {
-    if (descriptor_ >= 0) {
-      close(std::exchange(descriptor_, -1));
-    }
-  } while (Open() && Lock(shard) && !StillHasName());
-}
-
-bool WorkspaceLock::Open() {
-  // Some folders can never be made.
-  constexpr int kMaxMissing = 100;
-  Opened opened;
+  const ContainedPath path = GetTsarFolder(root) / kFileName;
   try {
-    // A former holder may have just removed the folder.
-    for (int i = 0; i < kMaxMissing; ++i) {
-      opened = OpenFile(path_, mode_ != Mode::kSharedIfThere);
-      if (opened.error != ENOENT || mode_ == Mode::kSharedIfThere) {
-        break;
-      }
-    }
+    lock_ = Lock(path, mode == Mode::kExclusive ? LOCK_EX : LOCK_SH);
   } catch (const Error& failure) {
-    if (!IsReader(mode_)) {
+    if (mode != Mode::kShared) {
       throw;
     }
     Warn(std::string(failure.what()) +
          "; do not change this workspace while it is read");
-    return false;
+    return;
   }
-  descriptor_ = opened.descriptor;
-  if (opened.error == ENOENT && mode_ == Mode::kSharedIfThere) {
-    return false;
+  if (!lock_) {
+    throw InUse(path, "this workspace");
   }
-  if (opened.error != 0 && IsReader(mode_)) {
-    Warn(path_.string() + ": the file cannot be written (" +
-         ReasonText(opened.error) +
-         "); do not change this workspace while it is read");
-    return false;
-  }
-  if (opened.error != 0) {
-    throw Error::File(
-        ErrorCode::kIo,
-        path_.string(),
-        "cannot be written (" + ReasonText(opened.error) + ")",
-        "check the permissions there, and remove what is no file");
-  }
-  return true;
-}
-
-bool WorkspaceLock::Lock(std::optional<int> shard) {
-  int reason = LockMode(descriptor_, ForLocks(mode_));
-  if (reason == EAGAIN) {
-    close(descriptor_);
-    throw InUse(path_, mode_);
-  }
-  if (reason == 0 && shard) {
-    reason =
-        Control(descriptor_, F_OFD_SETLK, F_WRLCK, {kFirstShard + *shard, 1});
-  }
-  if (reason == EAGAIN) {
-    close(descriptor_);
-    throw Error::File(ErrorCode::kUnsupported,
-                      path_.string(),
-                      "another program is working on shard " +
-                          std::to_string(*shard) + " of this workspace",
-                      "wait until it has ended");
-  }
-  if (reason != 0) {
-    Warn(path_.string() + ": the file cannot be locked (" +
-         std::strerror(reason) +
-         "); do not start a second program on this workspace");
-  }
-  return reason == 0;
-}
-
-bool WorkspaceLock::StillHasName() {
-  try {
-    return HasName(descriptor_, path_);
-  } catch (const Error&) {
-    close(std::exchange(descriptor_, -1));
-    throw;
+  if (mode == Mode::kShard) {
+    shard_lock_ = Lock(ShardLockPath(root, shard), LOCK_EX);
+    if (!shard_lock_) {
+      throw InUse(ShardLockPath(root, shard),
+                  "shard " + std::to_string(shard) + " of this workspace");
+    }
   }
 }
 
 WorkspaceLock::~WorkspaceLock() {
-  if (descriptor_ < 0) {
-    return;
-  }
+  const ContainedPath tsar = GetTsarFolder(root_);
+  // The files stay where this fails; the next program takes them over.
   try {
-    Release();
+    if (shard_lock_) {
+      RemoveFile(ShardLockPath(root_, shard_));
+      RemoveFolderIfEmpty(tsar / "shards");
+    }
+    if (lock_ && flock(fileno(lock_.get()), LOCK_EX | LOCK_NB) == 0) {
+      RemoveFile(tsar / kFileName);
+      RemoveFolderIfEmpty(tsar);
+    }
   } catch (const std::exception&) {
-    // The file stays; the next program takes it over.
   }
-  close(descriptor_);
 }
 
-void WorkspaceLock::Release() {
-  // The last holder of a shared lock removes the file. A program that opens it
-  // meanwhile finds that its name is gone; on another machine that can go
-  // unnoticed, so that shards leave it to the program that ends the work.
-  const bool is_shard = mode_ == Mode::kObserve || mode_ == Mode::kCompose;
-  if (mode_ == Mode::kExclusive ||
-      ((!is_shard || IsAlone(path_)) &&
-       Control(descriptor_, F_OFD_SETLK, F_WRLCK, kEverything) == 0)) {
-    RemoveFile(path_);
+void RequireFoldersInside(const std::filesystem::path& root) {
+  const ContainedPath stereo(root, "stereo");
+  for (const TreeEntry& entry : ListTree(stereo)) {
+    std::error_code error;
+    if (!entry.is_link ||
+        !std::filesystem::is_directory(entry.path.Path(), error)) {
+      continue;
+    }
+    const std::filesystem::path name =
+        entry.path.Path().lexically_relative(stereo.Path());
+    if (name != "consistency_graphs") {
+      Folder::OpenIfThere(entry.path);  // Throws where it leads out.
+    }
+    // Files stored there must not be those stored elsewhere.
+    const std::string first = name.begin()->string();
+    if (first == "tsar" || first == "tsar_import") {
+      throw Error::File(ErrorCode::kUnsupported,
+                        entry.path.string(),
+                        "is a link to a folder among those of this program",
+                        "put a folder in its place");
+    }
   }
-  // The folder goes only if it holds no other files.
-  RemoveFolderIfEmpty(path_.Parent());
 }
 
 }  // namespace tsar

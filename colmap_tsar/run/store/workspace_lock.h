@@ -3,25 +3,20 @@
 
 #pragma once
 
-#include "colmap_tsar/base/contained_path.h"
-
+#include <cstdio>
 #include <filesystem>
-#include <optional>
+#include <memory>
 
 namespace tsar {
 
-// A lock that a program holds while it changes a workspace; or a shared lock
-// for programs that do not disturb each other: readers of a workspace that must
-// not change meanwhile, and the shards of one pass. The system releases the
-// lock also where the program is killed. Throws Error: kUnsupported, naming the
-// file, where another program holds it; kNotFound where there is no stereo
+// A lock (flock) that a program holds while it changes a workspace; or a shared
+// one for programs that do not disturb each other: readers, and the shards of a
+// pass, each of which also has a lock of its own. The system releases the locks
+// also where the program is killed. Throws Error: kUnsupported, naming the
+// file, where another program is at work; kNotFound where there is no stereo
 // folder; kIo; for writing also what RequireFoldersInside throws. On file
 // systems without locks it only warns, as does a reader where the file cannot
 // be written.
-//
-// The locks are those of fcntl() on parts of one file, which NFS and other
-// cluster file systems pass on to the server, so that they hold between
-// machines.
 class WorkspaceLock {
  public:
   // The name in stereo/tsar.
@@ -29,34 +24,33 @@ class WorkspaceLock {
 
   enum class Mode {
     kExclusive,
-    kShared,   // Reads.
-    kObserve,  // Works on a shard, in the first pass or
-    kCompose,  // in the second.
-    // For a workspace that the user did not name, but a file did: creates
-    // nothing there, so that without the lock's file there is no lock.
-    kSharedIfThere,
+    kShared,  // Reads.
+    kShard,   // Works on a shard; shares the lock with other shards.
   };
 
-  // shard: its index from 0 on, for the modes of shards: no other program may
-  // work on it, in either pass.
+  // shard: its index, for kShard: no other program may work on it.
   explicit WorkspaceLock(const std::filesystem::path& root,
                          Mode mode = Mode::kExclusive,
-                         std::optional<int> shard = std::nullopt);
+                         int shard = 0);
   ~WorkspaceLock();
   WorkspaceLock(const WorkspaceLock&) = delete;
   WorkspaceLock& operator=(const WorkspaceLock&) = delete;
 
  private:
-  // These return whether the lock can be had; where it cannot, a warning says
-  // so, unless the mode is kSharedIfThere and there is no file.
-  bool Open();
-  bool Lock(std::optional<int> shard);
-  bool StillHasName();
-  void Release();
-
-  ContainedPath path_;
-  Mode mode_;
-  int descriptor_ = -1;
+  std::filesystem::path root_;
+  int shard_;
+  // Open files, which hold the locks.
+  using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
+  File lock_;
+  File shard_lock_;
 };
+
+// Throws Error kUnsupported where a folder of `stereo`, or `stereo` itself, is
+// a link that leads out of the workspace: files there belong to somebody else.
+// Folders are opened as folder.h describes, which protects them, but this check
+// comes before anything is changed. consistency_graphs, which is never written
+// to, may be such a link. Links that are files are replaced, never written
+// through. Throws kIo where a folder cannot be listed.
+void RequireFoldersInside(const std::filesystem::path& root);
 
 }  // namespace tsar

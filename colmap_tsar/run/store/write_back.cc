@@ -3,15 +3,11 @@
 
 #include "colmap_tsar/run/store/write_back.h"
 
-#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
-#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
-#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/store/links.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/view/refined_maps.h"
@@ -60,56 +56,7 @@ void PutPng(const Image<T>& values,
              file);
 }
 
-// For a map that was written anew: the stored one is no longer an original.
-void SupersedeOriginal(const ContainedPath& current,
-                       const ContainedPath& stored) {
-  const ContainedPath moved = Supersede(stored, current);
-  Warn(current.string() +
-       ": this map is newer than its refinement and counts "
-       "as the original now; the one before is " +
-       moved.string());
-}
-
-void KeepOriginal(OriginalState state,
-                  const ContainedPath& current,
-                  const ContainedPath& stored) {
-  if (state == OriginalState::kMissing) {
-    throw Error::File(ErrorCode::kNotFound,
-                      current.string(),
-                      "there is no map to refine",
-                      "run patch_match_stereo for this image");
-  }
-  if (state != OriginalState::kStored) {
-    LinkOrCopyFile(current, stored);
-  }
-}
-
-void KeepBoth(const OriginalMaps& originals, const MapPaths& paths) {
-  // Both former originals go first, so that at every instant the stored maps
-  // are both former or both current.
-  if (originals.depth.state == OriginalState::kReplaced) {
-    SupersedeOriginal(paths.depth, paths.original_depth);
-  }
-  if (originals.normal.state == OriginalState::kReplaced) {
-    SupersedeOriginal(paths.normal, paths.original_normal);
-  }
-  KeepOriginal(originals.depth.state, paths.depth, paths.original_depth);
-  KeepOriginal(originals.normal.state, paths.normal, paths.original_normal);
-}
-
-// The inverse of KeepOriginal.
-void PutOriginalBack(OriginalState state,
-                     const ContainedPath& current,
-                     const ContainedPath& stored) {
-  if (state == OriginalState::kStored) {
-    RenameFile(stored, current);
-  } else if (state == OriginalState::kReplaced) {
-    SupersedeOriginal(current, stored);
-  }
-}
-
 void FillIn(const Workspace& workspace, int image, ImageRecord* record) {
-  record->version = TSAR_VERSION;
   record->image = workspace.Name(image);
   record->type = ToString(workspace.Type());
 }
@@ -117,167 +64,95 @@ void FillIn(const Workspace& workspace, int image, ImageRecord* record) {
 }  // namespace
 
 WriteBack::WriteBack(const Workspace& workspace, int image, ImageRecord record)
-    : workspace_(workspace),
-      image_(image),
-      paths_(workspace.Paths(image, workspace.Type())),
+    : paths_(workspace.Paths(image, workspace.Type())),
       record_(std::move(record)) {
   FillIn(workspace, image, &record_);
+  record_.status = ImageStatus::kDone;
+}
+
+AtomicFile& WriteBack::Add(const char* name, const ContainedPath& path) {
+  CreateFolders(path.Parent());
+  return files_.emplace_back(File{name, path, AtomicFile(path)}).file;
 }
 
 void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   RequireSameSizes(maps, record_.image);
-  const auto add_file = [this](const ContainedPath& path) {
-    CreateFolders(path.Parent());
-    files_.emplace_back(path);
+  files_.reserve(2 + kResultFolders.size());
+  AtomicFile& depth = Add("depth", paths_.depth);
+  files_.back().hash = PutDepthMap(maps.depth, &depth);
+  AtomicFile& normal = Add("normal", paths_.normal);
+  files_.back().hash = PutNormalMap(maps.normal, &normal);
+  const auto add_png = [&](const char* name,
+                           const ContainedPath& path,
+                           const auto& values) {
+    PutPng(values, path, &Add(name, path));
   };
-  add_file(paths_.depth);
-  add_file(paths_.normal);
-  add_file(paths_.confidence);
-  add_file(paths_.provenance);
-  has_planes_ = !maps.planes.Empty();
-  if (has_planes_) {
-    add_file(paths_.planes);
+  add_png("confidence", paths_.confidence, ToLevels(maps.confidence));
+  add_png("provenance", paths_.provenance, maps.provenance);
+  if (!maps.planes.Empty()) {
+    add_png("planes", paths_.planes, maps.planes);
   }
-  has_sigma_ = !maps.sigma.Empty();
-  if (has_sigma_) {
-    add_file(paths_.sigma);
+  if (!maps.sigma.Empty()) {
+    PutSigmaMap(maps.sigma, &Add("sigma", paths_.sigma));
   }
-  // An earlier refinement may still be in place until the files are renamed.
-  const ImageRecord earlier = ReadRecord(paths_.record).value_or(ImageRecord());
-  record_.depth = earlier.depth;
-  record_.normal = earlier.normal;
-  record_.depth.written.insert(record_.depth.written.begin(),
-                               PutDepthMap(maps.depth, &files_[0]));
-  record_.normal.written.insert(record_.normal.written.begin(),
-                                PutNormalMap(maps.normal, &files_[1]));
-  PutPng(ToLevels(maps.confidence), paths_.confidence, &files_[2]);
-  PutPng(maps.provenance, paths_.provenance, &files_[3]);
-  if (has_planes_) {
-    PutPng(maps.planes, paths_.planes, &files_[4]);
+  for (File& file : files_) {
+    record_.files[file.name] = {
+        IdOfPrepared(file.path, &file.file, file.hash)};
   }
-  if (has_sigma_) {
-    PutSigmaMap(maps.sigma, &files_.back());
-  }
-  for (AtomicFile& file : files_) {
-    file.Prepare();
-  }
-  record_.depth.written.front().time = files_[0].Time();
-  record_.normal.written.front().time = files_[1].Time();
 }
 
 void WriteBack::Commit() {
-  KeepOriginals();
-  RecordWriting();
-  RenameFiles();
-  RecordDone();
-}
-
-void WriteBack::KeepOriginals() {
-  const OriginalMaps originals =
-      FindOriginals(workspace_.SourcePaths(image_, workspace_.Type()));
-  if (!workspace_.IsOutput()) {
-    KeepBoth(originals, paths_);
-    // A map that was stored before is in the record already.
-    const auto describe = [](OriginalState state,
-                             const ContainedPath& stored,
-                             std::optional<WrittenMap>* original) {
-      if (state != OriginalState::kStored || !*original) {
-        *original = DescribeMap(stored);
-      }
-    };
-    describe(
-        originals.depth.state, paths_.original_depth, &record_.depth.original);
-    describe(originals.normal.state,
-             paths_.original_normal,
-             &record_.normal.original);
-  }
-}
-
-void WriteBack::RecordWriting() {
-  record_.status = ImageStatus::kWriting;
+  const OriginalMaps originals = FindOriginals(paths_);
+  // A refined map of an earlier run stays until its name is given away.
+  const auto list_earlier = [&](const OriginalMap& map,
+                                const char* name,
+                                const ContainedPath& path) {
+    const std::optional<FileId> id = FindFileId(path);
+    if (map.state == MapState::kRefined && id) {
+      record_.files[name].push_back(*id);
+    }
+  };
+  list_earlier(originals.depth, "depth", paths_.depth);
+  list_earlier(originals.normal, "normal", paths_.normal);
   WriteRecord(paths_.record, record_);
-}
-
-void WriteBack::RenameFiles() {
-  // Files of an earlier refinement do not belong to these maps.
-  if (!has_planes_) {
-    RemoveFile(paths_.planes);
-  }
-  if (!has_sigma_) {
-    RemoveFile(paths_.sigma);
-  }
-  for (AtomicFile& file : files_) {
-    file.Commit();
-  }
-}
-
-void WriteBack::RecordDone() {
-  record_.status = ImageStatus::kDone;
-  record_.depth.written.resize(1);
-  record_.normal.written.resize(1);
-  for (const ResultFile& file : ResultFiles(paths_)) {
-    if (IsFile(*file.path)) {
-      record_.results[file.name] = {
-          HashFile(*file.path), TimeOf(*file.path), {}};
+  KeepOriginal(originals.depth, paths_.depth, paths_.original_depth);
+  KeepOriginal(originals.normal, paths_.normal, paths_.original_normal);
+  for (const ResultFile& result : ResultFiles(paths_)) {
+    // Files of an earlier refinement do not belong to these maps.
+    if (!record_.files.contains(result.name)) {
+      RemoveFile(*result.path);
     }
   }
-  WriteRecord(paths_.record, record_);
+  for (File& file : files_) {
+    file.file.Commit();
+  }
 }
 
 void KeepImage(const Workspace& workspace, int image, ImageRecord record) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
-  const OriginalMaps originals =
-      FindOriginals(workspace.SourcePaths(image, workspace.Type()));
-  if (workspace.IsOutput()) {
-    LinkMap(originals.depth, paths.depth);
-    LinkMap(originals.normal, paths.normal);
-  } else {
-    PutOriginalBack(originals.depth.state, paths.depth, paths.original_depth);
-    PutOriginalBack(
-        originals.normal.state, paths.normal, paths.original_normal);
-  }
+  const OriginalMaps originals = FindOriginals(paths);
+  PutOriginalBack(originals.normal, paths.normal, paths.original_normal);
+  PutOriginalBack(originals.depth, paths.depth, paths.original_depth);
   RemoveResults(paths);
   FillIn(workspace, image, &record);
   record.status = ImageStatus::kKept;
-  record.depth.written.clear();
-  record.normal.written.clear();
   WriteRecord(paths.record, record);
-}
-
-void StoreOriginals(const Workspace& workspace, int image) {
-  const MapPaths paths = workspace.Paths(image, workspace.Type());
-  const OriginalMaps originals = FindOriginals(paths);
-  if (!ReadRecord(paths.record)) {
-    // With a record, a map that is found in place later is known to be newer.
-    ImageRecord record;
-    FillIn(workspace, image, &record);
-    WriteRecord(paths.record, record);
-  }
-  KeepBoth(originals, paths);
 }
 
 bool IsDone(const Workspace& workspace,
             int image,
-            const std::string& options_hash,
-            const std::map<std::string, std::string>& inputs) {
+            const ImageRecord& expected) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const std::optional<ImageRecord> record = ReadRecord(paths.record);
-  if (!record || record->status != ImageStatus::kDone ||
-      record->options_hash != options_hash || record->version != TSAR_VERSION ||
-      record->inputs != inputs) {
-    return false;
-  }
-  // The inputs cover the originals, also those in another workspace.
-  const auto is_there = [](const ContainedPath& path,
-                           const std::vector<WrittenMap>& written) {
-    return IsFile(path) && IsAnyOf(path, written, Scrutiny::kTimeAndSamples);
-  };
-  return is_there(paths.depth, record->depth.written) &&
-         is_there(paths.normal, record->normal.written) &&
+  return record && record->status == ImageStatus::kDone &&
+         record->options_hash == expected.options_hash &&
+         record->inputs == expected.inputs &&
+         record->planes == expected.planes &&
+         record->Has("depth", paths.depth) &&
+         record->Has("normal", paths.normal) &&
          std::ranges::all_of(ResultFiles(paths), [&](const ResultFile& file) {
-           const auto written = record->results.find(file.name);
-           return written == record->results.end() ||
-                  is_there(*file.path, {written->second});
+           return !record->files.contains(file.name) ||
+                  record->Has(file.name, *file.path);
          });
 }
 

@@ -9,7 +9,6 @@
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -19,25 +18,17 @@ namespace tsar {
 // Where they had been refined by an earlier run, the originals are put back.
 void KeepImage(const Workspace& workspace, int image, ImageRecord record);
 
-// Stores the originals of an image that has maps, and changes nothing else, so
-// that other programs find them there whatever becomes of the maps. Not for
-// output workspaces, whose originals nobody changes.
-void StoreOriginals(const Workspace& workspace, int image);
-
-// Whether the image was refined with the same options from the same inputs (see
-// ImageRecord) and all files are still those written then. Kept images are not
-// done: their missing inputs may have been added.
-bool IsDone(const Workspace& workspace,
-            int image,
-            const std::string& options_hash,
-            const std::map<std::string, std::string>& inputs);
+// Whether the image was refined as this record says, with the same options from
+// the same inputs, and all files are still those written then. Kept images are
+// not done: their missing inputs may have been added.
+bool IsDone(const Workspace& workspace, int image, const ImageRecord& expected);
 
 // Replaces the originals by the refined maps of workspace.Type(), in steps to
 // be called in this order. At every instant each map file is the complete
 // original or the complete refined one, and the original is kept in
-// stereo/tsar/original (or, for an output workspace, in the input). Thread-safe
-// for different images. Throws Error: kMismatch (sizes, or values that are not
-// finite), kNotFound (the image has no maps), kIo.
+// stereo/tsar/original. Thread-safe for different images. Throws Error:
+// kMismatch (sizes, or values that are not finite), kNotFound (the image has no
+// maps), what FindOriginals throws, kIo.
 class WriteBack {
  public:
   WriteBack(const Workspace& workspace, int image, ImageRecord record);
@@ -45,24 +36,21 @@ class WriteBack {
   // Encodes the maps and flushes them to temporary files. This takes most of
   // the time and changes nothing that a reader of the image sees.
   void PrepareFiles(const RefinedMaps& maps);
-  // Does all that follows; while it runs, nobody may look for the originals.
+  // Writes the record, keeps the originals, and renames the maps.
   void Commit();
 
-  // The steps of Commit(), public for tests of interruptions.
-  void KeepOriginals();
-  void RecordWriting();
-  void RenameFiles();
-  void RecordDone();
-
  private:
-  const Workspace& workspace_;
-  int image_;
+  struct File {
+    const char* name;  // As in ImageRecord::files.
+    ContainedPath path;
+    AtomicFile file;
+    uint64_t hash = 0;  // Of the content; 0: not known.
+  };
+  AtomicFile& Add(const char* name, const ContainedPath& path);
+
   MapPaths paths_;
   ImageRecord record_;
-  std::vector<AtomicFile> files_;
-  // Whether there are files that not every refinement has.
-  bool has_planes_ = false;
-  bool has_sigma_ = false;
+  std::vector<File> files_;
 };
 
 }  // namespace tsar

@@ -68,8 +68,7 @@ void RequirePlanesOfMaps(const Workspace& workspace,
     if (!record) {
       continue;
     }
-    const auto planes = record->inputs.find(ImageRecord::kPlanes);
-    if (planes != record->inputs.end() && planes->second != fingerprint) {
+    if (!record->planes.empty() && record->planes != fingerprint) {
       throw Error::File(
           ErrorCode::kMismatch,
           model_path.string(),

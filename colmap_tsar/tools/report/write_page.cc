@@ -120,11 +120,6 @@ int WritePage(const Workspace& workspace,
       workspace.Root(), options.report_path, OptionName("report_path"));
   // The lock keeps the maps before and after consistent.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
-  std::optional<WorkspaceLock> input_lock;
-  if (workspace.IsOutput()) {
-    input_lock.emplace(workspace.SourceRoot(),
-                       WorkspaceLock::Mode::kSharedIfThere);
-  }
   const std::vector<int> refined = RequireRefinedImages(workspace);
   WarnOfChangedResults(workspace);
   OutputFolder folder(kPageFolder, options.report_path, options.overwrite);

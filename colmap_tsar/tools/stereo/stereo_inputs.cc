@@ -30,6 +30,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using InputState = std::map<std::string, std::string>;
+
 // The inputs by the names of reference and source images: "camera", "photo",
 // "mask" and, for references, "sources", "depths" and "prior". Every map
 // depends on all.
@@ -55,15 +57,15 @@ constexpr char kSign = '+';
 
 struct Part {
   const char* key;
-  ChangedInput change;
+  const char* name;
 };
-const std::array<Part, 6> kParts = {
-    Part{"camera", {"its camera", false}},
-    Part{"photo", {"its photo", false}},
-    Part{"mask", {"its mask", false}},
-    Part{"sources", {"its list of sources", false}},
-    Part{"depths", {"the range of its sparse points", false}},
-    Part{"prior", {"its depth prior", false}}};
+constexpr std::array<Part, 6> kParts = {
+    Part{"camera", "its camera"},
+    Part{"photo", "its photo"},
+    Part{"mask", "its mask"},
+    Part{"sources", "its list of sources"},
+    Part{"depths", "the range of its sparse points"},
+    Part{"prior", "its depth prior"}};
 // The value of an unused input.
 constexpr const char* kNone = "-";
 // The first line of a file.
@@ -190,13 +192,16 @@ std::optional<StereoChange> FindStereoChange(const StereoInputs& before,
       ++num_others;
       continue;
     }
-    std::vector<ChangedInput> changes;
+    std::string changes;
+    int num_changes = 0;
     for (const Part& part : kParts) {
       if (found->second.at(part.key) != state.at(part.key)) {
-        changes.push_back(part.change);
+        changes += (num_changes++ > 0 ? " and " : "") + std::string(part.name);
       }
     }
-    first = {name, DescribeChanges(changes) + " since the maps were made"};
+    first = {name,
+             changes + (num_changes > 1 ? " have" : " has") +
+                 " changed since the maps were made"};
   }
   if (num_others > 0) {
     first->text +=

@@ -12,8 +12,6 @@
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/refine_devices.h"
 #include "colmap_tsar/run/refine_plan.h"
-#include "colmap_tsar/run/store/links.h"
-#include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
@@ -75,13 +73,6 @@ Workspace OpenForStereo(const fs::path& path, const StereoImageFiles& files) {
   if (path.empty()) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("workspace_path") + " is missing; give it");
-  }
-  if (const auto source = ReadOutputMarker(path)) {
-    throw Error::File(
-        ErrorCode::kUnsupported,
-        path.string(),
-        "tsar_refine made this workspace from " + source->string(),
-        "make the maps of that one");
   }
   RequireFoldersInside(path);
   // image_undistorter makes them, but they may have been deleted with maps.

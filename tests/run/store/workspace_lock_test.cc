@@ -51,16 +51,16 @@ TEST(WorkspaceLockTest, ReadersShareItWithoutWriters) {
   });
 }
 
-TEST(WorkspaceLockTest, ReadersComeAndGoSideBySide) {
+TEST(WorkspaceLockTest, ReadersAndShardsComeAndGoSideBySide) {
+  using Mode = WorkspaceLock::Mode;
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.Path() / "stereo");
-  {
-    std::vector<std::jthread> readers;
+  for (const Mode mode : {Mode::kShared, Mode::kShard}) {
+    std::vector<std::jthread> programs;
     for (int i = 0; i < 4; ++i) {
-      readers.emplace_back([&] {
+      programs.emplace_back([&, i] {
         for (int j = 0; j < 300; ++j) {
-          EXPECT_NO_THROW(
-              WorkspaceLock(folder.Path(), WorkspaceLock::Mode::kShared));
+          EXPECT_NO_THROW(WorkspaceLock(folder.Path(), mode, i));
         }
       });
     }
@@ -97,7 +97,7 @@ TEST(WorkspaceLockTest, WritersRefuseFoldersThatAreLinksOut) {
     WorkspaceLock lock(root);
   });
   ExpectError(ErrorCode::kUnsupported, {link.string(), "dense_2"}, [&] {
-    WorkspaceLock lock(root, WorkspaceLock::Mode::kCompose, 0);
+    WorkspaceLock lock(root, WorkspaceLock::Mode::kShard, 0);
   });
   EXPECT_FALSE(std::filesystem::exists(root / "stereo/tsar"));
   { const WorkspaceLock lock(root, WorkspaceLock::Mode::kShared); }
@@ -111,82 +111,46 @@ TEST(WorkspaceLockTest, WritersRefuseFoldersThatAreLinksOut) {
   const WorkspaceLock lock(root);
 }
 
-TEST(WorkspaceLockTest, ShardsOfOnePassShareIt) {
+TEST(WorkspaceLockTest, ShardsShareIt) {
   using Mode = WorkspaceLock::Mode;
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.Path() / "stereo");
-  const auto path = folder.Path() / "stereo/tsar/lock";
-  for (const auto& [own, other] : {std::pair(Mode::kObserve, Mode::kCompose),
-                                   std::pair(Mode::kCompose, Mode::kObserve)}) {
-    const auto expect_refusal =
-        [&](const std::string& text, Mode mode, std::optional<int> shard) {
-          ExpectError(ErrorCode::kUnsupported, {path.string(), text}, [&] {
-            WorkspaceLock lock(folder.Path(), mode, shard);
-          });
-        };
-    const WorkspaceLock first(folder.Path(), own, 0);
-    {
-      const WorkspaceLock second(folder.Path(), own, 7);
-      expect_refusal("shard 7", own, 7);
-    }
-    { const WorkspaceLock again(folder.Path(), own, 7); }
-    expect_refusal("shard 0", own, 0);
-    expect_refusal("other pass", other, 1);
-    expect_refusal("another program", Mode::kExclusive, std::nullopt);
-    expect_refusal("another program", Mode::kShared, std::nullopt);
-    // None of those that were refused left anything locked.
-    const WorkspaceLock third(folder.Path(), own, 1);
-  }
-  EXPECT_FALSE(std::filesystem::exists(folder.Path() / "stereo/tsar"));
-  for (const Mode holder : {Mode::kExclusive, Mode::kShared}) {
-    const WorkspaceLock lock(folder.Path(), holder);
-    for (const Mode mode : {Mode::kObserve, Mode::kCompose}) {
-      ExpectError(ErrorCode::kUnsupported, {"another program"}, [&] {
-        WorkspaceLock shard(folder.Path(), mode, 0);
-      });
-    }
-  }
-}
-
-TEST(WorkspaceLockTest, ShardsLeaveTheFileToWhoeverEndsTheWork) {
-  const TemporaryFolder folder;
-  const auto path = folder.Path() / "stereo/tsar/lock";
-  WriteText(folder.Path() / "stereo/tsar/shards/some.json", "{}");
-  {
-    const WorkspaceLock shard(folder.Path(), WorkspaceLock::Mode::kObserve, 0);
-  }
-  EXPECT_TRUE(std::filesystem::exists(path));
-  { const WorkspaceLock lock(folder.Path()); }
-  EXPECT_FALSE(std::filesystem::exists(path));
-}
-
-TEST(WorkspaceLockTest, ManyShardsComeAndGoSideBySide) {
-  const TemporaryFolder folder;
-  WriteText(folder.Path() / "stereo/tsar/shards/some.json", "{}");
-  std::vector<std::jthread> shards;
-  for (int i = 0; i < 4; ++i) {
-    shards.emplace_back([&, i] {
-      for (int j = 0; j < 300; ++j) {
-        EXPECT_NO_THROW(
-            WorkspaceLock(folder.Path(), WorkspaceLock::Mode::kCompose, i));
-      }
+  const auto expect_refusal = [&](const std::string& text,
+                                  Mode mode,
+                                  int shard = 0) {
+    ExpectError(ErrorCode::kUnsupported, {"stereo/tsar", text}, [&] {
+      WorkspaceLock lock(folder.Path(), mode, shard);
     });
+  };
+  {
+    const WorkspaceLock first(folder.Path(), Mode::kShard, 0);
+    {
+      const WorkspaceLock second(folder.Path(), Mode::kShard, 7);
+      expect_refusal("shard 7", Mode::kShard, 7);
+    }
+    { const WorkspaceLock again(folder.Path(), Mode::kShard, 7); }
+    expect_refusal("shard 0", Mode::kShard);
+    expect_refusal("another program", Mode::kExclusive);
+    // None of those that were refused left anything locked.
+    const WorkspaceLock third(folder.Path(), Mode::kShard, 1);
   }
+  const WorkspaceLock lock(folder.Path());
+  expect_refusal("another program", Mode::kShard);
 }
 
 TEST(WorkspaceLockDeathTest, AKilledShardHoldsNothing) {
   const TemporaryFolder folder;
-  WriteText(folder.Path() / "stereo/tsar/shards/some.json", "{}");
+  std::filesystem::create_directories(folder.Path() / "stereo");
   EXPECT_EXIT(
       {
         const WorkspaceLock lock(
-            folder.Path(), WorkspaceLock::Mode::kObserve, 3);
+            folder.Path(), WorkspaceLock::Mode::kShard, 3);
         std::raise(SIGKILL);
       },
       testing::KilledBySignal(SIGKILL),
       "");
   EXPECT_TRUE(std::filesystem::exists(folder.Path() / "stereo/tsar/lock"));
-  { const WorkspaceLock lock(folder.Path(), WorkspaceLock::Mode::kObserve, 3); }
+  { const WorkspaceLock lock(folder.Path(), WorkspaceLock::Mode::kShard, 3); }
   const WorkspaceLock whole(folder.Path());
 }
 

@@ -3,10 +3,13 @@
 
 #include "colmap_tsar/run/store/write_back.h"
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/manifest.h"
 #include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/result_files.h"
 
 #include "tests/run/store/write_back_testing.h"
 #include "tests/support/test_workspace.h"
@@ -51,111 +54,86 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
   EXPECT_EQ(written->counts, record.counts);
   EXPECT_EQ(written->seconds, record.seconds);
   EXPECT_EQ(written->note, "fine");
-  EXPECT_FALSE(written->version.empty());
-  EXPECT_THAT(
-      written->depth.written,
-      testing::ElementsAre(testing::Field(
-          &WrittenMap::hash, HashFile(workspace().DepthPath(1, kGeometric)))));
+  EXPECT_TRUE(
+      written->Has("depth", workspace().DepthPath(1, kGeometric)));
+  EXPECT_EQ(written->files.at("depth").front().hash,
+            HashFile(workspace().DepthPath(1, kGeometric)));
 }
 
-TEST_F(WriteBackTest, WritesPlanesWhereThereAreSome) {
-  const std::filesystem::path path = workspace().Paths(1, kGeometric).planes;
-  EXPECT_EQ(path, root_ / "stereo/plane_maps/left/b.png.geometric.png");
+TEST_F(WriteBackTest, WritesPlanesAndSigmaWhereThereAreSome) {
+  const auto clean = Snapshot(root_);
+  const MapPaths paths = workspace().Paths(1, kGeometric);
+  EXPECT_EQ(paths.planes.Path(),
+            root_ / "stereo/plane_maps/left/b.png.geometric.png");
+  EXPECT_EQ(paths.sigma.Path(),
+            root_ / "stereo/sigma_maps/left/b.png.geometric.npy");
+  const auto expect_none = [&] {
+    EXPECT_FALSE(std::filesystem::exists(paths.planes));
+    EXPECT_FALSE(std::filesystem::exists(paths.sigma));
+  };
   RefinedMaps maps = MakeRefinedMaps(42.f);
   WriteRefined(workspace(), 1, maps, Record());
-  EXPECT_FALSE(std::filesystem::exists(path));
+  expect_none();
   maps.planes = Image<uint16_t>(4, 3, 40000);
+  maps.sigma = Image<uint16_t>(4, 3, ToPositiveHalf(0.25f));
   WriteRefined(workspace(), 1, maps, Record());
-  const cv::Mat planes = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
+  const cv::Mat planes =
+      cv::imread(paths.planes.string(), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(planes.type(), CV_16UC1);
   ASSERT_EQ(planes.size(), cv::Size(4, 3));
   EXPECT_EQ(planes.at<uint16_t>(2, 3), 40000);
+  EXPECT_EQ(ReadSigmaMap(paths.sigma)(3, 2), 0.25f);
   // Those of an earlier refinement do not outlive it.
   WriteRefined(workspace(), 1, MakeRefinedMaps(43.f), Record());
-  EXPECT_FALSE(std::filesystem::exists(path));
-  maps.planes = Image<uint16_t>(3, 4, 1);
-  ExpectError(ErrorCode::kMismatch, {"left/b.png", "differ in size"}, [&] {
-    WriteRefined(workspace(), 1, maps, Record());
-  });
-  maps.planes = Image<uint16_t>(4, 3, 1);
+  expect_none();
   WriteRefined(workspace(), 1, maps, Record());
   KeepImage(workspace(), 1, Record());
-  EXPECT_FALSE(std::filesystem::exists(path));
+  expect_none();
+  WriteRefined(workspace(), 1, maps, Record());
+  Restore(root_);
+  EXPECT_EQ(Snapshot(root_), clean);
 }
 
-TEST_F(WriteBackTest, KnowsWhatIsDone) {
-  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
-  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  EXPECT_TRUE(IsDone(workspace(), 0, "options", {}));
-  EXPECT_FALSE(IsDone(workspace(), 0, "other", {}));
-  EXPECT_FALSE(IsDone(workspace(), 1, "options", {}));
-  EXPECT_FALSE(
-      IsDone(Workspace(root_, MapType::kPhotometric), 0, "options", {}));
-  std::filesystem::remove(workspace().Paths(0, kGeometric).confidence);
-  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
-  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  WriteNormalMap(UserPath(workspace().Paths(0, kGeometric).normal),
-                 Image<Vec3f>(4, 3, Vec3f{1, 0, 0}));
-  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
-}
-
-TEST_F(WriteBackTest, OtherInputsAreNotDone) {
-  const std::map<std::string, std::string> inputs = {{"camera", "0123"},
-                                                     {"photo", "4567"}};
-  ImageRecord record = Record();
-  record.inputs = inputs;
-  WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), record);
-  EXPECT_EQ(ReadRecord(workspace().Paths(0, kGeometric).record)->inputs,
-            inputs);
-  EXPECT_TRUE(IsDone(workspace(), 0, "options", inputs));
-  EXPECT_FALSE(IsDone(workspace(), 0, "options", {}));
-  EXPECT_FALSE(IsDone(
-      workspace(), 0, "options", {{"camera", "0123"}, {"photo", "4568"}}));
-  EXPECT_FALSE(IsDone(workspace(), 0, "options", {{"camera", "0123"}}));
-}
-
-// A run may end after any step, in the first run as in one with other options
-// (42 is then in place). The renaming itself may be cut between two files.
-TEST_F(WriteBackTest, AnInterruptionAnywhereLosesNothing) {
-  for (const bool refined_before : {false, true}) {
-    for (int num_steps = 0; num_steps <= 5; ++num_steps) {
-      SCOPED_TRACE(num_steps);
-      std::filesystem::remove_all(root_);
-      MakeTestWorkspace(root_);
-      const auto clean = Snapshot(root_);
-      const float before = refined_before ? 42.f : 2.f;
-      if (refined_before) {
-        WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record("old"));
-      }
-      {
-        WriteBack write_back(workspace(), 0, Record());
-        const std::vector<std::function<void()>> steps = {
-            [&] { write_back.PrepareFiles(MakeRefinedMaps(43.f)); },
-            [&] { write_back.KeepOriginals(); },
-            [&] { write_back.RecordWriting(); },
-            [&] { write_back.RenameFiles(); },
-            [&] { write_back.RecordDone(); }};
-        for (int step = 0; step < num_steps; ++step) {
-          steps[step]();
-        }
-        // A killed program leaves its temporaries: keep copies of them.
-        if (num_steps >= 1 && num_steps <= 3) {
-          const auto path = workspace().Paths(0, kGeometric).depth.string();
-          WriteText(path + AtomicFile::kTemporarySuffix, "half");
-        }
-      }
-      EXPECT_EQ(CurrentDepth(0), num_steps >= 4 ? 43.f : before);
-      EXPECT_EQ(OriginalDepth(0), 2.f);
-      EXPECT_EQ(IsDone(workspace(), 0, "options", {}), num_steps == 5);
-
-      // Going on works, and so does undoing.
-      WriteRefined(workspace(), 0, MakeRefinedMaps(44.f), Record());
-      EXPECT_EQ(CurrentDepth(0), 44.f);
-      EXPECT_EQ(OriginalDepth(0), 2.f);
-      EXPECT_EQ(Restore(root_).num_restored, 1);
-      EXPECT_EQ(Snapshot(root_), clean);
-    }
+// What is missing, damaged or made of something else is made again.
+TEST_F(WriteBackTest, IsDoneWithAllItsFilesAndItsInputsAlone) {
+  RefinedMaps maps = MakeRefinedMaps(42.f);
+  maps.planes = Image<uint16_t>(4, 3, 7);
+  maps.sigma = Image<uint16_t>(4, 3, 1);
+  const MapPaths paths = workspace().Paths(0, kGeometric);
+  std::vector<const ContainedPath*> files = {&paths.depth, &paths.normal};
+  for (const ResultFile& file : ResultFiles(paths)) {
+    files.push_back(file.path);
   }
+  EXPECT_FALSE(IsDone(workspace(), 0, Record()));
+  for (const ContainedPath* file : files) {
+    SCOPED_TRACE(file->string());
+    const auto expect_done = [&] {
+      WriteRefined(workspace(), 0, maps, Record());
+      EXPECT_TRUE(IsDone(workspace(), 0, Record()));
+    };
+    expect_done();
+    const std::string bytes = ReadText(*file);
+    WriteText(*file, bytes);  // Copied without its time.
+    EXPECT_TRUE(IsDone(workspace(), 0, Record()));
+    WriteText(*file, bytes.substr(1));
+    EXPECT_FALSE(IsDone(workspace(), 0, Record()));
+    expect_done();
+    std::filesystem::remove(*file);
+    EXPECT_FALSE(IsDone(workspace(), 0, Record()));
+    expect_done();
+  }
+  for (std::string ImageRecord::*field : {&ImageRecord::options_hash,
+                                          &ImageRecord::inputs,
+                                          &ImageRecord::planes}) {
+    ImageRecord other = Record();
+    other.*field += " and another one";
+    EXPECT_FALSE(IsDone(workspace(), 0, other));
+  }
+  EXPECT_FALSE(IsDone(workspace(), 1, Record()));
+  EXPECT_FALSE(
+      IsDone(Workspace(root_, MapType::kPhotometric), 0, Record()));
+  KeepImage(workspace(), 0, Record());
+  EXPECT_FALSE(IsDone(workspace(), 0, Record()));
 }
 
 // So readers need not wait for it.
@@ -186,11 +164,18 @@ TEST_F(WriteBackTest, PreparingFilesChangesNoFileThatIsRead) {
 TEST_F(WriteBackTest, RefusesBadMapsAndChangesNothing) {
   const auto clean = Snapshot(root_ / "stereo/depth_maps");
   RefinedMaps maps = MakeRefinedMaps(42.f);
+  const auto expect_refused = [&] {
+    ExpectError(ErrorCode::kMismatch, {"a.png", "differ in size"}, [&] {
+      WriteRefined(workspace(), 0, maps, Record());
+    });
+    maps = MakeRefinedMaps(42.f);
+  };
   maps.normal = Image<Vec3f>(3, 4);
-  ExpectError(ErrorCode::kMismatch, {"a.png", "size"}, [&] {
-    WriteRefined(workspace(), 0, maps, Record());
-  });
-  maps = MakeRefinedMaps(42.f);
+  expect_refused();
+  maps.planes = Image<uint16_t>(3, 4, 1);
+  expect_refused();
+  maps.sigma = Image<uint16_t>(3, 4, 1);
+  expect_refused();
   maps.normal(1, 1).x = std::nanf("");
   ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
     WriteRefined(workspace(), 0, maps, Record());
@@ -215,13 +200,17 @@ TEST_F(WriteBackTest, ManifestListsEveryImage) {
   WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), record);
   record = Record("other options");
   KeepImage(workspace(), 2, record);
-  const Manifest manifest =
+  Manifest manifest =
       BuildManifest(workspace(), {{"eta", "0.8"}}, "options");
   EXPECT_EQ(manifest.NumImages(ImageStatus::kDone), 2);
   EXPECT_EQ(manifest.NumImages(ImageStatus::kPending), 1);
   EXPECT_EQ(manifest.counts.at("filled"), 14);
   EXPECT_DOUBLE_EQ(manifest.seconds.at("total"), 1.0);
+  EXPECT_TRUE(ReadManifestInputs(workspace()).inputs.empty());
+  manifest.inputs["the photo of a.png"] = "1@2";
   WriteManifest(workspace(), manifest);
+  EXPECT_EQ(ReadManifestInputs(workspace()).inputs, manifest.inputs);
+  EXPECT_EQ(ReadManifestInputs(workspace()).version, manifest.version);
   const auto json =
       nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
   EXPECT_EQ(json["type"], "geometric");
@@ -238,7 +227,6 @@ TEST_F(WriteBackTest, RecordsNamesThatAreNotUtf8) {
   ImageRecord record = Record();
   record.image = "bad \xFF name";
   record.note = "bad \xFF byte";
-  record.type = "geometric";
   const auto path = folder_.Path() / "bad \xFF name.geometric.json";
   WriteRecord(UserPath(path), record);
   EXPECT_TRUE(ReadRecord(path));

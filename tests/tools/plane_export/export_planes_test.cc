@@ -197,11 +197,11 @@ TEST_F(ExportPlanesTest, RefusesThePlanesOfAnotherRun) {
   room_.Write();
   const MapPaths paths = GetMapPaths(room_.root, "v3.png", MapType::kGeometric);
   ImageRecord record = ReadRecord(paths.record).value();
-  record.inputs[ImageRecord::kPlanes] = "1";
+  record.planes = "1";
   WriteRecord(paths.record, record);
   ExpectFailure(ErrorCode::kMismatch,
                 {"planes.bin", PlanesPath().string(), "run tsar_refine again"});
-  record.inputs[ImageRecord::kPlanes] = std::to_string(
+  record.planes = std::to_string(
       ReadScenePlanesFingerprint(GetSceneModelPath(room_.root)).value());
   WriteRecord(paths.record, record);
   EXPECT_EQ(Export().planes.size(), size_t{RoomWorkspace::kNumPlanes});
