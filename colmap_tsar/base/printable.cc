@@ -11,14 +11,19 @@ std::string_view TakePrintable(std::string_view* text) {
   const auto byte_at = [&](size_t i) {
     return i < text->size() ? static_cast<unsigned char>((*text)[i]) : 0;
   };
-  // UTF-8 of the control characters from U+0080 to U+009F.
-  const bool is_long_control =
-      byte_at(0) == 0xC2 && byte_at(1) >= 0x80 && byte_at(1) < 0xA0;
-  const bool is_space = byte_at(0) >= '\t' && byte_at(0) <= '\r';
-  const bool is_control =
-      is_long_control || byte_at(0) < 0x20 || byte_at(0) == 0x7F;
-  const std::string_view taken = text->substr(0, is_long_control ? 2 : 1);
-  text->remove_prefix(taken.size());
+  const auto lead = byte_at(0);
+  size_t length = lead < 0xC2 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+  for (size_t i = 1; i < length; ++i) {
+    length = byte_at(i) >= 0x80 && byte_at(i) < 0xC0 ? length : 1;
+  }
+  const bool is_space = lead >= '\t' && lead <= '\r';
+  // Some terminals obey control characters from U+0080 to U+009F, and bytes of
+  // these values.
+  const bool is_control = lead < 0x20 || lead == 0x7F ||
+                          (lead >= 0x80 && length == 1) ||
+                          (lead == 0xC2 && byte_at(1) < 0xA0);
+  const std::string_view taken = text->substr(0, length);
+  text->remove_prefix(length);
   return is_space ? " " : is_control ? "?" : taken;
 }
 

@@ -20,6 +20,7 @@ _KINDS = {
     "0|1": (bool, "True or False", lambda text: text == "1", lambda value: str(int(value))),
     "INT": (numbers.Integral, "an integer", int, lambda value: str(int(value))),
     "NUMBER": (numbers.Real, "a number", float, lambda value: repr(float(value))),
+}
 
 
 def advice(name, names):

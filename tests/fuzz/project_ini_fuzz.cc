@@ -12,7 +12,7 @@ void Read(std::span<const uint8_t> input) {
   std::filesystem::path workspace_path = "dense";
   std::string device = "auto";
   int num_threads = -1;
-  int64_t seed = 0;
+  int seed = 0;
   double sigma = 2.0;
   float cache_size = 32.f;
   bool filter = true;

@@ -273,7 +273,7 @@ TEST_F(ReadPriorTest, RefusesFilesThatCannotBeReadAsPriors) {
                 {"8 bits", "PNG of 16 bits"});
   ExpectRefused(depth(WritePicture("a.png", colors)),
                 ErrorCode::kUnsupported,
-                {"in colors", "PNG of 16 bits"});
+                {"8 bits", "PNG of 16 bits"});
   ExpectRefused(depth(WritePicture("a.tif", gray)),
                 ErrorCode::kUnsupported,
                 {"not a depth map"});
