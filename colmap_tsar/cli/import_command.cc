@@ -108,7 +108,7 @@ int RunTsarImport(int argc, char** argv) {
   OptionSet options("tsar_import",
                     kSummary,
                     "tsar_import --format acm --input_path scene "
-                    "--workspace_path dense --output_path imported");
+                    "--workspace_path dense --output_path out");
   command.AddTo(&options);
   if (!options.Parse(argc, argv)) {
     return 0;

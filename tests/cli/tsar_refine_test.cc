@@ -156,7 +156,7 @@ TEST_F(TsarRefineTest, WrongOptionsAreOneLine) {
       {{"--TsarRefine.shard", "0/2"}, {"TsarRefine.pass observe"}},
       {{"--TsarRefine.pass", "half"}, {"pass", "compose"}},
       {{"--TsarRefine.pass", "compose", "--TsarRefine.shard", "1/2"},
-       {"0, 1 have not", "pass observe"}},
+       {"was not observed", "pass observe"}},
       {{"--TsarRefine.pass", "merge"}, {"4 of 4 images"}},
   };
   for (const auto& [arguments, texts] : failures) {
