@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <mutex>
 #include <system_error>
 
 #include <fcntl.h>
@@ -60,6 +61,9 @@ std::optional<Folder> Folder::OpenIfThere(const ContainedPath& path) {
 
 Folder Folder::Create(const ContainedPath& path) {
   RequireInside(path);
+  // No thread takes a folder of another one for one that is on the disk.
+  static std::mutex mutex;
+  const std::lock_guard<std::mutex> lock(mutex);
   std::error_code error;
   std::vector<fs::path> created;
   for (fs::path folder = fs::absolute(path.Path());
@@ -97,7 +101,8 @@ std::vector<Folder::Entry> Folder::List() const {
                        fs::is_directory(status),
                        fs::is_symlink(status)});
   }
-  if (error) {
+  // Another program may have removed it.
+  if (error && error != std::errc::no_such_file_or_directory) {
     ThrowSystemError(
         path_.Path(), "the folder cannot be listed", error.value());
   }

@@ -4,12 +4,12 @@
 #include "colmap_tsar/cli/option_set.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <iostream>
 #include <map>
 #include <set>
@@ -99,12 +99,11 @@ po::options_description Describe(const std::vector<Option>& options, bool all) {
 po::parsed_options ReadIni(const std::string& path,
                            const std::vector<Option>& options,
                            const po::options_description& described) {
-  std::error_code ignored;
-  std::ifstream file(path);
-  if (!file || !std::filesystem::is_regular_file(path, ignored)) {
+  InputFile file(path);
+  if (!file) {
     throw Error::File(ErrorCode::kNotFound,
                       path,
-                      "is no file that can be read",
+                      "cannot be read (" + file.Reason() + ")",
                       "give --project_path an ini file");
   }
   po::parsed_options parsed = po::parse_config_file(file, described, true);

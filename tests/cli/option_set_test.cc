@@ -227,7 +227,7 @@ TEST_F(OptionSetTest, WrongInisAreOneLineThatNamesTheFile) {
   for (const std::filesystem::path& path :
        {folder_.Path() / "missing.ini", folder_.Path()}) {
     ExpectFailure({"--project_path", path.string()},
-                  path.string() + ": is no file that can be read",
+                  path.string() + ": cannot be read (",
                   ErrorCode::kNotFound);
   }
 }

@@ -7,6 +7,8 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/refine_workspace.h"
 
+#include <algorithm>
+#include <array>
 #include <functional>
 #include <sstream>
 
@@ -119,7 +121,10 @@ class RefineWorkspaceTest : public testing::Test {
                 {"4 of 4 images were observed", "same command"},
                 [&] {
                   Refine(options, refine, [&] {
-                    return std::filesystem::exists(Evidence(root, 3));
+                    return std::ranges::all_of(
+                        std::array{0, 1, 2, 3}, [&](int view) {
+                          return std::filesystem::exists(Evidence(root, view));
+                        });
                   });
                 });
     for (int view = 0; view < 4; ++view) {
