@@ -66,13 +66,6 @@ def run_shards(scene, workspace, pass_name, victim):
         scene.shard(workspace, pass_name, victim),
         f"a second {pass_name} of a shard that is at work",
     )
-    other = "compose" if pass_name == "observe" else "observe"
-    expect_refusal(
-        workspace,
-        ["lock", "other pass"],
-        scene.shard(workspace, other, 0),
-        f"{other} while a shard is at {pass_name}",
-    )
     for options in ([], ["--TsarRefine.pass", "merge"], ["--restore", "1"]):
         expect_refusal(
             workspace,
