@@ -114,9 +114,9 @@ TEST(RunCommand, PrintsEveryErrorOnOneLineThatNoTerminalObeys) {
       {[](int, char**) -> int {
          throw Error(ErrorCode::kIo,
                      "a\xC2\x9B"
-                     "2J\x1b.png: caf\xC3\xA9");
+                     "2J\x1b.png\x9B: caf\xC3\xA9");
        },
-       "a?2J?.png: caf\xC3\xA9"},
+       "a?2J?.png?: caf\xC3\xA9"},
       {[](int, char**) -> int { throw std::bad_alloc(); }, memory},
       {[](int, char**) -> int { CV_Error(cv::Error::StsNoMem, "no"); }, memory},
   };
