@@ -18,7 +18,7 @@ std::string_view TakePrintable(std::string_view* text) {
   }
   const bool is_space = lead >= '\t' && lead <= '\r';
   // Some terminals obey control characters from U+0080 to U+009F, and bytes of
-  // these values.
+  // these values. Other bytes that are not UTF-8 are replaced as well.
   const bool is_control = lead < 0x20 || lead == 0x7F ||
                           (lead >= 0x80 && length == 1) ||
                           (lead == 0xC2 && byte_at(1) < 0xA0);
@@ -37,7 +37,17 @@ std::string Printable(std::string_view text) {
 }
 
 bool HasControlCharacter(std::string_view text) {
-  return Printable(text) != text;
+  while (!text.empty()) {
+    // A lone byte is a letter of another encoding than UTF-8.
+    const std::string_view before = text;
+    const bool is_replaced = TakePrintable(&text).data() != before.data();
+    const bool is_lone = static_cast<unsigned char>(before[0]) >= 0x80 &&
+                         before.size() - text.size() == 1;
+    if (is_replaced && !is_lone) {
+      return true;
+    }
+  }
+  return false;
 }
 
 std::string ShellWord(const std::string& text) {

@@ -10,7 +10,7 @@ namespace tsar {
 
 // The text as one line without control characters: names and notes come from
 // untrusted files and could rewrite the screen. White space, including line
-// ends, becomes a space, other control characters '?'. All else is unchanged.
+// ends, becomes a space, other control characters and what is not UTF-8 '?'.
 std::string Printable(std::string_view text);
 
 // Removes the first character of a nonempty text and returns it as Printable()

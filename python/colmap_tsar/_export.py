@@ -3,6 +3,7 @@
 """Maps of a workspace in the formats of other programs, as docs/export.md describes."""
 import concurrent.futures
 import fcntl
+import importlib
 import io
 import json
 import os
@@ -10,6 +11,7 @@ import pathlib
 import re
 import shutil
 import sys
+from typing import Tuple
 
 from . import _core
 from ._errors import Error, make_error
@@ -172,13 +174,12 @@ class _Exporter:
     def import_cv2(self):
         os.environ.setdefault("OPENCV_IO_ENABLE_OPENEXR", "1")
         try:
-            import cv2
+            return importlib.import_module("cv2")
         except ImportError as error:
             raise ImportError(
                 f"the format {self.format} needs OpenCV, which is not there; install it (pip "
                 "install opencv-python-headless), or give the format npy"
             ) from error
-        return cv2
 
     def run(self):
         """Writes all; returns the summary."""
@@ -384,7 +385,7 @@ class _Trainer(_Exporter):
     """Training folders, which hold all images and name them in JSON."""
 
     holds_all_images = True
-    kinds = ("depth", "normals")
+    kinds: Tuple[str, ...] = ("depth", "normals")
 
     def prepare(self):
         self.import_cv2()

@@ -177,8 +177,10 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
     ) -> ImportSummary:
         """Makes a workspace of these photos and this sparse model with the depth and
         normal maps of another program or sensor: what the command tsar_import does."""
-        given = {"input_path": input_path, "format": format, "output_path": output_path}
-        given.update(options)
+        given = {
+            **{"input_path": input_path, "format": format, "output_path": output_path},
+            **options,
+        }
         return ImportSummary(
             **_core.import_maps(self._to_command(IMPORT, given), tell_steps(progress))
         )

@@ -128,7 +128,12 @@ def is_done(workspace, pass_name, image):
     if pass_name == "observe":
         return (folder / "evidence" / f"{image}.geometric.bin").exists()
     path = folder / "records" / f"{image}.geometric.json"
-    return path.exists() and json.loads(path.read_text())["status"] == "done"
+    if not path.exists() or json.loads(path.read_text())["status"] != "done":
+        return False
+    # The record comes first, and the original is the map until that is replaced.
+    name = f"normal_maps/{image}.geometric.bin"
+    original = folder / "original" / name
+    return original.exists() and not original.samefile(workspace / "stereo" / name)
 
 
 def num_done(workspace, pass_name):

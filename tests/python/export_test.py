@@ -136,6 +136,8 @@ class ExportTest(unittest.TestCase):
     def test_maps_hold_those_of_the_workspace(self):
         for format, tolerance in (("npy", 0), ("exr", 0), ("png16", 0.0005)):
             with self.subTest(format=format):
+                if format == "exr" and not cv2.haveImageWriter("a.exr"):
+                    self.skipTest("needs an OpenCV that writes OpenEXR")
                 summary = self.export(format, overwrite=True)
                 self.assertEqual(summary.num_images, 2)
                 self.assertEqual((summary.num_pixels, summary.num_depths), (24, 22))
@@ -245,13 +247,13 @@ class ExportTest(unittest.TestCase):
     def test_replaces_an_export_alone_and_only_when_asked(self):
         self.export("npy")
         with self.assertRaisesRegex(colmap_tsar.UnsupportedError, "give overwrite=True"):
-            self.export("exr")
+            self.export("png16")
         trained = self.output / "depth" / "trained.bin"
         trained.write_text("mine")
         with self.assertRaisesRegex(colmap_tsar.UnsupportedError, "trained.bin: is not of the export"):
-            self.export("exr", overwrite=True)
+            self.export("png16", overwrite=True)
         trained.unlink()
-        self.export("exr", overwrite=True)
+        self.export("png16", overwrite=True)
         self.assertFalse((self.output / "depth/a.png.npy").exists())
 
     def test_names_that_the_format_cannot_tell_apart_are_refused(self):

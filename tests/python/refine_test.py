@@ -139,8 +139,6 @@ class RefineTest(SampleTest):
         self.assertEqual(summary.input_type, "photometric")
         self.assertTrue((output / "stereo/depth_maps/v000.jpg.photometric.bin").exists())
         self.assertEqual(digests(self.workspace), before)
-        with self.assertRaises(colmap_tsar.UnsupportedError):
-            colmap_tsar.restore(output)
 
     def test_shards_give_the_same_bytes(self):
         other = self.new_workspace("whole")

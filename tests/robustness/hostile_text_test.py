@@ -132,7 +132,7 @@ check(printed("a binary model", REFINE)[0] == 0, "a binary model works")
 
 # Other names work, whatever the encoding.
 for name in (ACCENTS, TURN, b"caf\xe9", RAW_CSI):
-    shown = name.decode(errors="replace")
+    shown = name.decode(errors="replace").replace("\ufffd", "?")
     for command, source in ((REFINE, start.mapped), (RESTORE, start.refined),
                             (TO_STEREO, start.bare), (REPORT, start.refined)):
         fresh(source)

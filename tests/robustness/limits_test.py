@@ -11,7 +11,6 @@ import random
 import resource
 import subprocess
 
-import synthetic_workspace
 from robustness import (Program, check, check_kept, check_same, copy, make_folder, parse_arguments,
                         read_tree, without_accounts)
 from start_workspaces import STEREO, StartWorkspaces
@@ -153,21 +152,6 @@ def limit_threads():
         check((num_threads > 1) == (case in ("refine", "stereo", "report")),
               f"{case} starts {num_threads - 1} threads")
         print(f"{case}: starts {num_threads - 1} threads")
-    # There it is no option that says how many, and fewer do as well.
-    ply = ("ply\nformat ascii 1.0\nelement vertex 90\nproperty float x\nproperty float y\n"
-           "property float z\nend_header\n" + "".join(f"{i} {i % 7} 2\n" for i in range(90)))
-    cloud, scans = os.path.join(folder.name, "cloud.ply"), os.path.join(folder.name, "scans.mlp")
-    synthetic_workspace.write(cloud, ply.encode())
-    synthetic_workspace.write(scans, b'<MeshLabProject><MeshGroup><MLMesh filename="cloud.ply">'
-                          b"<MLMatrix44>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh>"
-                          b"</MeshGroup></MeshLabProject>")
-    words = [args.program, "tsar_evaluate", "cloud", "--input_path", cloud,
-             "--ground_truth_path", scans]
-    alone, without = (
-        subprocess.run(words, env=dict(os.environ, **more), stdout=subprocess.PIPE,
-                       check=True).stdout
-        for more in ({}, {"LD_PRELOAD": args.shim, "TSAR_FAULT_NO_THREADS_FROM": "1"}))
-    check(alone == without, f"scores without threads: {without}")
 
 
 def limit_descriptors():
