@@ -130,10 +130,8 @@ def is_done(workspace, pass_name, image):
     path = folder / "records" / f"{image}.geometric.json"
     if not path.exists() or json.loads(path.read_text())["status"] != "done":
         return False
-    # The record comes first, and the original is the map until that is replaced.
-    name = f"normal_maps/{image}.geometric.bin"
-    original = folder / "original" / name
-    return original.exists() and not original.samefile(workspace / "stereo" / name)
+    # The record comes first, and the map of planes last.
+    return (workspace / "stereo/plane_maps" / f"{image}.geometric.png").exists()
 
 
 def num_done(workspace, pass_name):

@@ -174,7 +174,6 @@ def test_images_by_themselves(scene):
         for shard in shards:
             end(shard)
         if pass_name == "observe":
-            check_restore(scene, workspace, "after the originals were stored")
             run(*scene.command(workspace, "--TsarRefine.pass", "model", *options))
     run(*scene.command(workspace, "--TsarRefine.pass", "merge", *options))
     check(

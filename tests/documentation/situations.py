@@ -78,7 +78,7 @@ def lock():
     """Held as long as the file is open: until the folder goes."""
     os.makedirs("dense/stereo/tsar")
     file = open("dense/stereo/tsar/lock", "w")
-    fcntl.lockf(file, fcntl.LOCK_EX)
+    fcntl.flock(file, fcntl.LOCK_EX)
     return file
 
 
