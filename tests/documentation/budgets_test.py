@@ -1,0 +1,53 @@
+#!/usr/bin/env python3
+# Copyright (c) 2026, the TSAR for COLMAP authors.
+# SPDX-License-Identifier: BSD-3-Clause
+"""No folder of the library, nor the tests or the documents, outgrow the lines
+that they may have: what makes one of them longer takes something else away."""
+import argparse
+from pathlib import Path
+
+from sample_testing import check
+
+SOURCES = (".cc", ".cu", ".cuh", ".h", ".js", ".html", ".css")
+SCRIPTS = (".py", ".sh")
+BUDGETS = (
+    ("colmap_tsar/base", SOURCES, 2880),
+    ("colmap_tsar/cli", SOURCES, 3070),
+    ("colmap_tsar/compose", SOURCES, 2320),
+    ("colmap_tsar/device", SOURCES, 1620),
+    ("colmap_tsar/fusion", SOURCES, 1640),
+    ("colmap_tsar/io", SOURCES, 3830),
+    ("colmap_tsar/matching", SOURCES, 2080),
+    ("colmap_tsar/priors", SOURCES, 1890),
+    ("colmap_tsar/run", SOURCES, 8550),
+    ("colmap_tsar/scene", SOURCES, 11650),
+    ("colmap_tsar/tools/evaluation", SOURCES, 1170),
+    ("colmap_tsar/tools/import", SOURCES, 1770),
+    ("colmap_tsar/tools/plane_export", SOURCES, 2200),
+    ("colmap_tsar/tools/report", SOURCES, 950),
+    ("colmap_tsar/tools/stereo", SOURCES, 2050),
+    ("colmap_tsar/view", SOURCES, 7340),
+    ("tests", SOURCES + SCRIPTS, 50120),
+    ("docs", (".md",), 4300),
+)
+
+parser = argparse.ArgumentParser()
+parser.add_argument("--repository", required=True)
+repository = Path(parser.parse_args().repository)
+
+
+def count_lines(folder, endings):
+    """Of the files below the folder whose names end in one of these."""
+    return sum(len(path.read_text(encoding="utf-8").splitlines())
+               for path in folder.rglob("*")
+               if path.is_file() and path.suffix in endings)
+
+
+for name, endings, budget in BUDGETS:
+    lines = count_lines(repository / name, endings)
+    check(0 < lines <= budget, f"{name} has {lines} of {budget} lines")
+folders = {path.parent.relative_to(repository).as_posix()
+           for path in (repository / "colmap_tsar").rglob("*.cc")}
+homeless = [folder for folder in folders
+            if not any(f"{folder}/".startswith(f"{name}/") for name, _, _ in BUDGETS)]
+check(not homeless, f"every folder of the library has a budget: {homeless}")
