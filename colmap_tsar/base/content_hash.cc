@@ -6,6 +6,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 
+#include <cinttypes>
+#include <cstdio>
 #include <new>
 #include <vector>
 
@@ -50,6 +52,12 @@ uint64_t HashFile(const std::filesystem::path& path) {
     hash.Update(buffer.data(), static_cast<size_t>(file.gcount()));
   }
   return hash.Value();
+}
+
+std::string HexDigits(uint64_t hash) {
+  char digits[17];
+  std::snprintf(digits, sizeof(digits), "%016" PRIx64, hash);
+  return digits;
 }
 
 uint32_t HashImageName(const std::string& name) {

@@ -41,6 +41,9 @@ class ContentHash {
 // The hash of a file's content. Throws kNotFound or kIo if it cannot be read.
 uint64_t HashFile(const std::filesystem::path& path);
 
+// The 16 hexadecimal digits of a hash.
+std::string HexDigits(uint64_t hash);
+
 // The 32-bit FNV-1a hash of an image's name, which keys its random numbers, so
 // that they depend neither on the other images nor on their order.
 uint32_t HashImageName(const std::string& name);

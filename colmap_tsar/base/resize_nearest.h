@@ -3,8 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/base/image.h"
-
 #include <algorithm>
 #include <cstdint>
 
@@ -25,20 +23,6 @@ inline int ReducedLength(int length, int longer_side, int max_side) {
   const auto rounded =
       (int64_t{2} * length * max_side + longer_side) / (2 * longer_side);
   return std::max(1, static_cast<int>(rounded));
-}
-
-// Nearest-neighbor resizing, for values that must not be averaged, such as
-// labels. To: the type of the result's pixels.
-template <typename To, typename From>
-Image<To> ResizeNearest(const Image<From>& image, int width, int height) {
-  Image<To> resized = Image<To>::Uninitialized(width, height);
-  for (int y = 0; y < height; ++y) {
-    const int row = NearestPixel(y, image.Height(), height);
-    for (int x = 0; x < width; ++x) {
-      resized(x, y) = To{image(NearestPixel(x, image.Width(), width), row)};
-    }
-  }
-  return resized;
 }
 
 }  // namespace tsar

@@ -104,10 +104,4 @@ class DeviceImage {
   Buffer<T> buffer_;
 };
 
-// Bytes of a Buffer or DeviceImage of this many elements.
-template <typename T>
-constexpr int64_t BytesOf(int64_t num_elements) {
-  return num_elements * static_cast<int64_t>(sizeof(T));
-}
-
 }  // namespace tsar

@@ -24,6 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMaskAdvice =
     "write it as a PNG file, black where the image is to be ignored";
+
 fs::path FindMask(const fs::path& folder, const std::string& name) {
   constexpr std::string_view kExtension = ".png";
   fs::path mask = folder / (name + ".png");
@@ -40,10 +41,8 @@ fs::path FindMask(const fs::path& folder, const std::string& name) {
 class PngInput {
  public:
   // Throws Error kCorrupt if it is no PNG file.
-  explicit PngInput(const fs::path& path)
-      : file_(path, "mask", kMaskAdvice) {
-    const std::optional<PngHeader> header =
-        ReadPngHeader(file_.Read(0, kNumHeadBytes));
+  explicit PngInput(const fs::path& path) : file_(path, "mask", kMaskAdvice) {
+    const std::optional<PngHeader> header = ReadPngHeader(&file_);
     if (!header) {
       throw Error::File(
           ErrorCode::kCorrupt, Name(), "the mask is no PNG file", kMaskAdvice);
@@ -58,15 +57,11 @@ class PngInput {
   }
 
   // Whether the end of the file is that of a complete one.
-  bool EndsAsWhole() {
-    const uint64_t tail = file_.Size() - kNumTailBytes;
-    return EndsInMarker(file_.Read(0, kNumHeadBytes),
-                        file_.Read(tail, kNumTailBytes));
-  }
+  bool EndsAsWhole() { return EndsInMarker(&file_); }
 
-  // mode: that of cv::imdecode.
-  cv::Mat Decode(int mode) {
-    cv::Mat pixels = DecodePicture(file_.ReadAll(), mode);
+  cv::Mat Decode() {
+    cv::Mat pixels = DecodePicture(file_.ReadAll(),
+                                   cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
     if (pixels.empty()) {
       throw Error::File(ErrorCode::kCorrupt,
                         Name(),
@@ -103,8 +98,7 @@ void RequireMask(const MaskSizes& sizes, const PngInput& file) {
 }
 
 Image<uint8_t> DecodeMask(PngInput* file) {
-  const cv::Mat pixels =
-      file->Decode(cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  const cv::Mat pixels = file->Decode();
   Image<uint8_t> mask(pixels.cols, pixels.rows);
   cv::Mat is_black(pixels.rows, pixels.cols, CV_8UC1, mask.Data());
   cv::compare(pixels, 0, is_black, cv::CMP_EQ);

@@ -4,8 +4,9 @@
 #include "colmap_tsar/io/photo.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/picture_file.h"
 
+#include <algorithm>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -25,6 +26,8 @@ constexpr std::string_view kJpegEnd = "\xff\xd9"sv;
 constexpr std::string_view kJpeg2000Begin = "\xff\x4f\xff\x51"sv;
 constexpr std::string_view kPngBegin = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR"sv;
 constexpr std::string_view kPngEnd = "IEND\xae\x42\x60\x82"sv;
+// How much of a PNG file its header takes, up to the kind of its colors.
+constexpr uint64_t kPngHeaderSize = 26;
 
 std::string_view TextOf(std::span<const uint8_t> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
@@ -113,36 +116,35 @@ Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
 }
 
 bool HasAlpha(const std::filesystem::path& path) {
-  const std::optional<PngHeader> header =
-      ReadPngHeader(OpenPhoto(path).Read(0, kNumHeadBytes));
+  PictureInput file = OpenPhoto(path);
+  const std::optional<PngHeader> header = ReadPngHeader(&file);
   return header && header->has_alpha;
 }
 
 void CheckPhotoFile(const std::filesystem::path& path) {
   PictureInput file = OpenPhoto(path);
-  const uint64_t tail = file.Size() - std::min(file.Size(), kNumTailBytes);
-  if (!cv::haveImageReader(path.string()) ||
-      !EndsInMarker(file.Read(0, kNumHeadBytes),
-                    file.Read(tail, kNumTailBytes))) {
+  if (!cv::haveImageReader(path.string()) || !EndsInMarker(&file)) {
     // Cameras may append data after the end.
     ReadPhoto(path);
   }
 }
 
-std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head) {
+std::optional<PngHeader> ReadPngHeader(PictureInput* file) {
   constexpr uint8_t kAlpha = 4;
-  if (head.size() < kNumHeadBytes || !TextOf(head).starts_with(kPngBegin)) {
+  const std::vector<uint8_t> head = file->Read(0, kPngHeaderSize);
+  if (head.size() < kPngHeaderSize || !TextOf(head).starts_with(kPngBegin)) {
     return std::nullopt;
   }
   const uint8_t color_type = head[25];
-  return PngHeader{BigEndianAt(head, 16),
-                   BigEndianAt(head, 20),
-                   color_type == 0,
-                   (color_type & kAlpha) != 0};
+  return PngHeader{
+      BigEndianAt(head, 16), BigEndianAt(head, 20), (color_type & kAlpha) != 0};
 }
 
-bool EndsInMarker(std::span<const uint8_t> head,
-                  std::span<const uint8_t> tail) {
+bool EndsInMarker(PictureInput* file) {
+  const std::vector<uint8_t> head = file->Read(0, kPngBegin.size());
+  const uint64_t tail_size = std::min<uint64_t>(file->Size(), kPngEnd.size());
+  const std::vector<uint8_t> tail =
+      file->Read(file->Size() - tail_size, tail_size);
   return TextOf(head).starts_with(kJpegBegin)
              ? TextOf(tail).ends_with(kJpegEnd)
              : !TextOf(head).starts_with(kPngBegin) ||

@@ -4,11 +4,11 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/picture_file.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <optional>
-#include <span>
 
 namespace tsar {
 
@@ -37,23 +37,18 @@ bool HasAlpha(const std::filesystem::path& path);
 // read.
 void CheckPhotoFile(const std::filesystem::path& path);
 
-// The number of bytes at the beginning and at the end of a file that the
-// functions below look at.
-inline constexpr uint64_t kNumHeadBytes = 26;
-inline constexpr uint64_t kNumTailBytes = 8;
-
 struct PngHeader {
   int64_t width = 0;
   int64_t height = 0;
-  bool is_gray = false;  // Gray without transparency.
   bool has_alpha = false;
 };
 
-// The header of a file that begins with these bytes; nullopt if it is no PNG.
-std::optional<PngHeader> ReadPngHeader(std::span<const uint8_t> head);
+// Nullopt if the file is no PNG. Throws the errors of PictureInput.
+std::optional<PngHeader> ReadPngHeader(PictureInput* file);
 
 // Whether the last bytes are those of a whole file, with nothing after it, as
-// far as the format of the first bytes has a marker at its end: JPEG and PNG.
-bool EndsInMarker(std::span<const uint8_t> head, std::span<const uint8_t> tail);
+// far as its format has a marker at its end: JPEG and PNG. Throws the errors of
+// PictureInput.
+bool EndsInMarker(PictureInput* file);
 
 }  // namespace tsar

@@ -8,8 +8,6 @@
 #include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/store/originals.h"
 
-#include <cinttypes>
-#include <cstdio>
 #include <set>
 
 namespace tsar {
@@ -17,9 +15,7 @@ namespace tsar {
 std::string FingerprintOf(const std::string& text) {
   ContentHash hash;
   hash.Update(text.data(), text.size());
-  char digits[17];
-  std::snprintf(digits, sizeof(digits), "%016" PRIx64, hash.Value());
-  return digits;
+  return HexDigits(hash.Value());
 }
 
 std::string FingerprintOf(const Camera& camera) {
@@ -54,8 +50,8 @@ InputFingerprints::InputFingerprints(const Workspace& workspace)
   for (const int image : images) {
     AddView(workspace, image);
   }
-  std::string text = std::string(TSAR_VERSION) + " " +
-                     ToString(workspace.Type()) + "\n";
+  std::string text =
+      std::string(TSAR_VERSION) + " " + ToString(workspace.Type()) + "\n";
   for (const auto& [input, state] : states_) {
     text += input + " " + state + "\n";  // Names have no line breaks.
   }
@@ -79,7 +75,9 @@ void InputFingerprints::AddView(const Workspace& workspace, int image) {
     return;  // Nobody reads what else there is.
   }
   for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-    const OriginalMaps originals = FindOriginals(workspace.Paths(image, type));
+    const OriginalMaps originals =
+        type == workspace.Type() ? to_refine
+                                 : FindOriginals(workspace.Paths(image, type));
     const std::string name = ToString(type);
     add(name + " depth map", FileState(originals.depth.path));
     add(name + " normal map", FileState(originals.normal.path));

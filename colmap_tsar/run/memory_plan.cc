@@ -40,12 +40,12 @@ int64_t ScoresBytes(int64_t num_scores, size_t max_scores) {
          std::min(num_scores, static_cast<int64_t>(max_scores));
 }
 
-int64_t NumThatFit(int64_t num_bytes, int64_t bytes_each, int max) {
-  return std::clamp<int64_t>(
-      num_bytes / std::max<int64_t>(bytes_each, 1), 1, std::max(max, 1));
-}
-
 }  // namespace
+
+int NumThatFit(int64_t num_bytes, int64_t bytes_each, int max) {
+  return static_cast<int>(std::clamp<int64_t>(
+      num_bytes / std::max<int64_t>(bytes_each, 1), 1, std::max(max, 1)));
+}
 
 MemoryPlan PlanRefinement(const RefineOptions& options,
                           const WorkspaceOverview& overview) {
@@ -71,10 +71,9 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
   const int64_t labeling = 30 * raster + 3600 * superpixels +
                            views * (13 * raster + 512 * superpixels);
   plan.label_view = 2 * own + (views + 1) * neighbor + labeling;
-  const int64_t make_evidence =
-      45 * raster + 2000 * superpixels +
-      ScoresBytes(superpixels * (superpixels + 60),
-                  DiscoverPlanesOptions().max_scores);
+  const int64_t make_evidence = 45 * raster + 2000 * superpixels +
+                                ScoresBytes(superpixels * (superpixels + 60),
+                                            DiscoverPlanesOptions().max_scores);
   plan.main += std::max(make_evidence, plan.label_view);
   const auto block = static_cast<int64_t>(ModelSceneOptions().max_block_views);
   plan.model_block =
@@ -135,12 +134,10 @@ ImagesAtWork FitIntoMainMemory(const MemoryPlan& plan,
   }
   ImagesAtWork fit = wanted;
   if (on_cpu) {
-    fit.num_workers =
-        static_cast<int>(NumThatFit(budget, needed, wanted.num_workers));
+    fit.num_workers = NumThatFit(budget, needed, wanted.num_workers);
   }
   fit.num_bytes = std::max<int64_t>(budget - fit.num_workers * computing, 0);
-  fit.num_threads = static_cast<int>(
-      NumThatFit(fit.num_bytes, plan.main, wanted.num_threads));
+  fit.num_threads = NumThatFit(fit.num_bytes, plan.main, wanted.num_threads);
   fit.view_bytes = std::max<int64_t>(
       fit.num_bytes - fit.num_threads * (plan.main - plan.views), 0);
   return fit;

@@ -51,6 +51,9 @@ int64_t NumJudgedPixels(const WorkspaceOverview& overview);
 // each of so many images at work, and one for those to come.
 size_t NumEvidenceViews(const WorkspaceOverview& overview, int num_images);
 
+// How often bytes_each fit into num_bytes: at least once, at most max times.
+int NumThatFit(int64_t num_bytes, int64_t bytes_each, int max);
+
 // The main memory that a run may take: cache_size (DeviceOptions), but at most
 // four fifths of machine_bytes; the rest is for the system and its file cache.
 int64_t MainMemoryBudget(double cache_size, int64_t machine_bytes);

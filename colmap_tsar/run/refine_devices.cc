@@ -21,8 +21,7 @@ void AddGpuWorkers(std::vector<GpuWorkers> opened,
                    int num_sources,
                    RefineDevices* result) {
   for (GpuWorkers& gpu : opened) {
-    result->description +=
-        (result->description.empty() ? "" : ", ") + gpu.name;
+    result->description += (result->description.empty() ? "" : ", ") + gpu.name;
     result->view_caches.push_back(std::make_unique<UploadedViews>(
         static_cast<size_t>(num_sources) + gpu.devices.size()));
     for (std::unique_ptr<Device>& device : gpu.devices) {
@@ -82,8 +81,8 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
   if (on_cpu) {
     wanted.num_workers = std::min(num_threads, num_images);
     wanted.num_threads =
-        wanted.num_workers + (wanted.num_workers + kCpuWorkersPerThread - 1) /
-                                 kCpuWorkersPerThread;
+        wanted.num_workers +
+        (wanted.num_workers + kCpuWorkersPerThread - 1) / kCpuWorkersPerThread;
   } else {
     wanted.num_workers = 0;
     for (const GpuWorkers& gpu : opened) {
@@ -117,12 +116,10 @@ ModelResources PlanModelPass(const DeviceOptions& options,
   const int64_t budget = MainMemoryBudget(options.cache_size, machine_bytes);
   ModelResources resources;
   resources.num_threads = NumThreads(options.num_threads);
-  const auto at_a_time = [&](int64_t bytes) {
-    return static_cast<int>(std::clamp<int64_t>(
-        budget / std::max<int64_t>(bytes, 1), 1, resources.num_threads));
-  };
-  resources.num_blocks = at_a_time(plan.model_block);
-  resources.num_views = at_a_time(plan.label_view);
+  resources.num_blocks =
+      NumThatFit(budget, plan.model_block, resources.num_threads);
+  resources.num_views =
+      NumThatFit(budget, plan.label_view, resources.num_threads);
   resources.max_kept_bytes =
       std::max<int64_t>(budget - resources.num_views * plan.label_view, 0);
   for (const GpuWorkers& gpu : gpus) {

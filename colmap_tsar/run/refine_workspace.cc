@@ -84,6 +84,7 @@ class RefineController {
   std::optional<WorkspaceLock> input_lock_;
   // Indices in Problems(), by shard.
   std::vector<std::vector<size_t>> shards_;
+  std::vector<bool> is_listed_;  // As shards_.
   WorkspaceOverview overview_;
   RefineDevices devices_;
 };
@@ -91,9 +92,8 @@ class RefineController {
 void RefineController::Lock() {
   const bool in_place = options_.output_path.empty();
   if (IsShard()) {
-    lock_.emplace(workspace_.Root(),
-                  WorkspaceLock::Mode::kShard,
-                  options_.shard.index);
+    lock_.emplace(
+        workspace_.Root(), WorkspaceLock::Mode::kShard, options_.shard.index);
   } else if (in_place) {
     lock_.emplace(workspace_.Root());
   }
@@ -104,7 +104,7 @@ void RefineController::Lock() {
 }
 
 void RefineController::Check() {
-  FindListedImages(workspace_, options_.image_list_path);
+  is_listed_ = FindListedImages(workspace_, options_.image_list_path);
   overview_ = CheckWorkspace(workspace_);
   if (overview_.num_with_alpha > 0) {
     Warn(std::to_string(overview_.num_with_alpha) +
@@ -139,7 +139,7 @@ RunSummary RefineController::Run() {
       workspace_,
       inputs,
       overview_.has_maps,
-      FindListedImages(workspace_, options_.image_list_path),
+      is_listed_,
       options_hash,
       NeedsEvidence(refine_options_) ? model.PlanesFingerprint() : "");
   if (NeedsEvidence(refine_options_)) {
@@ -160,11 +160,10 @@ RunSummary RefineController::Run() {
                          model,
                          plan,
                          loader};
-  RunAccount account(run);
-  account.Begin();
+  BeginAccount(run);
   const PipelineOutcome outcome = RunPasses(run);
   RunSummary summary = Summarize(run, outcome);
-  account.End(outcome);
+  EndAccount(run, outcome);
   return summary;
 }
 
@@ -228,10 +227,7 @@ PipelineOutcome RefineController::Observe(const RefineRun& run,
 
 bool RefineController::FindPlanes(const RefineRun& run,
                                   PipelineOutcome* outcome) {
-  if (!run.HasScenePlanes()) {
-    return true;
-  }
-  if (!run.IsAnyNeeded() || run.model.IsCurrent()) {
+  if (!run.HasScenePlanes() || !run.IsAnyNeeded() || run.model.IsCurrent()) {
     return true;
   }
   try {

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/run/store/manifest.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include <cstddef>
@@ -51,65 +52,66 @@ void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted) {
   }
 }
 
-}  // namespace
-
-void RunAccount::Begin() {
-  if (!run_.IsShard()) {
-    WriteManifest(run_.workspace, Build());
+Manifest Build(const RefineRun& run) {
+  Manifest manifest = BuildManifest(run.workspace,
+                                    RefineOptionsText(run.refine_options),
+                                    HashRefineOptions(run.refine_options));
+  manifest.runtime = RuntimeText(run.options.devices, run.devices);
+  manifest.inputs = run.inputs.States();
+  if (!run.options.image_list_path.empty()) {
+    manifest.runtime["listed_images"] = std::to_string(run.plan.NumListed());
   }
-}
-
-void RunAccount::End(const PipelineOutcome& outcome) {
-  if (run_.IsShard()) {
-    RequireComplete(outcome, run_.Images().size());
-    return;
-  }
-  Manifest manifest = Build();
-  MarkFailures(outcome, &manifest);
-  try {
-    WriteManifest(run_.workspace, manifest);
-  } catch (const Error&) {
-    // On a full disk the failure of the image is the more helpful message.
-    outcome.RethrowFailure();
-    throw;
-  }
-  RequireComplete(outcome, run_.plan.NumListed());
-  // The evidence may also be that of a run with other options.
-  EvidenceStore::Clear(run_.workspace);
-  if (run_.HasScenePlanes()) {
-    SceneModelStore::DropLabels(run_.workspace);
-  } else {
-    SceneModelStore::Remove(run_.workspace);
-  }
-}
-
-Manifest RunAccount::Build() const {
-  Manifest manifest = BuildManifest(run_.workspace,
-                                    RefineOptionsText(run_.refine_options),
-                                    HashRefineOptions(run_.refine_options));
-  manifest.runtime = RuntimeText(run_.options.devices, run_.devices);
-  manifest.inputs = run_.inputs.States();
-  if (!run_.options.image_list_path.empty()) {
-    manifest.runtime["listed_images"] = std::to_string(run_.plan.NumListed());
-  }
-  NoteMasksAndPriors(run_.NumMasks(), run_.NumPriors(), &manifest);
+  NoteMasksAndPriors(run.NumMasks(), run.NumPriors(), &manifest);
   return manifest;
 }
 
-void RunAccount::MarkFailures(const PipelineOutcome& outcome,
-                              Manifest* manifest) const {
+void MarkFailures(const RefineRun& run,
+                  const PipelineOutcome& outcome,
+                  Manifest* manifest) {
   for (size_t i = 0; i < manifest->images.size(); ++i) {
     if (!outcome.failures[i]) {
       continue;
     }
     Manifest::Entry& entry = manifest->images[i];
     entry.note = FailureText(outcome.failures[i]);
-    if (run_.plan.HasBeenRefined(i)) {
+    if (run.plan.HasBeenRefined(i)) {
       // The image was only to be observed, and its maps are as valid as before.
       entry.note = "cannot be observed for other images: " + entry.note;
     } else {
       entry.status = ImageStatus::kFailed;
     }
+  }
+}
+
+}  // namespace
+
+void BeginAccount(const RefineRun& run) {
+  if (!run.IsShard()) {
+    WriteManifest(run.workspace, Build(run));
+  }
+}
+
+void EndAccount(const RefineRun& run, const PipelineOutcome& outcome) {
+  if (run.IsShard()) {
+    RequireComplete(outcome, run.Images().size());
+    return;
+  }
+  Manifest manifest = Build(run);
+  MarkFailures(run, outcome, &manifest);
+  try {
+    WriteManifest(run.workspace, manifest);
+  } catch (const Error&) {
+    // On a full disk the failure of the image is the more helpful message.
+    outcome.RethrowFailure();
+    throw;
+  }
+  RequireComplete(outcome, run.plan.NumListed());
+  // The evidence may also be that of a run with other options.
+  EvidenceStore::Clear(run.workspace);
+  if (run.HasScenePlanes()) {
+    SceneModelStore::DropLabels(run.workspace);
+  } else {
+    SceneModelStore::Remove(run.workspace);
   }
 }
 

@@ -5,29 +5,18 @@
 
 #include "colmap_tsar/run/refine_run.h"
 #include "colmap_tsar/run/run_summary.h"
-#include "colmap_tsar/run/store/manifest.h"
 
 namespace tsar {
 
-// The account of a run over all images, stereo/tsar/manifest.json, so that the
-// user and later runs know its state. Shards leave none before they are merged.
-class RunAccount {
- public:
-  // run must outlive this object.
-  explicit RunAccount(const RefineRun& run) : run_(run) {}
+// The account of a run over all images, stereo/tsar/manifest.json, tells the
+// user and later runs its state. Shards leave none before they are merged.
 
-  // Called before any image is changed.
-  void Begin();
-  // Called when the last pass has ended or had to stop: then throws the failure
-  // of an image, or kInterrupted. When all images are done, the files that only
-  // an unfinished run needs are removed.
-  void End(const PipelineOutcome& outcome);
+// Called before any image is changed.
+void BeginAccount(const RefineRun& run);
 
- private:
-  Manifest Build() const;
-  void MarkFailures(const PipelineOutcome& outcome, Manifest* manifest) const;
-
-  const RefineRun& run_;
-};
+// Called when the last pass has ended or had to stop: then throws the failure
+// of an image, or kInterrupted. When all images are done, the files that only
+// an unfinished run needs are removed.
+void EndAccount(const RefineRun& run, const PipelineOutcome& outcome);
 
 }  // namespace tsar

@@ -20,9 +20,8 @@ std::optional<FileId> FindFileId(const std::filesystem::path& path) {
     return std::nullopt;
   }
   constexpr int64_t kPerSecond = 1000000000;
-  return FileId{
-      static_cast<uint64_t>(state.st_size),
-      state.st_mtim.tv_sec * kPerSecond + state.st_mtim.tv_nsec};
+  return FileId{static_cast<uint64_t>(state.st_size),
+                state.st_mtim.tv_sec * kPerSecond + state.st_mtim.tv_nsec};
 }
 
 bool IsUnchanged(const std::filesystem::path& path, const FileId& written) {
@@ -45,12 +44,7 @@ bool AreSameFile(const std::filesystem::path& a,
 std::string ToText(const FileId& id) {
   std::string text =
       std::to_string(id.num_bytes) + "@" + std::to_string(id.time);
-  if (id.hash != 0) {
-    char digits[20];
-    std::snprintf(digits, sizeof(digits), "#%016" PRIx64, id.hash);
-    text += digits;
-  }
-  return text;
+  return id.hash == 0 ? text : text + "#" + HexDigits(id.hash);
 }
 
 std::optional<FileId> FileIdFromText(const std::string& text) {
