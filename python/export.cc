@@ -127,8 +127,7 @@ void BindExport(py::module_* module) {
       .def("is_refined",
            [](const ExportSource& source, int image) {
              const Workspace& workspace = source.GetWorkspace();
-             return Exists(
-                 workspace.Paths(image, workspace.Type()).provenance);
+             return Exists(workspace.Paths(image, workspace.Type()).provenance);
            })
       .def("read", &ExportSource::Read)
       .def("mask_of_photo", &ExportSource::MaskOfPhoto)

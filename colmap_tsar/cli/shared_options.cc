@@ -136,9 +136,8 @@ void ReportRestored(const RestoreResult& result) {
       "Left these maps as they are, which were written since; the originals "
       "before them are now in stereo/tsar/superseded:",
       result.kept);
-  PrintList(
-      "What had to make room is now here, and is never touched again:",
-      result.superseded);
+  PrintList("What had to make room is now here, and is never touched again:",
+            result.superseded);
   PrintList("Left these refined maps, whose originals are gone:", result.lost);
   if (!result.lost.empty()) {
     std::cout << std::flush;

@@ -110,8 +110,8 @@ RefineResult RefineImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  const Surfaces surfaces = FindSurfaces(
-      reference, image_id, options, &views, device, &timer);
+  const Surfaces surfaces =
+      FindSurfaces(reference, image_id, options, &views, device, &timer);
   const PlaneRaster region_planes = views.OnMap(surfaces.region_planes);
   ComposedMap composed =
       ComposeSurfaces(region_planes, options, surfaces, &views, device);
@@ -148,8 +148,8 @@ RefineResult MeasureImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  const Surfaces surfaces = FindSurfaces(
-      reference, image_id, options, &views, device, &timer);
+  const Surfaces surfaces =
+      FindSurfaces(reference, image_id, options, &views, device, &timer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
       DownloadInputs(views, surfaces, gray.View(), device),

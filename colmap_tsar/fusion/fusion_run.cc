@@ -185,8 +185,8 @@ void FusionRun::Load(const Group& group,
         const int image = group.needed[i];
         if (!loaded[i]) {
           loaded[i] = cache_->Get(image, [&](SharedCache<FusionView>::Pointer) {
-            return std::make_shared<const FusionView>(LoadFusionView(
-                workspace_, image, SourcesOf(image)));
+            return std::make_shared<const FusionView>(
+                LoadFusionView(workspace_, image, SourcesOf(image)));
           });
         }
       });

@@ -43,13 +43,13 @@ bool EvidenceStore::IsObserved(int image) {
 
 void EvidenceStore::RequireObserved(int image) {
   if (inputs_.Problem(image) != nullptr && !IsObserved(image)) {
-    throw Error::File(ErrorCode::kNotFound,
-                      Path(image).string(),
-                      workspace_.Name(image) +
-                          " was not observed with these options, or an input "
-                          "of the run has changed since",
-                      "run " + OptionName("pass") +
-                          " observe of all shards again");
+    throw Error::File(
+        ErrorCode::kNotFound,
+        Path(image).string(),
+        workspace_.Name(image) +
+            " was not observed with these options, or an input "
+            "of the run has changed since",
+        "run " + OptionName("pass") + " observe of all shards again");
   }
 }
 

@@ -57,8 +57,8 @@ class EvidenceStore {
 
   // The complete evidence, for the view itself.
   ViewEvidence ReadAll(int image) const;
-  // The part of the evidence that neighbors need; null where there is nothing to
-  // observe, and for an image that is no reference. Throws what
+  // The part of the evidence that neighbors need; null where there is nothing
+  // to observe, and for an image that is no reference. Throws what
   // RequireObserved() throws.
   Evidence Get(int image);
 

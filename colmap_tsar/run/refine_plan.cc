@@ -118,13 +118,12 @@ bool RefinePlan::IsToBeRefined(size_t index) const {
 }
 
 bool RefinePlan::IsNeeded(size_t index) const {
-  return std::ranges::any_of(
-      users_[Reference(index)],
-      [&](size_t other) { return IsToBeRefined(other); });
+  return std::ranges::any_of(users_[Reference(index)], [&](size_t other) {
+    return IsToBeRefined(other);
+  });
 }
 
-void RefinePlan::RequireOthersFit(
-    const std::filesystem::path& list) const {
+void RefinePlan::RequireOthersFit(const std::filesystem::path& list) const {
   for (size_t index = 0; index < NumImages(); ++index) {
     if (!IsListed(index) && IsAnyNeeded() &&
         ReadRecordOfDone(workspace_, Reference(index)) &&

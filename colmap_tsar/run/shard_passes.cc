@@ -44,11 +44,11 @@ void Model(const WorkspaceRefineOptions& options,
   const InputFingerprints inputs(workspace);
   const SceneModelStore store(workspace, inputs, options_hash);
   const RefinePlan plan(workspace,
-                  inputs,
-                  overview.has_maps,
-                  FindListedImages(workspace, {}),
-                  options_hash,
-                  store.PlanesFingerprint());
+                        inputs,
+                        overview.has_maps,
+                        FindListedImages(workspace, {}),
+                        options_hash,
+                        store.PlanesFingerprint());
   if (store.IsCurrent() || !plan.IsAnyNeeded()) {
     return;
   }
@@ -58,8 +58,7 @@ void Model(const WorkspaceRefineOptions& options,
                /*image_bytes=*/0,
                static_cast<int>(plan.NumImages()),
                GpuSystem::Cuda());
-  const ModelResources resources =
-      PlanModelPass(options.devices, memory, gpus);
+  const ModelResources resources = PlanModelPass(options.devices, memory, gpus);
   EvidenceStore evidence(workspace,
                          inputs,
                          options_hash,

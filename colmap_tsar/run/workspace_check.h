@@ -20,9 +20,9 @@ struct WorkspaceOverview {
   std::vector<int> map_sides;
   int64_t max_num_pixels = 0;        // Of the largest map.
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
-  int max_num_sources = 0;   // Of the image that uses most views with maps.
-  int num_with_alpha = 0;    // Images with an alpha channel.
-  bool has_priors = false;   // Whether some image has a depth prior.
+  int max_num_sources = 0;  // Of the image that uses most views with maps.
+  int num_with_alpha = 0;   // Images with an alpha channel.
+  bool has_priors = false;  // Whether some image has a depth prior.
 };
 
 // Checks the files of all images that refinement will read, without reading

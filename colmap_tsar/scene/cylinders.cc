@@ -168,10 +168,8 @@ std::vector<std::vector<Edge>> FindEdges(const Image<Rgb>& color,
   if (inside.width <= 0 || inside.height <= 0) {
     return edges;
   }
-  cv::Mat raster(color.Height(),
-                 color.Width(),
-                 CV_8UC3,
-                 const_cast<Rgb*>(color.Data()));
+  cv::Mat raster(
+      color.Height(), color.Width(), CV_8UC3, const_cast<Rgb*>(color.Data()));
   cv::Mat validity = cv::Mat::zeros(raster.size(), CV_8U);
   validity(inside).setTo(1);
   raster.convertTo(raster, CV_32F);
@@ -280,9 +278,9 @@ std::vector<OutlinePair> FindOutlinePairs(
     for (size_t i = 0; i < of_row.size(); ++i) {
       const auto [left, strength] = of_row[i];
       float between = 0.f;  // The strongest edge.
-      for (size_t j = i + 1; j < of_row.size() &&
-                             between < kMaxBetween * strength &&
-                             of_row[j].column - left <= kMaxWidth;
+      for (size_t j = i + 1;
+           j < of_row.size() && between < kMaxBetween * strength &&
+           of_row[j].column - left <= kMaxWidth;
            ++j) {
         const float right = of_row[j].column;
         if (right - left >= kMinWidth &&
@@ -572,8 +570,7 @@ class CylinderFinder {
       const std::optional<Outline> outline = OutlineOf(circle, camera);
       const OutlinePair* best = nullptr;
       for (const OutlinePair& pair : views_[view].pairs) {
-        if (outline &&
-            std::abs(pair.left - outline->left) <= kMaxDifference &&
+        if (outline && std::abs(pair.left - outline->left) <= kMaxDifference &&
             std::abs(pair.right - outline->right) <= kMaxDifference &&
             (best == nullptr || pair.num_rows > best->num_rows)) {
           best = &pair;
@@ -621,8 +618,8 @@ CylinderEvidence TestCylinder(const ObservedView& view,
           !CameraCylinder::FacesCamera(at.normal, ray)) {
         continue;
       }
-      const float gap = kMinGap * at.depth *
-                        evidence.resolution.RelativeDepthError(at.depth);
+      const float gap =
+          kMinGap * at.depth * evidence.resolution.RelativeDepthError(at.depth);
       const float measured = evidence.confident_depth(x, y);
       if (measured > 0.f && measured < at.depth - gap) {
         continue;
@@ -708,8 +705,7 @@ void CylinderSearch::FindCircles(size_t index, ThreadPool& threads) {
        CylinderFinder(axis.outlines, neighbors_, axis.frame).Find(threads)) {
     const ModelCylinder& cylinder = candidate.cylinder;
     // Not what intersects another one, or is inside, at the same heights.
-    const double tolerance =
-        0.2 * (cylinder.max_height - cylinder.min_height);
+    const double tolerance = 0.2 * (cylinder.max_height - cylinder.min_height);
     const bool is_taken =
         std::ranges::any_of(axis.cylinders, [&](const ModelCylinder& other) {
           return axis.frame.Across(cylinder.point - other.point).norm() <

@@ -142,7 +142,7 @@ TEST_F(ApplyCylindersTest, LaysTheNearestOfTwo) {
   const CameraCylinder near = MakeCylinder(1.5f, 0.1f);
   const CameraCylinder far = MakeCylinder(3.f, 0.5f);
   const std::vector<std::vector<CameraCylinder>> orders = {{near, far},
-                                                         {far, near}};
+                                                           {far, near}};
   for (const std::vector<CameraCylinder>& order : orders) {
     std::fill(depth_.begin(), depth_.end(), kWall);
     Lay(order);

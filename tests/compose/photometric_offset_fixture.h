@@ -81,11 +81,14 @@ class MeasureOffsetsTest : public testing::Test {
                        on_device(source.depth)});
     }
     const Buffer<SourceView> buffer(*device, views);
-    const PhotometricOffsets offsets = MeasureOffsets(
-        composed,
-        {camera_.GetIntrinsics(), on_device(gray_), buffer, resolution_, noise_},
-        options_,
-        *device);
+    const PhotometricOffsets offsets = MeasureOffsets(composed,
+                                                      {camera_.GetIntrinsics(),
+                                                       on_device(gray_),
+                                                       buffer,
+                                                       resolution_,
+                                                       noise_},
+                                                      options_,
+                                                      *device);
     MeasuredOffsets measured{offsets.offset.ToHost(), offsets.weight.ToHost()};
     ExpectWellFormed(measured);
     return measured;

@@ -102,8 +102,7 @@ TEST_F(MeasureOffsetsTest, NormalsThatAreNoneMoveNothing) {
 
 // Checkers of a size, seen from where the source is.
 OffsetSource OfSize(const OffsetSource& source, int width, int height) {
-  return {
-      source.camera.Resized(width, height), Checkers(width, height), {}};
+  return {source.camera.Resized(width, height), Checkers(width, height), {}};
 }
 
 OffsetSource OfLevel(OffsetSource source, float level) {
@@ -135,8 +134,9 @@ TEST_F(MeasureOffsetsTest, SourcesThatCannotTellMoveNothing) {
          return OffsetSource{source.camera, {}, {}};
        }}};
   for (const float level : {0.f, 128.f, kNan, kInfinity}) {
-    cases["constant " + std::to_string(level)] =
-        [=](OffsetSource source) { return OfLevel(source, level); };
+    cases["constant " + std::to_string(level)] = [=](OffsetSource source) {
+      return OfLevel(source, level);
+    };
   }
   for (const auto& [width, height] : {std::pair{1, 1},
                                       std::pair{6, 6},

@@ -80,8 +80,7 @@ TEST_F(TransferFlagsTest, PixelsOfAPlaneTakeTheirSquaresFlags) {
   }
 }
 
-TEST_F(TransferFlagsTest,
-       PixelsOfASquareAcrossAnEdgeTakeTheirNeighborsFlags) {
+TEST_F(TransferFlagsTest, PixelsOfASquareAcrossAnEdgeTakeTheirNeighborsFlags) {
   // A nearer surface over the right third of column 4 of the squares and what
   // lies right of it: no depth stands for the squares of column 4.
   for (int y = 0; y < view_.depth.Height(); ++y) {

@@ -27,8 +27,8 @@ bool is_on_gpu = false;
 
 void Record(const void* memory, size_t size) {
   const std::lock_guard lock(mutex);
-  copies.insert(std::hash<std::string_view>()(
-      {static_cast<const char*>(memory), size}));
+  copies.insert(
+      std::hash<std::string_view>()({static_cast<const char*>(memory), size}));
 }
 
 class RecordedCpu : public CountingDevice {

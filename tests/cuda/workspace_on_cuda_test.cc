@@ -359,11 +359,10 @@ TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {
   DeviceOptions options;
   options.choice = DeviceChoice::kCuda;
   options.gpu_indices = {0};
-  ExpectError(ErrorCode::kDevice,
-              {"GPU 0 (", "GB of GPU memory", "are free", "max_image_size"},
-              [&] {
-                CreateRefineDevices(options, PlanRefinement({}, overview), 10);
-              });
+  ExpectError(
+      ErrorCode::kDevice,
+      {"GPU 0 (", "GB of GPU memory", "are free", "max_image_size"},
+      [&] { CreateRefineDevices(options, PlanRefinement({}, overview), 10); });
 }
 
 }  // namespace

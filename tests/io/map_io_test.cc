@@ -87,16 +87,15 @@ TEST_F(MapIoTest, WritesTheBytesThatColmapReads) {
   Image<Vec3f> normal(2, 1);
   normal(0, 0) = {1, 3, 5};
   normal(1, 0) = {2, 4, 6};
-  ExpectHash(
-      path, [&](AtomicFile* file) { return PutNormalMap(normal, file); });
+  ExpectHash(path,
+             [&](AtomicFile* file) { return PutNormalMap(normal, file); });
   EXPECT_EQ(ReadText(path), MapBytes("2&1&3&", {1, 2, 3, 4, 5, 6}));
   ExpectHash(path, [&](AtomicFile* file) {
     return PutDepthMap(Image<float>(1, 2, 7.f), file);
   });
   EXPECT_EQ(ReadText(path), MapBytes("1&2&1&", {7, 7}));
   const PlanarMap map = {2, 1, 2, {1, 2, 3, 4}};
-  ExpectHash(path,
-                   [&](AtomicFile* file) { return PutPlanarMap(map, file); });
+  ExpectHash(path, [&](AtomicFile* file) { return PutPlanarMap(map, file); });
   EXPECT_EQ(ReadText(path), MapBytes("2&1&2&", {1, 2, 3, 4}));
   const PlanarMap read = ReadPlanarMap(path);
   EXPECT_EQ(read.width, 2);

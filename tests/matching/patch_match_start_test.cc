@@ -96,12 +96,13 @@ TEST_F(PatchMatchTest, FillsPixelsWithoutAPlane) {
       }
     }
   }
-  const HostHypotheses filled = Run(scene,
-                                    Images(scene),
-                                    PlanesFromMaps(intrinsics_,
-                                                   DeviceCopies(*device_)(depth),
-                                                   scene.Reference().normal,
-                                                   *device_));
+  const HostHypotheses filled =
+      Run(scene,
+          Images(scene),
+          PlanesFromMaps(intrinsics_,
+                         DeviceCopies(*device_)(depth),
+                         scene.Reference().normal,
+                         *device_));
   EXPECT_EQ(Compare(scene, filled.planes).share, 1.f);
 }
 

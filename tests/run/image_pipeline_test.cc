@@ -110,15 +110,15 @@ struct PipelineRun {
     at_work.num_workers = num_workers;
     std::ostringstream text;
     Progress progress(text, false);
-    outcome =
-        ImagePipeline<int64_t>(
-            tasks, images, "", at_work, max_views, progress, should_stop)
-            .Run();
+    outcome = ImagePipeline<int64_t>(
+                  tasks, images, "", at_work, max_views, progress, should_stop)
+                  .Run();
   }
 
   int NumFailures() const {
     return static_cast<int>(std::ranges::count_if(
-        outcome.failures, [](const auto& failure) { return failure != nullptr; }));
+        outcome.failures,
+        [](const auto& failure) { return failure != nullptr; }));
   }
   int NumWith(Outcome wanted) const {
     return static_cast<int>(
@@ -164,8 +164,9 @@ TEST(ImagePipeline, AFailureEndsTheRunOnceThoseBegunAreDone) {
       if (what == std::string("read")) {
         run.tasks.unreadable = static_cast<int>(kFailing) + 3 * kNumSources;
       } else {
-        (what == std::string("write") ? run.tasks.fails_to_write
-                                      : run.tasks.fails_to_compute) = {kFailing};
+        (what == std::string("write")
+             ? run.tasks.fails_to_write
+             : run.tasks.fails_to_compute) = {kFailing};
       }
       run.Go(num_threads, 2);
       ASSERT_TRUE(run.outcome.failures[kFailing]);

@@ -55,7 +55,8 @@ TEST_F(InputFingerprintsTest, NamesWhatHasChanged) {
   };
   const std::vector<std::pair<std::function<void()>, std::string>> cases = {
       {[] {}, ""},
-      {[&] { Touch(root_ / "images/a.png"); }, "the photo of a.png has changed"},
+      {[&] { Touch(root_ / "images/a.png"); },
+       "the photo of a.png has changed"},
       {[&] { Touch(Paths("c.png").normal); },
        "the geometric normal map of c.png has changed"},
       {[&] { Touch(Paths("left/b.png", MapType::kPhotometric).depth); },

@@ -130,8 +130,8 @@ class FitIntoMainMemoryTest : public testing::Test {
   // Captures the warning.
   ImagesAtWork Fit(bool on_cpu, double cache_size) {
     testing::internal::CaptureStderr();
-    const ImagesAtWork fit = FitIntoMainMemory(
-        plan_, wanted_, on_cpu, cache_size, machine_bytes_);
+    const ImagesAtWork fit =
+        FitIntoMainMemory(plan_, wanted_, on_cpu, cache_size, machine_bytes_);
     warning_ = testing::internal::GetCapturedStderr();
     return fit;
   }
@@ -183,14 +183,13 @@ TEST_F(FitIntoMainMemoryTest, OneImageAloneIsWarnedOfOrRefused) {
   Fit(false, 2.5);
   EXPECT_EQ(warning_, "");
   machine_bytes_ = kGigabyte;
-  ExpectError(ErrorCode::kOutOfMemory,
-              {"needs 3 GB of main memory",
-               "this machine gives 1 GB;",
-               "fewer source images",
-               "--PatchMatchStereo.max_image_size"},
-              [&] {
-                FitIntoMainMemory(plan_, wanted_, true, 32.0, machine_bytes_);
-              });
+  ExpectError(
+      ErrorCode::kOutOfMemory,
+      {"needs 3 GB of main memory",
+       "this machine gives 1 GB;",
+       "fewer source images",
+       "--PatchMatchStereo.max_image_size"},
+      [&] { FitIntoMainMemory(plan_, wanted_, true, 32.0, machine_bytes_); });
 }
 
 }  // namespace

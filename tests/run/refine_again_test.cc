@@ -34,9 +34,10 @@ TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
         std::filesystem::last_write_time(photo) + std::chrono::seconds(2));
     const auto [num_refined, warnings] = refine_again();
     EXPECT_EQ(num_refined, 3);
-    EXPECT_THAT(warnings,
-                testing::HasSubstr("v0.png and 2 more: refined again, since the "
-                                   "photo of v1.png has changed\n"));
+    EXPECT_THAT(
+        warnings,
+        testing::HasSubstr("v0.png and 2 more: refined again, since the "
+                           "photo of v1.png has changed\n"));
   }
 }
 

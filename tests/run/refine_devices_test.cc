@@ -140,7 +140,8 @@ TEST_F(RefineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
   // No view is labeled beside another one, and nothing is left.
   options_.cache_size = 0.001;
   EXPECT_EQ(PlanModelPass(options_, Plan(), {}, machine_bytes_).num_views, 1);
-  EXPECT_EQ(PlanModelPass(options_, Plan(), {}, machine_bytes_).max_kept_bytes, 0);
+  EXPECT_EQ(PlanModelPass(options_, Plan(), {}, machine_bytes_).max_kept_bytes,
+            0);
 }
 
 TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {

@@ -270,8 +270,7 @@ TEST_F(RefineMaskedTest, RefusesMasksThatDoNotFitBeforeAnythingIsChanged) {
                  "image_undistorter"},
                 Masked());
   WriteText(mask, png.substr(0, png.size() - 20));
-  ExpectRefusal(
-      ErrorCode::kCorrupt, {mask.string(), "breaks off"}, Masked());
+  ExpectRefusal(ErrorCode::kCorrupt, {mask.string(), "breaks off"}, Masked());
   WorkspaceRefineOptions images = Masked();
   images.mask_path = root_ / "images";
   ExpectRefusal(ErrorCode::kBadOption,

@@ -141,10 +141,8 @@ TEST_F(RefineShardTest, WhatWasObservedWithOtherOptionsDoesNotCount) {
   // Another number of shards does no harm.
   Run("model");
   RunAll("compose", 3);
-  ExpectRefusal(ErrorCode::kNotFound,
-                {"4 of 4 images"},
-                Options(root_, "merge"),
-                others);
+  ExpectRefusal(
+      ErrorCode::kNotFound, {"4 of 4 images"}, Options(root_, "merge"), others);
   RunAll("observe", 3, others);
   RunAll("compose", 2, others);
   EXPECT_EQ(Run("merge", "", others).num_refined, 4);

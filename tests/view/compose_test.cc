@@ -30,10 +30,7 @@ class ComposeTest : public testing::Test {
   }
 
   // Depths; 0 stands for none.
-  Composed Compose(float own,
-                   bool trusted,
-                   float superpixel,
-                   float region) {
+  Composed Compose(float own, bool trusted, float superpixel, float region) {
     const Image<Plane> superpixel_plane =
         PlaneAt(superpixel, kSuperpixelNormal);
     const Image<Plane> region_plane = PlaneAt(region, kRegionNormal);

@@ -38,9 +38,11 @@ TEST(MakeRasterColor, TakesTheNoiseOut) {
   const auto device = CreateTestDevice(2);
   const Image<Rgb> wall = DrawNoisyWall();
   const Image<Rgb> reduced =
-      MakeRasterColor(DeviceCopies(*device)(wall), kRaster, false, *device).ToHost();
+      MakeRasterColor(DeviceCopies(*device)(wall), kRaster, false, *device)
+          .ToHost();
   const Image<Rgb> denoised =
-      MakeRasterColor(DeviceCopies(*device)(wall), kRaster, true, *device).ToHost();
+      MakeRasterColor(DeviceCopies(*device)(wall), kRaster, true, *device)
+          .ToHost();
   ASSERT_EQ(denoised.Width(), kRaster.width);
   ASSERT_EQ(denoised.Height(), kRaster.height);
   EXPECT_GT(LargestError(reduced), 10);

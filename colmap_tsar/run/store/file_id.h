@@ -26,8 +26,8 @@ struct FileId {
 // The size and time of a file; nothing where there is none. Follows links.
 std::optional<FileId> FindFileId(const std::filesystem::path& path);
 
-// Whether a file is still this one: of its size and, unless its time is the same,
-// of its content.
+// Whether a file is still this one: of its size and, unless its time is the
+// same, of its content.
 bool IsUnchanged(const std::filesystem::path& path, const FileId& written);
 
 // Whether both are one file, or have the same size, time and content: all files

@@ -9,8 +9,9 @@
 namespace tsar {
 
 // The input folder (images, sparse, sparse/0 where that is a link, or stereo)
-// of the workspace `root`, or of the one that it is the output of, in which a path
-// is or lies, with links resolved; empty where it is outside of all. Neither the path nor the workspace has to exist.
+// of the workspace `root`, or of the one that it is the output of, in which a
+// path is or lies, with links resolved; empty where it is outside of all.
+// Neither the path nor the workspace has to exist.
 std::string FindInputFolder(const std::filesystem::path& root,
                             const std::filesystem::path& path);
 

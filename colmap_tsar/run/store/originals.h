@@ -66,8 +66,8 @@ OriginalMaps InspectOriginals(const MapPaths& paths,
                               const std::optional<ImageRecord>& record);
 
 // The originals by the image's record. Other programs may be refining the image
-// meanwhile. Throws Error: kMismatch where an original is lost, or where nothing
-// tells whose a map is; what ReadRecord throws.
+// meanwhile. Throws Error: kMismatch where an original is lost, or where
+// nothing tells whose a map is; what ReadRecord throws.
 OriginalMaps FindOriginals(const MapPaths& paths);
 
 // Throws Error kMismatch where the files beside an image's maps show that they

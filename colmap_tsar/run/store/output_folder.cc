@@ -170,14 +170,14 @@ void CheckHoldsNothingElse(const OutputFolderKind& kind, const fs::path& path) {
   for (const TreeEntry& entry : ListTree(folder)) {
     const std::string name = NameIn(folder, entry);
     if (!entry.is_folder &&
-        (entry.is_link || (!files->contains(name) &&
-                           name != kind.unfinished_file &&
-                           name != TemporaryMarker(kind)))) {
-      throw Refused(kind,
-                    entry.path,
-                    std::string("is not of the ") + kind.name +
-                        " in this folder",
-                    "move it away");
+        (entry.is_link ||
+         (!files->contains(name) && name != kind.unfinished_file &&
+          name != TemporaryMarker(kind)))) {
+      throw Refused(
+          kind,
+          entry.path,
+          std::string("is not of the ") + kind.name + " in this folder",
+          "move it away");
     }
   }
 }

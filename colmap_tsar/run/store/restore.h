@@ -8,7 +8,6 @@
 
 namespace tsar {
 
-
 struct RestoreResult {
   int num_restored = 0;  // Images and types whose originals were put back.
   // Maps that were written in the place of refined ones, and stay.

@@ -23,7 +23,7 @@ static_assert(sizeof(LabelEvidence) == 1 && sizeof(LabelQuality) == 4);
 // Calls `use` for each number, vector and matrix of a plane or a cylinder, in
 // the order of the file.
 template <typename Plane>
-  requires std::same_as<std::remove_const_t<Plane>, ModelPlane>
+requires std::same_as<std::remove_const_t<Plane>, ModelPlane>
 void ForEachNumber(Plane& plane, const auto& use) {
   use(plane.plane.normal);
   use(plane.plane.offset);
@@ -37,7 +37,7 @@ void ForEachNumber(Plane& plane, const auto& use) {
   use(plane.axis);
 }
 template <typename Cylinder>
-  requires std::same_as<std::remove_const_t<Cylinder>, ModelCylinder>
+requires std::same_as<std::remove_const_t<Cylinder>, ModelCylinder>
 void ForEachNumber(Cylinder& cylinder, const auto& use) {
   use(cylinder.point);
   use(cylinder.frame.along);
@@ -48,10 +48,8 @@ void ForEachNumber(Cylinder& cylinder, const auto& use) {
   use(cylinder.covariance);
 }
 template <typename Matrix>
-  requires std::same_as<std::remove_const_t<Matrix>, Eigen::Matrix3d>
-void ForEachNumber(Matrix& matrix, const auto& use) {
-  use(matrix);
-}
+requires std::same_as<std::remove_const_t<Matrix>, Eigen::Matrix3d>
+void ForEachNumber(Matrix& matrix, const auto& use) { use(matrix); }
 
 // All numbers of the elements one after the other; matrices by columns.
 template <typename Element>

@@ -45,7 +45,6 @@ std::optional<uint64_t> ReadScenePlanesFingerprint(
 
 // The key of a file, which tells whether the model may be used; see
 // ReadStateFileKey.
-std::optional<std::string> ReadSceneModelKey(
-    const std::filesystem::path& path);
+std::optional<std::string> ReadSceneModelKey(const std::filesystem::path& path);
 
 }  // namespace tsar

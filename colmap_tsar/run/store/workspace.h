@@ -119,11 +119,10 @@ class Workspace {
   Image<Rgb> ReadImage(int image, int width, int height) const;
 
   // The maps as COLMAP wrote them, also where they have been refined since.
-  // Maps that were written anew after that are the originals. Other programs may
-  // be refining the image meanwhile. Throws
-  // Error: kNotFound (one of the two is missing), kMismatch (sizes differ; a
-  // map is not of the image's shape; or the original is lost), and what the
-  // readers of map_io.h throw.
+  // Maps that were written anew after that are the originals. Other programs
+  // may be refining the image meanwhile. Throws Error: kNotFound (one of the
+  // two is missing), kMismatch (sizes differ; a map is not of the image's
+  // shape; or the original is lost), and what the readers of map_io.h throw.
   DepthNormal ReadOriginalMaps(int image, MapType type) const;
   DepthNormalReader OpenOriginalMaps(int image, MapType type) const;
 

@@ -38,11 +38,11 @@ File NoFile() { return {nullptr, &std::fclose}; }
 // has removed its folder meanwhile.
 File OpenFile(const ContainedPath& path) {
   const Folder folder = Folder::Create(path.Parent());
-  const int descriptor = openat(
-      folder.Descriptor(),
-      path.Filename().c_str(),
-      O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC,
-      0666);
+  const int descriptor =
+      openat(folder.Descriptor(),
+             path.Filename().c_str(),
+             O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC,
+             0666);
   if (descriptor < 0) {
     if (errno == ENOENT) {
       return NoFile();

@@ -82,11 +82,10 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
   files_.back().hash = PutDepthMap(maps.depth, &depth);
   AtomicFile& normal = Add("normal", paths_.normal);
   files_.back().hash = PutNormalMap(maps.normal, &normal);
-  const auto add_png = [&](const char* name,
-                           const ContainedPath& path,
-                           const auto& values) {
-    PutPng(values, path, &Add(name, path));
-  };
+  const auto add_png =
+      [&](const char* name, const ContainedPath& path, const auto& values) {
+        PutPng(values, path, &Add(name, path));
+      };
   add_png("confidence", paths_.confidence, ToLevels(maps.confidence));
   add_png("provenance", paths_.provenance, maps.provenance);
   if (!maps.planes.Empty()) {
@@ -96,22 +95,20 @@ void WriteBack::PrepareFiles(const RefinedMaps& maps) {
     PutSigmaMap(maps.sigma, &Add("sigma", paths_.sigma));
   }
   for (File& file : files_) {
-    record_.files[file.name] = {
-        IdOfPrepared(file.path, &file.file, file.hash)};
+    record_.files[file.name] = {IdOfPrepared(file.path, &file.file, file.hash)};
   }
 }
 
 void WriteBack::Commit() {
   const OriginalMaps originals = FindOriginals(paths_);
   // A refined map of an earlier run stays until its name is given away.
-  const auto list_earlier = [&](const OriginalMap& map,
-                                const char* name,
-                                const ContainedPath& path) {
-    const std::optional<FileId> id = FindFileId(path);
-    if (map.state == MapState::kRefined && id) {
-      record_.files[name].push_back(*id);
-    }
-  };
+  const auto list_earlier =
+      [&](const OriginalMap& map, const char* name, const ContainedPath& path) {
+        const std::optional<FileId> id = FindFileId(path);
+        if (map.state == MapState::kRefined && id) {
+          record_.files[name].push_back(*id);
+        }
+      };
   list_earlier(originals.depth, "depth", paths_.depth);
   list_earlier(originals.normal, "normal", paths_.normal);
   WriteRecord(paths_.record, record_);

@@ -175,12 +175,10 @@ class PlaneProblem {
         const Eigen::Vector3d axis = model->frames[moved.frame].col(moved.axis);
         normal = axis.dot(normal) < 0.0 ? Eigen::Vector3d(-axis) : axis;
       }
-      moves = moves ||
-              moved.plane.normal.cross(normal).norm() > kConvergence ||
+      moves = moves || moved.plane.normal.cross(normal).norm() > kConvergence ||
               std::abs(moved.plane.Height(plane.middle) / size_ -
                        *plane.height) > kConvergence;
-      moved.plane = {normal,
-                     size_ * *plane.height - normal.dot(plane.middle)};
+      moved.plane = {normal, size_ * *plane.height - normal.dot(plane.middle)};
     }
     return moves;
   }
@@ -210,13 +208,14 @@ class PlaneProblem {
       const int turn = columns_.at(plane.turn);
       const Eigen::Vector4i columns(
           turn, turn + 1, turn + 2, columns_.at(plane.height));
-      Eigen::Matrix4d all = 4.0 * kUnknownVariance * Eigen::Matrix4d::Identity();
+      Eigen::Matrix4d all =
+          4.0 * kUnknownVariance * Eigen::Matrix4d::Identity();
       // Steps of a quaternion are half of the turn; a plane that moves along
       // its normal is less high above the point.
       const Eigen::Vector4d units(2.0, 2.0, 2.0, -1.0);
       for (int i = 0; is_known && i < 4; ++i) {
-        const Eigen::VectorXd column = information.solve(
-            Eigen::VectorXd::Unit(rows.num_cols, columns[i]));
+        const Eigen::VectorXd column =
+            information.solve(Eigen::VectorXd::Unit(rows.num_cols, columns[i]));
         all.col(i) = units[i] * units.cwiseProduct(column(columns));
       }
       Describe(all, plane.middle, &model->planes[p]);
@@ -386,8 +385,8 @@ void AdjustModel(const MeasurePlanes& measure,
   SceneModel adjusted = *model;
   bool moves = std::ranges::find(may_move, true) != may_move.end();
   for (int round = 0; moves && round < kMaxRounds; ++round) {
-    moves = PlaneProblem(measure(WorldPlanes(adjusted)), adjusted)
-                .Solve(&adjusted);
+    moves =
+        PlaneProblem(measure(WorldPlanes(adjusted)), adjusted).Solve(&adjusted);
   }
   for (size_t p = 0; p < model->planes.size(); ++p) {
     ModelPlane& plane = model->planes[p];

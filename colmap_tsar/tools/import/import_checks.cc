@@ -112,13 +112,12 @@ class CameraChecker {
     const int best = BestImage(assigned.camera);
     if (best != assigned.image &&
         Compare(assigned.camera, best, scale_).Fits()) {
-      return Error::File(ErrorCode::kMismatch,
-                         assigned.camera.file,
-                         "is the camera of " + ImageOf(model_, best).name +
-                             ", not of " + name +
-                             ": the images are in another order",
-                         "name the images in their order with " +
-                             OptionName("image_list"));
+      return Error::File(
+          ErrorCode::kMismatch,
+          assigned.camera.file,
+          "is the camera of " + ImageOf(model_, best).name + ", not of " +
+              name + ": the images are in another order",
+          "name the images in their order with " + OptionName("image_list"));
     }
     const PoseError error = Compare(assigned.camera, assigned.image, scale_);
     char text[96];

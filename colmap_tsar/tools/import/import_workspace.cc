@@ -113,8 +113,7 @@ class Importer {
 
   void ThrowIfStopped() const {
     if (should_stop_ && should_stop_()) {
-      throw Error(ErrorCode::kInterrupted,
-                  "interrupted; nothing was imported");
+      throw Error(ErrorCode::kInterrupted, "interrupted; nothing was imported");
     }
   }
 

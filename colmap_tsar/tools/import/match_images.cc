@@ -143,13 +143,12 @@ std::vector<Path> FindProgramFolder(const Path& input) {
   for (const Path& folder : ListEntries(input)) {
     std::vector<Path> here = FindNumberedFolders(folder);
     if (!here.empty() && !found.empty()) {
-      throw Error::File(
-          ErrorCode::kMismatch,
-          input.string(),
-          "there are maps in " +
-              found[0].parent_path().filename().string() + " and in " +
-              folder.filename().string(),
-          "give one of the two as " + OptionName("input_path"));
+      throw Error::File(ErrorCode::kMismatch,
+                        input.string(),
+                        "there are maps in " +
+                            found[0].parent_path().filename().string() +
+                            " and in " + folder.filename().string(),
+                        "give one of the two as " + OptionName("input_path"));
     }
     if (!here.empty()) {
       found = std::move(here);
@@ -341,8 +340,8 @@ int MatchDepthImages(const MatchOptions& options,
     int ignored = 0;
     normals = FindNamedFiles(options, model, options.normal_path, &ignored);
   }
-  for (const auto& [image, path] : FindNamedFiles(
-           options, model, options.input_path, &num_without_image)) {
+  for (const auto& [image, path] :
+       FindNamedFiles(options, model, options.input_path, &num_without_image)) {
     ExternalFiles files;
     files.depth = path;
     if (const auto normal = normals.find(image); normal != normals.end()) {
@@ -393,8 +392,8 @@ std::vector<int> OrderImages(const MatchOptions& options,
     return images;
   }
   std::set<int> seen;
-  for (const ListedImage& listed : ReadImageList(
-           options.image_list, model, OptionName("image_list"))) {
+  for (const ListedImage& listed :
+       ReadImageList(options.image_list, model, OptionName("image_list"))) {
     if (!seen.insert(listed.image).second) {
       throw Error::File(ErrorCode::kMismatch,
                         options.image_list.string(),

@@ -9,10 +9,9 @@
 #include <chrono>
 #include <optional>
 
-#include <nlohmann/json.hpp>
-
 #include "tests/run/store/write_back_testing.h"
 #include "tests/support/write_refined.h"
+#include <nlohmann/json.hpp>
 
 namespace tsar {
 namespace {
@@ -196,9 +195,8 @@ TEST_P(OwnershipTest, Restore) {
   EXPECT_EQ(std::filesystem::exists(paths_.record), GetParam().is_lost);
   EXPECT_EQ(std::filesystem::exists(paths_.confidence), GetParam().is_lost);
   if (!GetParam().is_lost) {
-    ExpectError(ErrorCode::kNotFound, {"nothing to restore"}, [&] {
-      Restore(root_);
-    });
+    ExpectError(
+        ErrorCode::kNotFound, {"nothing to restore"}, [&] { Restore(root_); });
   }
 }
 
@@ -236,16 +234,12 @@ TEST_P(OwnershipTest, Keep) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All,
-                         OwnershipTest,
-                         testing::ValuesIn(Cases()),
-                         [](const auto& info) {
-                           std::string name = info.param.name;
-                           std::erase_if(name, [](char c) {
-                             return std::isalnum(c) == 0;
-                           });
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    All, OwnershipTest, testing::ValuesIn(Cases()), [](const auto& info) {
+      std::string name = info.param.name;
+      std::erase_if(name, [](char c) { return std::isalnum(c) == 0; });
+      return name;
+    });
 
 TEST_F(WriteBackTest, NothingSupersededIsEverReplaced) {
   const MapPaths paths = workspace().Paths(0, MapType::kGeometric);
@@ -272,8 +266,7 @@ TEST_F(WriteBackTest, RestoreChecksAllBeforeTheFirstChange) {
   const std::filesystem::path link = paths.original_depth.string() + ".bin";
   const std::vector<std::pair<std::filesystem::path, std::function<void()>>>
       obstacles = {
-          {paths.sigma,
-           [&] { WriteText(paths.sigma.Path() / "inside", ""); }},
+          {paths.sigma, [&] { WriteText(paths.sigma.Path() / "inside", ""); }},
           {link,
            [&] { std::filesystem::create_symlink(paths.depth.Path(), link); }}};
   for (const auto& [path, make] : obstacles) {
@@ -348,10 +341,9 @@ TEST_F(WriteBackTest, RefusesBrokenRecords) {
   for (const std::string& text : texts) {
     SCOPED_TRACE(text);
     WriteText(paths.record, text);
-    ExpectError(
-        ErrorCode::kCorrupt, {paths.record.string(), "restore 1"}, [&] {
-          ReadRecord(paths.record);
-        });
+    ExpectError(ErrorCode::kCorrupt, {paths.record.string(), "restore 1"}, [&] {
+      ReadRecord(paths.record);
+    });
   }
 }
 

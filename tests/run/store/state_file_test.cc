@@ -156,7 +156,8 @@ TEST_P(StateFileTest, RefusesOtherFilesByName) {
 TEST_P(StateFileTest, AllocatesNoMoreThanTheFileHolds) {
   std::string bytes = GoodBytes();
   // The length of the first array, after the header and the key.
-  for (const uint64_t length : {uint64_t{1} << 40, UINT64_MAX, UINT64_MAX / 4}) {
+  for (const uint64_t length :
+       {uint64_t{1} << 40, UINT64_MAX, UINT64_MAX / 4}) {
     std::string text;
     Append(length, &text);
     WriteText(path_, bytes.replace(32 + 3, text.size(), text));
@@ -270,8 +271,7 @@ TEST(SceneModelFile, GivesBackWhatWasWritten) {
   // The planes alone have the same fingerprint.
   const std::optional<uint64_t> planes = ReadScenePlanesFingerprint(path);
   EXPECT_NE(planes, std::nullopt);
-  WriteSceneModel(
-      UserPath(path), "", written, SceneModelParts::kWithoutLabels);
+  WriteSceneModel(UserPath(path), "", written, SceneModelParts::kWithoutLabels);
   EXPECT_EQ(ReadScenePlanesFingerprint(path), planes);
   EXPECT_TRUE(ReadSceneModel(path).views.empty());
   written.planes[2].plane.offset += 1e-9;

@@ -115,13 +115,12 @@ TEST(WorkspaceLockTest, ShardsShareIt) {
   using Mode = WorkspaceLock::Mode;
   const TemporaryFolder folder;
   std::filesystem::create_directories(folder.Path() / "stereo");
-  const auto expect_refusal = [&](const std::string& text,
-                                  Mode mode,
-                                  int shard = 0) {
-    ExpectError(ErrorCode::kUnsupported, {"stereo/tsar", text}, [&] {
-      WorkspaceLock lock(folder.Path(), mode, shard);
-    });
-  };
+  const auto expect_refusal =
+      [&](const std::string& text, Mode mode, int shard = 0) {
+        ExpectError(ErrorCode::kUnsupported, {"stereo/tsar", text}, [&] {
+          WorkspaceLock lock(folder.Path(), mode, shard);
+        });
+      };
   {
     const WorkspaceLock first(folder.Path(), Mode::kShard, 0);
     {
@@ -143,8 +142,7 @@ TEST(WorkspaceLockDeathTest, AKilledShardHoldsNothing) {
   std::filesystem::create_directories(folder.Path() / "stereo");
   EXPECT_EXIT(
       {
-        const WorkspaceLock lock(
-            folder.Path(), WorkspaceLock::Mode::kShard, 3);
+        const WorkspaceLock lock(folder.Path(), WorkspaceLock::Mode::kShard, 3);
         std::raise(SIGKILL);
       },
       testing::KilledBySignal(SIGKILL),

@@ -54,8 +54,7 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
   EXPECT_EQ(written->counts, record.counts);
   EXPECT_EQ(written->seconds, record.seconds);
   EXPECT_EQ(written->note, "fine");
-  EXPECT_TRUE(
-      written->Has("depth", workspace().DepthPath(1, kGeometric)));
+  EXPECT_TRUE(written->Has("depth", workspace().DepthPath(1, kGeometric)));
   EXPECT_EQ(written->files.at("depth").front().hash,
             HashFile(workspace().DepthPath(1, kGeometric)));
 }
@@ -130,8 +129,7 @@ TEST_F(WriteBackTest, IsDoneWithAllItsFilesAndItsInputsAlone) {
     EXPECT_FALSE(IsDone(workspace(), 0, other));
   }
   EXPECT_FALSE(IsDone(workspace(), 1, Record()));
-  EXPECT_FALSE(
-      IsDone(Workspace(root_, MapType::kPhotometric), 0, Record()));
+  EXPECT_FALSE(IsDone(Workspace(root_, MapType::kPhotometric), 0, Record()));
   KeepImage(workspace(), 0, Record());
   EXPECT_FALSE(IsDone(workspace(), 0, Record()));
 }
@@ -200,8 +198,7 @@ TEST_F(WriteBackTest, ManifestListsEveryImage) {
   WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), record);
   record = Record("other options");
   KeepImage(workspace(), 2, record);
-  Manifest manifest =
-      BuildManifest(workspace(), {{"eta", "0.8"}}, "options");
+  Manifest manifest = BuildManifest(workspace(), {{"eta", "0.8"}}, "options");
   EXPECT_EQ(manifest.NumImages(ImageStatus::kDone), 2);
   EXPECT_EQ(manifest.NumImages(ImageStatus::kPending), 1);
   EXPECT_EQ(manifest.counts.at("filled"), 14);

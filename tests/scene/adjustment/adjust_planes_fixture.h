@@ -81,7 +81,6 @@ inline MeasurePlanes Measure(const Observations& observations,
   };
 }
 
-
 // Turns about the two axes and shift that lead from the adjusted plane to the
 // true one.
 inline Eigen::Vector3d ErrorOf(const ModelPlane& plane,

@@ -42,8 +42,8 @@ class AdjustModelTest : public testing::Test {
                const Bias& bias = {},
                Philox* random = nullptr) {
     for (const Vector3d& center : kCenters) {
-      observations_.emplace_back(
-          plane, ObservePatch(patch, center, 10, bias, random));
+      observations_.emplace_back(plane,
+                                 ObservePatch(patch, center, 10, bias, random));
     }
   }
 
@@ -165,8 +165,7 @@ TEST_F(AdjustModelTest, ATieDecidesWhereEvidenceIsWeak) {
       SCOPED_TRACE(weakness);
       model_ = {};
       observations_.clear();
-      const Patch back = {
-          {0.0, 0.0, -5.0}, {2.0, 0.0, 0.0}, {0.0, -1.0, 0.0}};
+      const Patch back = {{0.0, 0.0, -5.0}, {2.0, 0.0, 0.0}, {0.0, -1.0, 0.0}};
       const Patch& other = is_parallel ? back : kFloor;
       // It leans by 2.5 degrees, five standard deviations of the tie.
       Patch wall = kWall;
@@ -211,11 +210,8 @@ TEST_F(AdjustModelTest, OneBiasedViewOfFive) {
   for (int v = 0; v < 5; ++v) {
     observations_.emplace_back(
         0,
-        ObservePatch(kWall,
-                     kCenters[v],
-                     12,
-                     {.shift = v == 1 ? 8.0 : 0.0},
-                     &random));
+        ObservePatch(
+            kWall, kCenters[v], 12, {.shift = v == 1 ? 8.0 : 0.0}, &random));
   }
   AddPlane(Displaced(kWall.Plane(), kWall.middle, 0.5, 0.05));
   Adjust();
@@ -297,9 +293,8 @@ TEST_F(AdjustModelTest, NeitherTheUnitNorTheOriginMatters) {
   const Observations observations = observations_;
   Adjust();
   const SceneModel expected = model_;
-  const std::pair<double, Vector3d> cases[] = {{1e-4, {0.0, 0.0, 0.0}},
-                                               {1e4, {0.0, 0.0, 0.0}},
-                                               {1.0, {3e5, -2e5, 1e5}}};
+  const std::pair<double, Vector3d> cases[] = {
+      {1e-4, {0.0, 0.0, 0.0}}, {1e4, {0.0, 0.0, 0.0}}, {1.0, {3e5, -2e5, 1e5}}};
   for (const auto& [scale, origin] : cases) {
     SCOPED_TRACE(scale);
     model_ = model;
@@ -322,9 +317,8 @@ TEST_F(AdjustModelTest, NeitherTheUnitNorTheOriginMatters) {
       EXPECT_LT((a.plane.normal - b.plane.normal).norm(), 1e-6);
       EXPECT_LT((scale * a.center + origin - b.center).norm(), 1e-4 * scale);
       EXPECT_NEAR(b.covariance(0, 0) / a.covariance(0, 0), 1.0, 1e-3);
-      EXPECT_NEAR(b.covariance(2, 2) / (scale * scale * a.covariance(2, 2)),
-                  1.0,
-                  1e-3);
+      EXPECT_NEAR(
+          b.covariance(2, 2) / (scale * scale * a.covariance(2, 2)), 1.0, 1e-3);
     }
   }
 }

@@ -40,7 +40,7 @@ Image<Vec3f> ToWorld(const SceneImage& image) {
 
 // cams/00000000_cam.txt and so on.
 void WriteCams(const std::vector<SceneImage>& images,
-                const std::filesystem::path& folder) {
+               const std::filesystem::path& folder) {
   for (size_t i = 0; i < images.size(); ++i) {
     WriteText(folder / "cams" / Numbered("%08d_cam.txt", i),
               CamBytes(images[i].camera));
@@ -181,9 +181,8 @@ Outcome TsarImportTest::Import(const std::string& format,
   if (!is_given("--input_path")) {
     arguments.insert(arguments.end(), {"--input_path", other_.string()});
   }
-  arguments.insert(
-      arguments.end(),
-      {"--format", format, "--workspace_path", root_.string()});
+  arguments.insert(arguments.end(),
+                   {"--format", format, "--workspace_path", root_.string()});
   arguments.insert(arguments.end(), {"--TsarImport.device", "cpu"});
   return RunCaptured("colmap_tsar", arguments, [](int argc, char** argv) {
     return RunCommand(&RunTsarImport, argc, argv);

@@ -39,8 +39,7 @@ class MatchImagesTest : public testing::Test {
     std::vector<std::string> lines;
     for (const ExternalFiles& files : MatchImages(options_, model_).files) {
       std::string line = model_.images[files.image].name + ":";
-      for (const auto* path :
-           {&files.depth, &files.normal, &files.camera}) {
+      for (const auto* path : {&files.depth, &files.normal, &files.camera}) {
         if (!path->empty()) {
           line += " " + path->parent_path().filename().string() + "/" +
                   path->filename().string();

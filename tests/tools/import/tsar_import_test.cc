@@ -60,8 +60,9 @@ TEST_F(TsarImportTest, FiltersAcmMaps) {
 TEST_F(TsarImportTest, TakesPhotometricAcmMapsAsTheyAre) {
   WriteAcm(scene_);
   ExpectSuccess(
-      Import("acm",
-             {"--output_type", "photometric", "--input_path", other_ / "ACMM/"}),
+      Import(
+          "acm",
+          {"--output_type", "photometric", "--input_path", other_ / "ACMM/"}),
       {"Normals came with 0", "--input_type photometric"});
   const Image<float> depth =
       ReadDepthMap(Paths(scene_[1], MapType::kPhotometric).depth);
@@ -199,7 +200,8 @@ TEST_F(TsarImportTest, OtherOrdersOfImages) {
   const std::string list = (folder_.Path() / "list.txt").string();
   for (const auto& [names, texts] :
        std::vector<std::pair<std::string, std::vector<std::string>>>{
-           {"left/v2.png\nv0.png\nv1.png\n", {"2333_00000003", "images 0 to 2"}},
+           {"left/v2.png\nv0.png\nv1.png\n",
+            {"2333_00000003", "images 0 to 2"}},
            {"v0.png\nv2.png\n", {"list.txt", "line 2", "not in the sparse"}},
            {"v0.png\nv0.png\n", {"line 2", "a second time"}},
            {"\n", {"names no image"}}}) {

@@ -98,10 +98,10 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
         overview.max_num_image_pixels = num_pixels;
         overview.max_num_sources = static_cast<int>(num_sources);
         const int64_t planned = PlanStereo(overview).device;
-        EXPECT_GE(planned,
-                  std::max({matched.photometric,
-                            matched.geometric,
-                            matched.under_prior}));
+        EXPECT_GE(
+            planned,
+            std::max(
+                {matched.photometric, matched.geometric, matched.under_prior}));
         EXPECT_LE(planned, 2 * matched.geometric);
       }
     }

@@ -25,7 +25,9 @@ class DiscontinuityTest : public testing::Test {
   }
 
   Image<float> Score(const Image<float>& depth) const {
-    return ComputeDiscontinuity(DeviceCopies(*device_)(depth), scale_, {}, *device_).ToHost();
+    return ComputeDiscontinuity(
+               DeviceCopies(*device_)(depth), scale_, {}, *device_)
+        .ToHost();
   }
   static void ExpectEverywhere(const Image<float>& score, float expected) {
     for (int y = 0; y < score.Height(); ++y) {
@@ -119,7 +121,9 @@ TEST_F(DiscontinuityTest, CountsOnlyTheLayersItIsGiven) {
        std::vector<std::pair<int, float>>{{0, 0.f}, {1, 1.f}, {2, 1.5f}}) {
     options.num_layers = num_layers;
     ExpectEverywhere(
-        ComputeDiscontinuity(DeviceCopies(*device_)(depth), scale_, options, *device_).ToHost(),
+        ComputeDiscontinuity(
+            DeviceCopies(*device_)(depth), scale_, options, *device_)
+            .ToHost(),
         expected);
   }
 }

@@ -22,16 +22,15 @@ class ReliabilityTest : public testing::Test {
     const Image<float> confidences(1, 1, confidence);
     const Image<float> discontinuities(1, 1, discontinuity);
     const Image<uint8_t> agreements(1, 1, static_cast<uint8_t>(agreement));
-    return AggregateScores(
-               on_device_(depths),
-               confidence < 0.f ? ImageView<const float>()
-                                : on_device_(confidences),
-               discontinuity < 0.f ? ImageView<const float>()
-                                   : on_device_(discontinuities),
-               agreement < 0 ? ImageView<const uint8_t>()
-                             : on_device_(agreements),
-               {},
-               *device_)
+    return AggregateScores(on_device_(depths),
+                           confidence < 0.f ? ImageView<const float>()
+                                            : on_device_(confidences),
+                           discontinuity < 0.f ? ImageView<const float>()
+                                               : on_device_(discontinuities),
+                           agreement < 0 ? ImageView<const uint8_t>()
+                                         : on_device_(agreements),
+                           {},
+                           *device_)
         .ToHost()(0, 0);
   }
 

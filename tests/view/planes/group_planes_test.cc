@@ -52,7 +52,8 @@ class GroupPlanesTest : public testing::Test {
   }
 
   std::vector<GroupPlane> Fit(const Image<float>& depth) const {
-    const PixelGroups groups = GroupPixels(DeviceCopies(*device_)(labels_), 5, *device_);
+    const PixelGroups groups =
+        GroupPixels(DeviceCopies(*device_)(labels_), 5, *device_);
     const DeviceImage<RayDepth> samples(*device_, ToSamples(depth, camera_));
     return FitGroupPlanes(groups, samples.View(), scale_, options_, *device_)
         .ToHost();

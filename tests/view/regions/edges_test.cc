@@ -21,7 +21,8 @@ Rgb Gray(int level) {
 
 Image<uint8_t> Detect(const Image<Rgb>& color) {
   const auto device = CreateTestDevice(2);
-  return DetectRobertsEdges(DeviceCopies(*device)(color), 4.f, *device).ToHost();
+  return DetectRobertsEdges(DeviceCopies(*device)(color), 4.f, *device)
+      .ToHost();
 }
 
 // Two halves of these gray levels, side by side, that meet before column 5.
@@ -90,7 +91,8 @@ TEST(RobertsEdges, PlainImageHasNone) {
 Image<uint8_t> Draw(const Image<uint8_t>& edges,
                     const HoughOptions& options = {}) {
   const auto device = CreateTestDevice(2);
-  return DrawLineSegments(DeviceCopies(*device)(edges), options, *device).ToHost();
+  return DrawLineSegments(DeviceCopies(*device)(edges), options, *device)
+      .ToHost();
 }
 
 int CountDrawn(const Image<uint8_t>& edges, const HoughOptions& options = {}) {

@@ -29,7 +29,8 @@ TEST(ConvertToLab, IsCloseToThatOfOpenCv) {
     }
   }
   const auto device = CreateTestDevice(2);
-  const Image<Vec3f> lab = ConvertToLab(DeviceCopies(*device)(color), *device).ToHost();
+  const Image<Vec3f> lab =
+      ConvertToLab(DeviceCopies(*device)(color), *device).ToHost();
   const cv::Mat rgb(color.Height(), color.Width(), CV_8UC3, color.Data());
   cv::Mat expected;
   rgb.convertTo(expected, CV_32FC3, 1.0 / 255.0);

@@ -44,14 +44,13 @@ TEST(SampleMeasurements, TakesTheBestReliablePixelWithItsOwnRay) {
       }
     }
   }
-  const Image<RayDepth> samples =
-      SampleMeasurements(on_device(depth),
-                         on_device(score),
-                         on_device(reliable),
-                         kIntrinsics,
-                         {kSize, kSize},
-                         *device)
-          .ToHost();
+  const Image<RayDepth> samples = SampleMeasurements(on_device(depth),
+                                                     on_device(score),
+                                                     on_device(reliable),
+                                                     kIntrinsics,
+                                                     {kSize, kSize},
+                                                     *device)
+                                      .ToHost();
   for (size_t i = 0; i < samples.NumPixels(); ++i) {
     EXPECT_EQ(samples.Data()[i], expected.Data()[i]) << i;
   }

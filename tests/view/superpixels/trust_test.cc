@@ -96,13 +96,12 @@ TEST_F(TrustTest, TheMedianNeedNotBeKnownToTellWhoPasses) {
       WeightedMedianOptions options;
       options.radius = radius;
       const Image<float> median =
-          WeightedMedianFilter(
-              {on_device_(depth_), on_device_(normal_)},
-              on_device_(color_),
-              {},
-              camera_.GetIntrinsics(),
-              options,
-              *device_)
+          WeightedMedianFilter({on_device_(depth_), on_device_(normal_)},
+                               on_device_(color_),
+                               {},
+                               camera_.GetIntrinsics(),
+                               options,
+                               *device_)
               .depth.ToHost();
       // A tenth of the disparities: some pass, some do not.
       const TrustGate gate =
@@ -138,8 +137,11 @@ TEST_F(TrustTest, PlanesAreTakenAsTheyAre) {
   const Image<InverseDepthPlane> estimate(
       kWidth, kHeight, ToInverseDepth(plane_));
   DeviceImage<uint8_t> on_device(*device_, trusted_);
-  GateByPlanes(
-      on_device_(estimate), camera_.GetIntrinsics(), gate, on_device.View(), *device_);
+  GateByPlanes(on_device_(estimate),
+               camera_.GetIntrinsics(),
+               gate,
+               on_device.View(),
+               *device_);
   const Image<uint8_t> passed = on_device.ToHost();
   const Image<float> expected = DrawDepth(plane_, camera_);
   int num_passed = 0;

@@ -37,13 +37,13 @@ class WeightedMedianTest : public testing::Test {
     normal_(x, y) = {};
   }
   void Filter(const Image<uint8_t>& where = Image<uint8_t>()) {
-    const DepthNormalImages output = WeightedMedianFilter(
-        {on_device_(depth_), on_device_(normal_)},
-        on_device_(color_),
-        on_device_(where),
-        camera_.GetIntrinsics(),
-        options_,
-        *device_);
+    const DepthNormalImages output =
+        WeightedMedianFilter({on_device_(depth_), on_device_(normal_)},
+                             on_device_(color_),
+                             on_device_(where),
+                             camera_.GetIntrinsics(),
+                             options_,
+                             *device_);
     filtered_ = output.depth.ToHost();
     filtered_normal_ = output.normal.ToHost();
   }
