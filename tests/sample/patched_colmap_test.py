@@ -58,7 +58,7 @@ check(
 check("colmap tsar_refine --workspace_path" in help_text, "and shows that name")
 
 fails_with_one_line("--workspace_path", path("nowhere"), text="nowhere")
-fails_with_one_line("--workspace_path", sample, "--TsarRefine.devise", "cpu", text="--TsarRefine.device")
+fails_with_one_line("--workspace_path", sample, "--TsarRefine.devise", "cpu", text="--TsarRefine.devise")
 fails_with_one_line("--workspace_path", sample, "--TsarRefine.num_threads", "9999", text="num_threads")
 
 # A project file of COLMAP's own, with a section more.
