@@ -1,22 +1,21 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Feeds one reader:
+// Feeds the readers of files:
 //
-//   tsar_fuzz list                         names all targets
-//   tsar_fuzz seeds TARGET FOLDER          writes the inputs to begin with
-//   tsar_fuzz replay TARGET PATH...        reads files, or all files of folders
-//   tsar_fuzz fuzz TARGET [libFuzzer's options and folders]
-//
-// The last one is there where Clang built the program with TSAR_FUZZ; replaying
-// is there with every compiler.
+//   tsar_fuzz          the seeds of all targets, and all that these begin with
+//   tsar_fuzz TARGET FOLDER [libFuzzer's options and files]
+//                      writes the target's seeds to the folder and goes on from
+//                      there; where Clang built the program with TSAR_FUZZ
+
+#include "colmap_tsar/base/error.h"
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <iterator>
 
 #include "tests/fuzz/fuzz_target.h"
 #include <glog/logging.h>
@@ -29,114 +28,72 @@ extern "C" int LLVMFuzzerRunDriver(
 namespace tsar {
 namespace {
 
-constexpr const FuzzTarget* kTargets[] = {&kMapTarget,
-                                          &kSigmaMapTarget,
-                                          &kSparseBinaryTarget,
-                                          &kSparseTextTarget,
-                                          &kConfigTarget,
-                                          &kImageListTarget,
-                                          &kProjectIniTarget,
-                                          &kRecordTarget,
-                                          &kDmbTarget,
-                                          &kApdTarget,
-                                          &kDmapTarget,
-                                          &kStoredCameraTarget,
-                                          &kNpyTarget,
-                                          &kPfmTarget,
-                                          &kPlyTarget,
-                                          &kMeshlabTarget};
-
-const FuzzTarget* current_target = nullptr;
-
-int ReadInput(const uint8_t* data, size_t size) {
-  current_target->read({data, size});
-  return 0;
+// The number of readers that accept the input. An Error must be one that a user
+// can make use of.
+int Read(const FuzzTarget& target, std::span<const uint8_t> input) {
+  int num_accepted = 0;
+  for (const auto& read : target.readers) {
+    try {
+      read(input);
+      ++num_accepted;
+    } catch (const Error& error) {
+      if (error.what()[0] == '\0') {
+        std::fprintf(stderr, "an Error without a message\n");
+        std::abort();
+      }
+    }
+  }
+  return num_accepted;
 }
 
-int List() {
-  for (const FuzzTarget* target : kTargets) {
-    std::cout << target->name << "\n";
+std::span<const uint8_t> BytesOf(const std::string& text) {
+  return {reinterpret_cast<const uint8_t*>(text.data()), text.size()};
+}
+
+int ReadSeeds() {
+  for (const FuzzTarget& target : MakeFuzzTargets()) {
+    for (const std::string& seed : target.seeds) {
+      if (Read(target, BytesOf(seed)) == 0) {
+        std::cerr << target.name << ": a seed is refused\n";
+        return 1;
+      }
+      // Up to a size where that takes no time.
+      for (size_t size = 0; size < std::min<size_t>(seed.size(), 512); ++size) {
+        const std::string cut = seed.substr(0, size);
+        Read(target, BytesOf(cut));
+      }
+    }
   }
   return 0;
 }
 
-int WriteSeeds(const std::filesystem::path& folder) {
+#ifdef TSAR_LIBFUZZER
+FuzzTarget current_target;
+
+int Fuzz(int argc, char** argv) {
+  for (const FuzzTarget& target : MakeFuzzTargets()) {
+    if (target.name == argv[1]) {
+      current_target = target;
+    }
+  }
+  const std::filesystem::path folder = argv[2];
   std::filesystem::create_directories(folder);
   int number = 0;
-  for (const std::string& seed : current_target->make_seeds()) {
+  for (const std::string& seed : current_target.seeds) {
     std::ofstream(folder / ("seed_" + std::to_string(number++)),
                   std::ios::binary)
         << seed;
   }
-  std::cout << number << " seeds\n";
-  return 0;
+  argv[1] = argv[0];
+  --argc;
+  ++argv;
+  return LLVMFuzzerRunDriver(
+      &argc, &argv, [](const uint8_t* data, size_t size) {
+        Read(current_target, {data, size});
+        return 0;
+      });
 }
-
-void Replay(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string input{std::istreambuf_iterator<char>(file),
-                          std::istreambuf_iterator<char>()};
-  ReadInput(BytesOf(input).data(), input.size());
-  // Also all that is shorter, up to a size where that takes no time.
-  for (size_t size = 0; size < std::min<size_t>(input.size(), 512); ++size) {
-    const std::string cut = input.substr(0, size);
-    ReadInput(BytesOf(cut).data(), size);
-  }
-}
-
-int ReplayAll(int num_paths, char** paths) {
-  int num_files = 0;
-  for (int i = 0; i < num_paths; ++i) {
-    if (!std::filesystem::is_directory(paths[i])) {
-      Replay(paths[i]);
-      ++num_files;
-      continue;
-    }
-    for (const auto& entry : std::filesystem::directory_iterator(paths[i])) {
-      Replay(entry.path());
-      ++num_files;
-    }
-  }
-  std::cout << num_files << " files\n";
-  return num_files > 0 ? 0 : 1;
-}
-
-int Fuzz(int argc, char** argv) {
-#ifdef TSAR_LIBFUZZER
-  return LLVMFuzzerRunDriver(&argc, &argv, &ReadInput);
-#else
-  std::cerr << argv[0] << " " << argc
-            << ": built without libFuzzer; use the preset fuzz\n";
-  return 1;
 #endif
-}
-
-int Main(int argc, char** argv) {
-  const std::string action = argc > 1 ? argv[1] : "";
-  if (action == "list") {
-    return List();
-  }
-  if (argc > 2) {
-    const auto target = std::find_if(
-        std::begin(kTargets), std::end(kTargets), [&](const auto* known) {
-          return std::strcmp(known->name, argv[2]) == 0;
-        });
-    current_target = target == std::end(kTargets) ? nullptr : *target;
-  }
-  if (current_target != nullptr && action == "fuzz") {
-    argv[2] = argv[0];
-    return Fuzz(argc - 2, argv + 2);
-  }
-  if (current_target != nullptr && argc > 3 && action == "seeds") {
-    return WriteSeeds(argv[3]);
-  }
-  if (current_target != nullptr && argc > 3 && action == "replay") {
-    return ReplayAll(argc - 3, argv + 3);
-  }
-  std::cerr << "usage: tsar_fuzz list | seeds TARGET FOLDER | replay TARGET "
-               "PATH... | fuzz TARGET [OPTION...]\n";
-  return 1;
-}
 
 }  // namespace
 }  // namespace tsar
@@ -144,5 +101,14 @@ int Main(int argc, char** argv) {
 int main(int argc, char** argv) {
   // Warnings are for users; they would be millions of lines.
   FLAGS_minloglevel = google::GLOG_ERROR;
-  return tsar::Main(argc, argv);
+#ifdef TSAR_LIBFUZZER
+  if (argc > 2) {
+    return tsar::Fuzz(argc, argv);
+  }
+#endif
+  if (argc > 1) {
+    std::cerr << argv[0] << ": built without libFuzzer; use the preset fuzz\n";
+    return 1;
+  }
+  return tsar::ReadSeeds();
 }
