@@ -204,66 +204,63 @@ Image<float> StepsWithin(double width, const Image<float>& log_depth) {
   return steps;
 }
 
-// "as inverse depth it explains 97 % of the spread of the measured depths"
-std::string DescribeSkill(const PriorAssessment& assessment,
-                          const std::string& only) {
-  return "as " + ToString(assessment.type) + " depth it explains " + only +
-         std::to_string(std::lround(100.f * assessment.skill)) +
-         " % of the spread of the measured depths";
-}
-
 std::string DescribeDepths(const PriorAssessment& assessment) {
+  const std::string as_type =
+      "as " + ToString(assessment.type) + " depth it explains ";
+  const std::string share =
+      std::to_string(std::lround(100.f * assessment.skill)) +
+      " % of the spread of the measured depths";
   switch (assessment.verdict) {
     case PriorVerdict::kNone:
-      break;
+      return "";
     case PriorVerdict::kUsed:
-      return "depth prior used: " + DescribeSkill(assessment, "");
+      return "depth prior used: " + as_type + share;
     case PriorVerdict::kNoDepth:
       return "depth prior not used: it has no depths";
     case PriorVerdict::kFewMeasured:
       return "depth prior not used: too few of its pixels were measured";
     case PriorVerdict::kUnlike:
-      return "depth prior not used: " + DescribeSkill(assessment, "only ");
+      return "depth prior not used: " + as_type + "only " + share;
     case PriorVerdict::kOthersUnlike:
-      return "depth prior not used: those of most images explain too little of "
-             "the measured depths, though " +
-             DescribeSkill(assessment, "");
+      break;
   }
-  return "";
+  return "depth prior not used: those of most images explain too little of "
+         "the measured depths, though " +
+         as_type + share;
 }
 
 std::string DescribeNormals(const PriorAssessment& assessment) {
   constexpr float kDegrees = 57.29578f;
-  const std::string sigma =
+  const std::string deviation =
+      "they deviate by " +
       std::to_string(std::lround(kDegrees * assessment.normal_sigma)) +
       " degrees from those of measured planes";
   switch (assessment.of_normals) {
     case PriorVerdict::kNone:
     case PriorVerdict::kNoDepth:
-      break;
+      return "";
     case PriorVerdict::kUsed:
-      return "normals used: they deviate by " + sigma;
+      return "normals used: " + deviation;
     case PriorVerdict::kFewMeasured:
       return "normals not used: too few planes were measured";
     case PriorVerdict::kUnlike:
-      return "normals not used: they deviate by " + sigma;
+      return "normals not used: " + deviation;
     case PriorVerdict::kOthersUnlike:
-      return "normals not used: the priors of most images do not fit";
+      break;
   }
-  return "";
+  return "normals not used: the priors of most images do not fit";
 }
 
 }  // namespace
 
 std::string Describe(const PriorAssessment& assessment) {
   const std::string of_normals = DescribeNormals(assessment);
+  if (of_normals.empty()) {
+    return DescribeDepths(assessment);
+  }
   const bool has_depths = assessment.verdict != PriorVerdict::kNone &&
                           assessment.verdict != PriorVerdict::kNoDepth;
-  if (!of_normals.empty() && !has_depths) {
-    return of_normals;
-  }
-  return DescribeDepths(assessment) + (of_normals.empty() ? "" : "; ") +
-         of_normals;
+  return (has_depths ? DescribeDepths(assessment) + "; " : "") + of_normals;
 }
 
 AlignedPrior AlignPrior(const DepthPrior& prior,

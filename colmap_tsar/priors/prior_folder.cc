@@ -14,12 +14,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <cstddef>
 #include <map>
 #include <set>
-#include <span>
 #include <string>
-#include <string_view>
 #include <system_error>
 #include <vector>
 
@@ -27,8 +26,6 @@ namespace tsar {
 namespace {
 
 using Path = std::filesystem::path;
-
-constexpr std::string_view kNormalSuffix = ".normal";
 
 std::string WithoutExtension(const std::string& name) {
   return Path(name).replace_extension().generic_string();
@@ -38,57 +35,27 @@ std::string Advice() { return "check " + OptionName("prior_path"); }
 
 // The image and kind of a file in the folder.
 struct Match {
-  int image = -1;
   bool is_normals = false;
+  int image = 0;
+
+  auto operator<=>(const Match&) const = default;
 };
 
-class NameMatcher {
- public:
-  explicit NameMatcher(const std::vector<std::string>& names) : names_(names) {
-    for (size_t i = 0; i < names.size(); ++i) {
-      images_of_[names[i]].insert(static_cast<int>(i));
-      images_of_[WithoutExtension(names[i])].insert(static_cast<int>(i));
+// By the names of files in the folder, without their extensions.
+using Matches = std::map<std::string, std::set<Match>>;
+
+Matches MatchNames(const std::vector<std::string>& image_names) {
+  Matches matches;
+  for (size_t i = 0; i < image_names.size(); ++i) {
+    const auto image = static_cast<int>(i);
+    for (const std::string& name :
+         {image_names[i], WithoutExtension(image_names[i])}) {
+      matches[name].insert({false, image});
+      matches[name + ".normal"].insert({true, image});
     }
   }
-
-  // path: the file; name: its path in the folder. No image if none matches.
-  Match Find(const Path& path, const std::string& name) const {
-    const std::string stem = WithoutExtension(name);
-    std::vector<Match> matches;
-    AddMatches(stem, false, &matches);
-    if (stem.ends_with(kNormalSuffix)) {
-      AddMatches(
-          stem.substr(0, stem.size() - kNormalSuffix.size()), true, &matches);
-    }
-    if (matches.size() > 1) {
-      throw Error::File(ErrorCode::kMismatch,
-                        path.string(),
-                        "may be of the image " + Name(matches[0]) + " or of " +
-                            Name(matches[1]),
-                        "put the image's extension before the file's own");
-    }
-    return matches.empty() ? Match() : matches.front();
-  }
-
- private:
-  void AddMatches(const std::string& key,
-                  bool is_normals,
-                  std::vector<Match>* matches) const {
-    const auto found = images_of_.find(key);
-    if (found != images_of_.end()) {
-      for (const int image : found->second) {
-        matches->push_back({image, is_normals});
-      }
-    }
-  }
-
-  const std::string& Name(const Match& match) const {
-    return names_[match.image];
-  }
-
-  const std::vector<std::string>& names_;
-  std::map<std::string, std::set<int>> images_of_;
-};
+  return matches;
+}
 
 // The depth images of a folder, in the order of their names.
 std::vector<Path> ListDepthImages(const Path& folder) {
@@ -117,8 +84,6 @@ Error NoPriors(const Path& folder, const std::vector<std::string>& names) {
                      Advice());
 }
 
-namespace fs = std::filesystem;
-
 bool FitsPhoto(const RasterSize& size, const RasterSize& photo) {
   constexpr double kMaxRatio = 1.02;
   const double width = size.height / static_cast<double>(photo.height) *
@@ -130,7 +95,7 @@ bool FitsPhoto(const RasterSize& size, const RasterSize& photo) {
          std::abs(height - size.height) <= 1.0;
 }
 
-void RequireFit(const fs::path& path,
+void RequireFit(const Path& path,
                 const FloatMap& map,
                 const RasterSize& photo) {
   const RasterSize size = {map.width, map.height};
@@ -145,82 +110,43 @@ void RequireFit(const fs::path& path,
   }
 }
 
-// value_of: maps the channels of a pixel to its value.
-template <typename T, typename ValueOf>
-Image<T> ReduceMap(const FloatMap& map, const ValueOf& value_of) {
-  const int side = std::max(map.width, map.height);
-  auto image =
-      Image<T>::Uninitialized(ReducedLength(map.width, side, kMaxPriorSide),
-                              ReducedLength(map.height, side, kMaxPriorSide));
-  for (int y = 0; y < image.Height(); ++y) {
-    const int64_t row =
-        int64_t{NearestPixel(y, map.height, image.Height())} * map.width;
-    for (int x = 0; x < image.Width(); ++x) {
-      const int64_t pixel = row + NearestPixel(x, map.width, image.Width());
-      image(x, y) = value_of(map.values.data() + pixel * map.channels);
-    }
+FloatMap ReadMap(const Path& path, bool is_normals, const RasterSize& photo) {
+  const std::vector<uint8_t> bytes = ReadFileBytes(path);
+  if (bytes.empty()) {
+    throw Error::File(ErrorCode::kCorrupt,
+                      path.string(),
+                      "the file is empty",
+                      "make the depth prior again");
   }
-  return image;
+  FloatMap map = is_normals ? ParseNormalImage(bytes, path)
+                            : ParseDepthImage(bytes, path).map;
+  if (!is_normals && map.channels != 1) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        path.string(),
+        "has " + std::to_string(map.channels) + " channels, not one of depth",
+        "save depth alone; normals have names that end in .normal" +
+            path.extension().string());
+  }
+  RequireFit(path, map, photo);
+  return map;
 }
 
-float ToValue(const float* channel) {
-  return std::isfinite(*channel) && *channel > 0.f ? *channel : 0.f;
+template <typename T>
+Image<T> Reduce(const Image<T>& image) {
+  const int side = std::max(image.Width(), image.Height());
+  auto reduced = Image<T>::Uninitialized(
+      ReducedLength(image.Width(), side, kMaxPriorSide),
+      ReducedLength(image.Height(), side, kMaxPriorSide));
+  for (int y = 0; y < reduced.Height(); ++y) {
+    const int row = NearestPixel(y, image.Height(), reduced.Height());
+    for (int x = 0; x < reduced.Width(); ++x) {
+      reduced(x, y) =
+          image(NearestPixel(x, image.Width(), reduced.Width()), row);
+    }
+  }
+  return reduced;
 }
-
-Vec3f ToNormal(const float* channels) {
-  const Vec3f normal = {channels[0], channels[1], channels[2]};
-  return std::isfinite(Norm(normal)) ? Normalized(normal) : Vec3f{};
-}
-
-class PriorReader {
- public:
-  explicit PriorReader(const RasterSize& photo) : photo_(photo) {}
-
-  DepthPrior Read(const PriorFiles& files) {
-    DepthPrior prior;
-    if (!files.depth.empty()) {
-      prior.values = ReduceMap<float>(ReadDepth(files.depth), &ToValue);
-    }
-    if (!files.normals.empty()) {
-      prior.normals = ReduceMap<Vec3f>(
-          ReadMap(files.normals, &ParseNormalImage), &ToNormal);
-    }
-    return prior;
-  }
-
- private:
-  FloatMap ReadDepth(const fs::path& path) {
-    FloatMap map =
-        ReadMap(path, [](std::span<const uint8_t> bytes, const fs::path& file) {
-          return ParseDepthImage(bytes, file).map;
-        });
-    if (map.channels != 1) {
-      throw Error::File(
-          ErrorCode::kUnsupported,
-          path.string(),
-          "has " + std::to_string(map.channels) + " channels, not one of depth",
-          "save depth alone; normals have names that end in .normal" +
-              path.extension().string());
-    }
-    return map;
-  }
-
-  template <typename Parse>
-  FloatMap ReadMap(const fs::path& path, const Parse& parse) {
-    const std::vector<uint8_t> bytes = ReadFileBytes(path);
-    if (bytes.empty()) {
-      throw Error::File(ErrorCode::kCorrupt,
-                        path.string(),
-                        "the file is empty",
-                        "make the depth prior again");
-    }
-    FloatMap map = parse(bytes, path);
-    RequireFit(path, map, photo_);
-    return map;
-  }
-
-  const RasterSize photo_;
-};
 
 }  // namespace
 
@@ -244,17 +170,26 @@ PriorFolder::PriorFolder(const Path& folder,
                       "there is no such folder of depth priors",
                       Advice());
   }
-  const NameMatcher matcher(image_names);
+  const Matches matches = MatchNames(image_names);
   bool has_any = false;
   for (const Path& path : ListDepthImages(folder)) {
-    const Match match =
-        matcher.Find(path, path.lexically_relative(folder).generic_string());
-    if (match.image < 0) {
+    const auto found = matches.find(
+        WithoutExtension(path.lexically_relative(folder).generic_string()));
+    if (found == matches.end()) {
       // Folders may have such names as well.
       if (IsFile(path) && num_stray_files_++ == 0) {
         first_stray_file_ = path;
       }
       continue;
+    }
+    const Match match = *found->second.begin();
+    if (found->second.size() > 1) {
+      throw Error::File(ErrorCode::kMismatch,
+                        path.string(),
+                        "may be of the image " + image_names[match.image] +
+                            " or of " +
+                            image_names[found->second.rbegin()->image],
+                        "put the image's extension before the file's own");
     }
     PriorFiles& files = files_[match.image];
     Path& place = match.is_normals ? files.normals : files.depth;
@@ -301,8 +236,19 @@ void PriorFolder::WarnOfStrayFiles() const {
 DepthPrior ReadPrior(const PriorFiles& files,
                      PriorType type,
                      const RasterSize& photo) {
-  DepthPrior prior = PriorReader(photo).Read(files);
+  DepthPrior prior;
   prior.type = type;
+  if (!files.depth.empty()) {
+    prior.values = Reduce(
+        ToDepth(ReadMap(files.depth, false, photo), files.depth.string()));
+  }
+  if (!files.normals.empty()) {
+    prior.normals = Reduce(
+        ToNormals(ReadMap(files.normals, true, photo), files.normals.string()));
+    for (Vec3f& normal : prior.normals) {
+      normal = std::isfinite(Norm(normal)) ? Normalized(normal) : Vec3f{};
+    }
+  }
   return prior;
 }
 

@@ -85,30 +85,14 @@ float Relative(float depth) { return (depth - 1.f) / 3.f; }
 float Inverse(float depth) { return (1.f / depth - 0.05f) / 0.4f; }
 
 TEST_F(AlignPriorTest, FindsTheRoomFromEachType) {
-  ExpectRoom(Draw(PriorType::kMetric, &Metric));
-  ExpectRoom(Draw(PriorType::kRelative, &Relative));
-  ExpectRoom(Draw(PriorType::kInverse, &Inverse));
-}
-
-TEST_F(AlignPriorTest, FindsTheTypeByItself) {
-  ExpectRoom(Draw(PriorType::kAuto, &Metric));
-  ExpectRoom(Draw(PriorType::kAuto, &Relative));
-  ExpectRoom(Draw(PriorType::kAuto, &Inverse));
-}
-
-TEST_F(AlignPriorTest, CorrectsABoxThatIsTooFarInAWarpedImage) {
-  DepthPrior prior = DrawMetric();
-  for (int y = 0; y < kRoomHeight; ++y) {
-    for (int x = 0; x < kRoomWidth; ++x) {
-      prior.values(x, y) *= std::exp(0.0004f * static_cast<float>(80 - x)) *
-                            (room_.is_box(x, y) != 0 ? 1.05f : 1.f);
+  for (const bool is_given : {true, false}) {
+    for (const auto& [type, value_of] :
+         {std::pair(PriorType::kMetric, &Metric),
+          std::pair(PriorType::kRelative, &Relative),
+          std::pair(PriorType::kInverse, &Inverse)}) {
+      ExpectRoom(Draw(is_given ? type : PriorType::kAuto, value_of));
     }
   }
-  const AlignedPrior aligned = AlignPrior(prior, samples_);
-  ASSERT_FALSE(aligned.Empty());
-  // Some along the border of the box, which has a tenth of the pixels.
-  EXPECT_LT(ShareBeyond(aligned, 0.01f), 0.05f);
-  EXPECT_NEAR(aligned.depth(104, 65), room_.depth(104, 65), 0.02f);
 }
 
 TEST_F(AlignPriorTest, DropsPriorsThatExplainNothing) {
@@ -134,12 +118,10 @@ TEST_F(AlignPriorTest, DropsPriorsThatTooLittleMeasures) {
       DrawMetric(), measure(19), "too few of its pixels were measured");
   EXPECT_EQ(AlignPrior(DrawMetric(), measure(20)).assessment.verdict,
             PriorVerdict::kUsed);
-  ExpectDropped(Draw(PriorType::kAuto, [](float) { return 0.f; }),
-                "too few of its pixels were measured");
-  ExpectDropped(Draw(PriorType::kAuto, [](float) { return kNan; }),
-                "too few of its pixels were measured");
-  ExpectDropped(Draw(PriorType::kAuto, [](float) { return kInfinity; }),
-                "too few of its pixels were measured");
+  for (const float value : {0.f, kNan, kInfinity}) {
+    ExpectDropped(Draw(PriorType::kAuto, [&](float) { return value; }),
+                  "too few of its pixels were measured");
+  }
 }
 
 // Errors that neighbors share and others that they do not, and samples that

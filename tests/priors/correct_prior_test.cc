@@ -64,14 +64,6 @@ TEST_F(CorrectPriorTest, MovesAnObjectThatIsTooFar) {
   EXPECT_NEAR(correction.offset(40, 30), -error(40, 30), 0.005f);
 }
 
-TEST_F(CorrectPriorTest, FollowsAWarpOfTheImage) {
-  const auto warp = [](int x, int) { return 0.0004f * (x - 80); };
-  const PriorCorrection correction = Correct(warp, &IsInSparseSquare);
-  for (int x = 4; x < kRoomWidth - 4; ++x) {
-    EXPECT_NEAR(correction.offset(x, 20), -warp(x, 20), 0.01f) << x;
-  }
-}
-
 TEST_F(CorrectPriorTest, IsNotPulledByWrongMeasurements) {
   const auto is_measured = [](int x, int y) { return IsInSparseSquare(x, y); };
   const auto error = [](int x, int y) {

@@ -54,42 +54,22 @@ double FactorValue(double depth) { return depth / 3.0; }
 double RelativeValue(double depth) { return (depth - 1.5) / 3.0; }
 double InverseValue(double depth) { return (1.0 / depth - 0.1) / 0.7; }
 
-TEST(FitPriorTest, FindsAFactorAmongWrongSamples) {
-  ExpectFunction(FitPrior(DrawSamples(&FactorValue), PriorType::kMetric),
-                 PriorType::kMetric,
-                 3.0,
-                 0.0);
-}
-
-TEST(FitPriorTest, FindsFactorAndShiftOfDepthAmongWrongSamples) {
-  ExpectFunction(FitPrior(DrawSamples(&RelativeValue), PriorType::kRelative),
-                 PriorType::kRelative,
-                 3.0,
-                 1.5);
-}
-
-TEST(FitPriorTest, FindsFactorAndShiftOfInverseDepthAmongWrongSamples) {
-  ExpectFunction(FitPrior(DrawSamples(&InverseValue), PriorType::kInverse),
-                 PriorType::kInverse,
-                 0.7,
-                 0.1);
-}
-
-TEST(FitPriorTest, FindsTheTypeThatFitsBest) {
-  EXPECT_EQ(FitPrior(DrawSamples(&FactorValue), PriorType::kAuto).function.type,
-            PriorType::kMetric);
-  EXPECT_EQ(
-      FitPrior(DrawSamples(&RelativeValue), PriorType::kAuto).function.type,
-      PriorType::kRelative);
-  EXPECT_EQ(
-      FitPrior(DrawSamples(&InverseValue), PriorType::kAuto).function.type,
-      PriorType::kInverse);
-}
-
-TEST(FitPriorTest, NeverTakesAnotherTypeThanTheGivenOne) {
-  for (const PriorType type :
-       {PriorType::kMetric, PriorType::kRelative, PriorType::kInverse}) {
-    EXPECT_EQ(FitPrior(DrawSamples(&InverseValue), type).function.type, type);
+// Where the type is given, and where it is to be found.
+TEST(FitPriorTest, FindsTheFunctionAmongWrongSamples) {
+  struct Case {
+    double (*value_of)(double depth);
+    PriorType type;
+    double scale;
+    double shift;
+  };
+  for (const auto& [value_of, type, scale, shift] :
+       {Case{&FactorValue, PriorType::kMetric, 3.0, 0.0},
+        Case{&RelativeValue, PriorType::kRelative, 3.0, 1.5},
+        Case{&InverseValue, PriorType::kInverse, 0.7, 0.1}}) {
+    const std::vector<PriorSample> samples = DrawSamples(value_of);
+    for (const PriorType given : {type, PriorType::kAuto}) {
+      ExpectFunction(FitPrior(samples, given), type, scale, shift);
+    }
   }
 }
 
@@ -108,6 +88,7 @@ TEST(FitPriorTest, NoiseExplainsNothing) {
 // Depth where inverse depth was said to be.
 TEST(FitPriorTest, AFallingPriorIsNoneOfItsType) {
   const PriorFit fit = FitPrior(DrawSamples(&InverseValue), PriorType::kMetric);
+  EXPECT_EQ(fit.function.type, PriorType::kMetric);
   EXPECT_LT(fit.Skill(), 0.0);
   EXPECT_NEAR(
       FitPrior(DrawSamples(&InverseValue), PriorType::kRelative).Skill(),

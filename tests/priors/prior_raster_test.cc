@@ -5,6 +5,8 @@
 
 #include "colmap_tsar/base/plane.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -42,42 +44,28 @@ class PriorRasterTest : public testing::Test {
   Image<float> sigma_{kWidth, kHeight, 0.01f};
 };
 
-TEST_F(PriorRasterTest, IsThePriorItselfAtItsOwnSize) {
+TEST_F(PriorRasterTest, InterpolatesWithinASurface) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       depth_(x, y) = 4.f + 0.02f * x + 0.01f * y;
       sigma_(x, y) = 0.01f * (1 + x);
     }
   }
-  const PriorRaster raster = On(1);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      EXPECT_FLOAT_EQ(raster.At(x, y).depth, depth_(x, y));
-      EXPECT_EQ(raster.At(x, y).sigma, sigma_(x, y));
-      EXPECT_EQ(raster.At(x, y).outlier_share, 0.2f);
+  for (const int factor : {1, 4}) {
+    const PriorRaster raster = On(factor);
+    for (int y = 0; y < factor * kHeight; ++y) {
+      for (int x = 0; x < factor * kWidth; ++x) {
+        // There is nothing to interpolate beyond the outermost pixels.
+        const float u = std::clamp(
+            (x + 0.5f) / factor - 0.5f, 0.f, static_cast<float>(kWidth - 1));
+        const float v = std::clamp(
+            (y + 0.5f) / factor - 0.5f, 0.f, static_cast<float>(kHeight - 1));
+        EXPECT_NEAR(raster.At(x, y).depth, 4.f + 0.02f * u + 0.01f * v, 1e-5f);
+        EXPECT_EQ(raster.At(x, y).sigma, sigma_(x / factor, y / factor));
+        EXPECT_EQ(raster.At(x, y).outlier_share, 0.2f);
+      }
     }
   }
-}
-
-TEST_F(PriorRasterTest, InterpolatesWithinASurface) {
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      depth_(x, y) = 4.f + 0.02f * x + 0.01f * y;
-    }
-  }
-  const PriorRaster raster = On(4);
-  // Pixel 2 of the prior has its middle at 9.5 of the map.
-  for (int y = 2; y < 4 * kHeight - 2; ++y) {
-    for (int x = 2; x < 4 * kWidth - 2; ++x) {
-      const float u = (x - 1.5f) / 4.f;
-      const float v = (y - 1.5f) / 4.f;
-      EXPECT_NEAR(raster.At(x, y).depth, 4.f + 0.02f * u + 0.01f * v, 1e-5f);
-    }
-  }
-  // There is nothing to interpolate beyond the outermost pixels.
-  EXPECT_FLOAT_EQ(raster.At(0, 0).depth, 4.f);
-  EXPECT_FLOAT_EQ(raster.At(4 * kWidth - 1, 4 * kHeight - 1).depth,
-                  depth_(kWidth - 1, kHeight - 1));
 }
 
 TEST_F(PriorRasterTest, DoesNotInterpolateBetweenSurfaces) {
