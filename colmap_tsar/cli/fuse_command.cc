@@ -109,7 +109,7 @@ void FuseCommand::AddTo(OptionSet* set) {
 }
 
 void FuseCommand::UsePreset() {
-  options.fusion = PresetFusionOptions(ParseFusionPreset(preset));
+  options.fusion = PresetFusionOptions(preset);
 }
 
 FuseSummary FuseCommand::Run(Progress& progress,

@@ -3,21 +3,11 @@
 
 #include "colmap_tsar/fusion/fusion_options.h"
 
-#include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 
-#include <array>
-#include <utility>
-
 namespace tsar {
 namespace {
-
-constexpr std::array kPresetNames = {
-    std::pair(FusionPreset::kDefault, "default"),
-    std::pair(FusionPreset::kPaper, "paper"),
-    std::pair(FusionPreset::kColmap, "colmap"),
-};
 
 void Require(bool condition, const char* option, const std::string& range) {
   if (!condition) {
@@ -52,37 +42,24 @@ void FusionOptions::Check() const {
 }
 
 const std::vector<std::string>& FusionPresetNames() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const auto& [preset, name] : kPresetNames) {
-      all.emplace_back(name);
-    }
-    return all;
-  }();
+  static const std::vector<std::string> names = {"default", "paper", "colmap"};
   return names;
 }
 
-FusionPreset ParseFusionPreset(const std::string& name) {
-  if (const auto preset = FindEnumValue(kPresetNames, name)) {
-    return *preset;
-  }
-  throw Error(ErrorCode::kBadOption,
-              OptionName("preset") + " has to be default, paper or colmap");
-}
-
-FusionOptions PresetFusionOptions(FusionPreset preset) {
+FusionOptions PresetFusionOptions(const std::string& name) {
   FusionOptions options;
-  if (preset != FusionPreset::kDefault) {
-    options.reject_contradicted = false;
+  if (name == "default") {
+    return options;
   }
-  if (preset == FusionPreset::kPaper) {
+  options.reject_contradicted = false;
+  options.min_num_views = 3;
+  if (name == "paper") {
     options.statistic = FusionStatistic::kMean;
-    options.min_num_views = 3;
     options.point_spacing = 1;
-  } else if (preset == FusionPreset::kColmap) {
+  } else {
+    Require(name == "colmap", "preset", "default, paper or colmap");
     options.statistic = FusionStatistic::kMedian;
     options.max_normal_error = 10.0;
-    options.min_num_views = 3;
     options.check_num_images = 50;
   }
   return options;

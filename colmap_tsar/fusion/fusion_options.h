@@ -44,22 +44,14 @@ struct FusionOptions {
 constexpr int kMaxFusionSources = 64;
 constexpr int kMaxPointSpacing = 1000;
 
-enum class FusionPreset {
-  kDefault,
-  // The values in the TSAR-MVS paper (section 5): depths within 1 %, normals
-  // within 30 degrees, reprojection errors of 2 pixels at most, more than one
-  // other view that agrees, and the mean of all.
-  kPaper,
-  // The thresholds of COLMAP's stereo_fusion, and medians.
-  kColmap,
-};
-
-// "default", "paper" and "colmap", in the order of FusionPreset.
+// "default", "paper" and "colmap".
 const std::vector<std::string>& FusionPresetNames();
 
-// Throws kBadOption where there is no such preset.
-FusionPreset ParseFusionPreset(const std::string& name);
-
-FusionOptions PresetFusionOptions(FusionPreset preset);
+// "paper": the values in the TSAR-MVS paper (section 5): depths within 1 %,
+// normals within 30 degrees, reprojection errors of 2 pixels at most, more than
+// one other view that agrees, and the mean of all. "colmap": the thresholds of
+// COLMAP's stereo_fusion, and medians. Throws kBadOption where there is no such
+// preset.
+FusionOptions PresetFusionOptions(const std::string& name);
 
 }  // namespace tsar

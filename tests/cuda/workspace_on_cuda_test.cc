@@ -322,7 +322,7 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuMatchToTheSameBytes) {
 TEST_F(WorkspaceOnCudaTest, CpuAndGpuFuseToTheSameBytes) {
   MakeSyntheticWorkspace(root_);
   const auto fuse =
-      [&](FusionPreset preset, DeviceChoice device, double cache_size) {
+      [&](const std::string& preset, DeviceChoice device, double cache_size) {
         FuseWorkspaceOptions options;
         options.fusion = PresetFusionOptions(preset);
         options.devices.choice = device;
@@ -338,8 +338,7 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuFuseToTheSameBytes) {
         return ReadText(options.output_path) +
                ReadText(options.output_path.string() + ".vis");
       };
-  for (const FusionPreset preset :
-       {FusionPreset::kDefault, FusionPreset::kPaper, FusionPreset::kColmap}) {
+  for (const std::string& preset : FusionPresetNames()) {
     const std::string on_cpu = fuse(preset, DeviceChoice::kCpu, 1.0);
     EXPECT_TRUE(fuse(preset, DeviceChoice::kCuda, 1.0) == on_cpu);
     EXPECT_TRUE(fuse(preset, DeviceChoice::kCuda, 1e-4) == on_cpu);

@@ -10,9 +10,9 @@ namespace {
 
 TEST(FusionOptionsTest, PresetsAreValidAndThePapersIsAsPrinted) {
   for (const std::string& name : FusionPresetNames()) {
-    PresetFusionOptions(ParseFusionPreset(name)).Check();
+    PresetFusionOptions(name).Check();
   }
-  const FusionOptions paper = PresetFusionOptions(FusionPreset::kPaper);
+  const FusionOptions paper = PresetFusionOptions("paper");
   EXPECT_EQ(paper.max_depth_error, 0.01);
   EXPECT_EQ(paper.max_normal_error, 30.0);
   EXPECT_EQ(paper.max_reproj_error, 2.0);
@@ -21,7 +21,7 @@ TEST(FusionOptionsTest, PresetsAreValidAndThePapersIsAsPrinted) {
   EXPECT_FALSE(paper.reject_contradicted);
   ExpectError(ErrorCode::kBadOption,
               {"preset", "default, paper or colmap"},
-              [] { ParseFusionPreset("pape"); });
+              [] { PresetFusionOptions("pape"); });
 }
 
 TEST(FusionOptionsTest, EveryLimitIsChecked) {

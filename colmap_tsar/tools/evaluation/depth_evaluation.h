@@ -63,7 +63,7 @@ DepthEvaluation EvaluateDepthMaps(const std::filesystem::path& workspace_path,
 
 struct FusedPixelOptions {
   // The options that select the fused pixels; point_spacing has to be 1.
-  FusionOptions fusion = PresetFusionOptions(FusionPreset::kPaper);
+  FusionOptions fusion = PresetFusionOptions("paper");
   DeviceOptions devices;
   // As in DepthEvaluationOptions.
   std::filesystem::path ground_truth_path;
