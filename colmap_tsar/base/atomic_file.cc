@@ -9,10 +9,10 @@
 #include "colmap_tsar/base/path.h"
 
 #include <cerrno>
-#include <cstdio>
-#include <new>
 #include <optional>
 #include <string>
+#include <system_error>
+#include <tuple>
 #include <vector>
 
 #include <ext/stdio_filebuf.h>
@@ -40,39 +40,33 @@ void RemoveOldTemporary(const ContainedPath& path) {
   unlink(TemporaryOf(path).Path().c_str());
 }
 
-// Remembers the system's error, which streams do not tell.
+// Tells the system's error, which streams do not.
 class OutputBuffer : public __gnu_cxx::stdio_filebuf<char> {
  public:
-  explicit OutputBuffer(int descriptor)
-      : stdio_filebuf(descriptor, std::ios::out | std::ios::binary) {}
-
-  int SystemErrorNumber() const { return error_; }
+  OutputBuffer(const fs::path& path, int descriptor)
+      : stdio_filebuf(descriptor, std::ios::out | std::ios::binary),
+        path_(path) {}
 
  protected:
   int_type overflow(int_type character) override {
     const int_type result = stdio_filebuf::overflow(character);
-    Note(result != traits_type::eof());
+    Require(result != traits_type::eof());
     return result;
   }
   std::streamsize xsputn(const char* data, std::streamsize size) override {
     const std::streamsize written = stdio_filebuf::xsputn(data, size);
-    Note(written == size);
+    Require(written == size);
     return written;
-  }
-  int sync() override {
-    const int result = stdio_filebuf::sync();
-    Note(result == 0);
-    return result;
   }
 
  private:
-  void Note(bool succeeded) {
-    if (!succeeded && error_ == 0) {
-      error_ = errno;
+  void Require(bool succeeded) const {
+    if (!succeeded) {
+      ThrowSystemError(path_, "writing failed", errno);
     }
   }
 
-  int error_ = 0;
+  const fs::path path_;
 };
 
 }  // namespace
@@ -81,8 +75,10 @@ struct AtomicFile::State {
   explicit State(const ContainedPath& file_path)
       : path(file_path),
         temporary(TemporaryOf(file_path).Path()),
-        buffer(Open()),
-        stream(&buffer) {}
+        buffer(file_path, Open()),
+        stream(&buffer) {
+    stream.exceptions(std::ios::badbit);
+  }
   ~State() {
     if (!committed) {
       unlink(temporary.c_str());
@@ -110,11 +106,8 @@ struct AtomicFile::State {
   // only the superuser may give files away.
   void SetAttributes() {
     const int descriptor = buffer.fd();
-    if (replaced &&
-        fchown(descriptor, replaced->st_uid, replaced->st_gid) == 0) {
-      errno = 0;
-    }
     if (replaced) {
+      std::ignore = fchown(descriptor, replaced->st_uid, replaced->st_gid);
       fchmod(descriptor, replaced->st_mode & kPermissions);
     }
     if (time) {
@@ -145,20 +138,9 @@ void AtomicFile::Prepare() {
     return;
   }
   state_->stream.flush();
-  int error = state_->buffer.SystemErrorNumber();
-  if (error == 0 && !state_->stream) {
-    // The stream ran out of memory, which it reports by this flag alone.
-    throw std::bad_alloc();
-  }
   state_->SetAttributes();
-  if (error == 0 && fsync(state_->buffer.fd()) != 0) {
-    error = errno;
-  }
-  if (state_->buffer.close() == nullptr && error == 0) {
-    error = errno;
-  }
-  if (error != 0) {
-    ThrowSystemError(state_->path.Path(), "writing failed", error);
+  if (fsync(state_->buffer.fd()) != 0 || state_->buffer.close() == nullptr) {
+    ThrowSystemError(state_->path.Path(), "writing failed", errno);
   }
 }
 
@@ -178,21 +160,14 @@ void LinkOrCopyFile(const fs::path& source, const ContainedPath& path) {
   CreateFolders(path.Parent());
   RemoveOldTemporary(path);
   const ContainedPath temporary = TemporaryOf(path);
-  if (linkat(AT_FDCWD,
-             source.c_str(),
-             AT_FDCWD,
-             temporary.Path().c_str(),
-             AT_SYMLINK_FOLLOW) != 0) {
+  std::error_code error;
+  fs::create_hard_link(fs::canonical(source, error), temporary.Path(), error);
+  if (error) {
     CopyFile(source, path, true);
     return;
   }
   // Another program may have left the file in the system's cache.
-  const int descriptor = open(temporary.Path().c_str(),
-                              O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
-  if (descriptor >= 0) {
-    fsync(descriptor);
-    close(descriptor);
-  }
+  FlushToDisk(temporary);
   RenameFile(temporary, path);
 }
 
@@ -200,12 +175,10 @@ void CopyFile(const fs::path& source,
               const ContainedPath& path,
               bool keeps_time) {
   InputFile input(source);
+  input.RequireOpened("file", "check that it exists");
   struct stat state;
-  if (!input || stat(source.c_str(), &state) != 0) {
-    throw Error::File(ErrorCode::kIo,
-                      source.string(),
-                      "cannot be read (" + input.Reason() + ")",
-                      "check the permissions there");
+  if (stat(source.c_str(), &state) != 0) {
+    ThrowSystemError(source, "cannot be looked at", errno);
   }
   AtomicFile copy(path);
   copy.state_->replaced = state;

@@ -34,7 +34,7 @@ class AtomicFile {
   AtomicFile& operator=(AtomicFile&&) = delete;
 
   // The binary stream of the content; seekp(position) may go back. Failed
-  // writes are reported by Prepare() and Commit().
+  // writes throw, at the latest in Prepare().
   std::ostream& Stream();
 
   // Flushes to the disk and closes, so that several files can be complete
@@ -63,8 +63,8 @@ void LinkOrCopyFile(const std::filesystem::path& source,
                     const ContainedPath& path);
 
 // Replaces `path` atomically by a copy with the permissions of the source.
-// Throws Error kIo. keeps_time: whether the copy gets the modification time,
-// too, if the file system supports it.
+// Throws Error kIo, and kNotFound without a source. keeps_time: whether the
+// copy gets the modification time, too, if the file system supports it.
 void CopyFile(const std::filesystem::path& source,
               const ContainedPath& path,
               bool keeps_time = false);

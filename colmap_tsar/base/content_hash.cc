@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/base/content_hash.h"
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 
 #include <cinttypes>
@@ -39,12 +38,7 @@ uint64_t ContentHash::Value() const { return XXH3_64bits_digest(state_.get()); }
 
 uint64_t HashFile(const std::filesystem::path& path) {
   InputFile file(path);
-  if (!file) {
-    throw Error::File(file.IsMissing() ? ErrorCode::kNotFound : ErrorCode::kIo,
-                      path.string(),
-                      "cannot be opened (" + file.Reason() + ")",
-                      "check that the file exists and may be read");
-  }
+  file.RequireOpened("file", "check that it exists");
   ContentHash hash;
   std::vector<char> buffer(size_t{1} << 20);
   while (file) {

@@ -79,10 +79,7 @@ Folder Folder::Create(const ContainedPath& path) {
                      error ? error.value() : errno);
   }
   for (auto folder = created.rbegin(); folder != created.rend(); ++folder) {
-    if (const int parent = OpenFolder(folder->parent_path()); parent >= 0) {
-      fsync(parent);
-      close(parent);
-    }
+    FlushToDisk(folder->parent_path());
   }
   return Folder(path, descriptor);
 }
@@ -114,28 +111,18 @@ void RequireInside(const ContainedPath& folder) {
   if (!Exists(folder.Root())) {
     return;
   }
-  const fs::path root = fs::canonical(folder.Root());
-  fs::path way = folder.Root();
-  for (const fs::path& name : folder.Relative()) {
-    way /= name;
-    std::error_code error;
-    const bool may_lead_out = name == ".." || name.is_absolute() ||
-                              fs::is_symlink(fs::symlink_status(way, error));
-    if (!may_lead_out) {
-      continue;
-    }
-    const fs::path target = fs::weakly_canonical(way, error);
-    if (error) {
-      ThrowSystemError(way, "cannot be looked at", error.value());
-    }
-    if (!IsWithin(target, root)) {
-      throw Error::File(
-          ErrorCode::kUnsupported,
-          way.string(),
-          "is a link that leads out of the workspace, to " + target.string(),
-          "put a folder in its place, or refine with " +
-              OptionName("output_path"));
-    }
+  std::error_code error;
+  const fs::path target = fs::weakly_canonical(folder.Path(), error);
+  if (error) {
+    ThrowSystemError(folder.Path(), "cannot be looked at", error.value());
+  }
+  if (!IsWithin(target, fs::canonical(folder.Root()))) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        folder.string(),
+        "leads out of the workspace by a link, to " + target.string(),
+        "put a folder in its place, or refine with " +
+            OptionName("output_path"));
   }
 }
 
@@ -173,6 +160,15 @@ std::set<std::string> ListFileNames(const ContainedPath& folder,
     }
   }
   return names;
+}
+
+void FlushToDisk(const fs::path& path) {
+  const int descriptor =
+      open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  if (descriptor >= 0) {
+    fsync(descriptor);
+    close(descriptor);
+  }
 }
 
 void ThrowSystemError(const std::filesystem::path& path,

@@ -75,6 +75,10 @@ std::vector<TreeEntry> ListTree(const ContainedPath& folder);
 std::set<std::string> ListFileNames(const ContainedPath& folder,
                                     const std::string& suffix);
 
+// Flushes a file, or the names in a folder, to the disk as far as the file
+// system can.
+void FlushToDisk(const std::filesystem::path& path);
+
 // Throws Error kIo with the path and the system's reason.
 [[noreturn]] void ThrowSystemError(const std::filesystem::path& path,
                                    const std::string& what,

@@ -4,7 +4,9 @@
 #include "colmap_tsar/base/input_file.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/path.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <sstream>
@@ -22,6 +24,13 @@ const char* KindText(mode_t mode) {
          : S_ISFIFO(mode) ? "it is a FIFO, not a regular file"
          : S_ISSOCK(mode) ? "it is a socket, not a regular file"
                           : "it is a device, not a regular file";
+}
+
+Error CannotRead(const std::filesystem::path& path,
+                 const std::string& reason,
+                 const std::string& advice) {
+  return Error::File(
+      ErrorCode::kIo, path.string(), "cannot be read (" + reason + ")", advice);
 }
 
 // Names the file where the standard library's exceptions do not.
@@ -45,10 +54,7 @@ class FileBuffer : public __gnu_cxx::stdio_filebuf<char> {
     try {
       return function();
     } catch (const std::ios_base::failure& error) {
-      throw Error::File(ErrorCode::kIo,
-                        path_.string(),
-                        "cannot be read (" + error.code().message() + ")",
-                        "check the disk");
+      throw CannotRead(path_, error.code().message(), "check the disk");
     }
   }
 
@@ -59,7 +65,9 @@ class FileBuffer : public __gnu_cxx::stdio_filebuf<char> {
 
 // A buffer is always set, since some readers access that of a failed stream.
 InputFile::InputFile(const std::filesystem::path& path)
-    : std::istream(nullptr), buffer_(std::make_unique<std::stringbuf>()) {
+    : std::istream(nullptr),
+      path_(path),
+      buffer_(std::make_unique<std::stringbuf>()) {
   // O_NOCTTY: a terminal must not become the controlling one.
   const int descriptor =
       open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
@@ -89,5 +97,31 @@ InputFile::InputFile(const std::filesystem::path& path)
 }
 
 InputFile::~InputFile() = default;
+
+void InputFile::RequireOpened(const std::string& noun,
+                              const std::string& advice) const {
+  if (is_missing_) {
+    throw Error::File(ErrorCode::kNotFound,
+                      path_.string(),
+                      "no such " + noun,
+                      AdviceForMissing(path_, advice));
+  }
+  if (!reason_.empty()) {
+    throw CannotRead(
+        path_, reason_, "check that it is a file and that you may read it");
+  }
+}
+
+std::vector<uint8_t> InputFile::ReadBytes(uintmax_t begin, uintmax_t count) {
+  begin = std::min(begin, size_);
+  std::vector<uint8_t> bytes(std::min(count, size_ - begin));
+  seekg(static_cast<std::streamoff>(begin));
+  read(reinterpret_cast<char*>(bytes.data()),
+       static_cast<std::streamsize>(bytes.size()));
+  if (!*this) {
+    throw CannotRead(path_, "the file has become shorter", "check the disk");
+  }
+  return bytes;
+}
 
 }  // namespace tsar

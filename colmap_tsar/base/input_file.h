@@ -8,6 +8,7 @@
 #include <istream>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tsar {
 
@@ -25,8 +26,15 @@ class InputFile : public std::istream {
   explicit InputFile(const std::filesystem::path& path);
   ~InputFile() override;
 
+  // Throws Error, naming the file, unless it was opened: kNotFound (there is
+  // none), kIo. noun: such as "map"; advice: for a missing file.
+  void RequireOpened(const std::string& noun, const std::string& advice) const;
+
   // The size in bytes when the file was opened.
   uintmax_t Size() const { return size_; }
+  // `count` bytes from an offset on, or fewer if the file ends before. Throws
+  // Error kIo where it has become shorter.
+  std::vector<uint8_t> ReadBytes(uintmax_t begin, uintmax_t count);
 
   // Why the file could not be opened, such as "Permission denied" or "it is a
   // FIFO, not a regular file"; empty if it was opened.
@@ -37,6 +45,7 @@ class InputFile : public std::istream {
   bool IsNoFile() const { return is_no_file_; }
 
  private:
+  const std::filesystem::path path_;
   std::unique_ptr<std::streambuf> buffer_;
   uintmax_t size_ = 0;
   std::string reason_;

@@ -4,51 +4,13 @@
 #include "colmap_tsar/base/picture_file.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/path.h"
 
-#include <algorithm>
 #include <new>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
-
-PictureInput::PictureInput(const std::filesystem::path& path,
-                           const std::string& noun,
-                           const std::string& advice)
-    : name_(path.string()), noun_(noun), file_(path) {
-  if (file_.IsMissing()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      name_,
-                      "no such " + noun,
-                      AdviceForMissing(path, advice));
-  }
-  if (!file_) {
-    throw Error::File(ErrorCode::kIo,
-                      name_,
-                      "the " + noun + " cannot be read: " + file_.Reason(),
-                      "check that it is a file and that you may read it");
-  }
-  if (Size() == 0) {
-    throw Error::File(ErrorCode::kCorrupt, name_, "the file is empty", advice);
-  }
-}
-
-std::vector<uint8_t> PictureInput::Read(uint64_t begin, uint64_t count) {
-  begin = std::min(begin, Size());
-  std::vector<uint8_t> bytes(std::min(count, Size() - begin));
-  file_.seekg(static_cast<std::streamoff>(begin));
-  file_.read(reinterpret_cast<char*>(bytes.data()),
-             static_cast<std::streamsize>(bytes.size()));
-  if (!file_) {
-    throw Error::File(ErrorCode::kIo,
-                      name_,
-                      "reading the " + noun_ + " failed",
-                      "check the disk");
-  }
-  return bytes;
-}
 
 void PutPicture(const cv::Mat& pixels,
                 const std::string& extension,

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
@@ -13,6 +14,7 @@
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -20,19 +22,18 @@ namespace tsar {
 
 Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path) {
   InputFile file(path);
-  if (!file) {
-    throw Error::File(file.IsMissing() ? ErrorCode::kNotFound : ErrorCode::kIo,
-                      path.string(),
-                      "cannot be read (" + file.Reason() + ")",
-                      "check " + OptionName("bounding_box_path"));
+  file.RequireOpened("file of a box",
+                     "check " + OptionName("bounding_box_path"));
+  std::array<double, 6> numbers = {};
+  bool is_complete = true;
+  for (double& number : numbers) {
+    const std::optional<double> parsed = ReadNumber<double>(file);
+    is_complete &= parsed.has_value();
+    number = parsed.value_or(0.0);
   }
-  Eigen::AlignedBox3d box;
-  for (Eigen::Vector3d* corner : {&box.min(), &box.max()}) {
-    for (int i = 0; i < 3; ++i) {
-      file >> (*corner)[i];
-    }
-  }
-  if (!file || !(box.min().array() <= box.max().array()).all()) {
+  const Eigen::AlignedBox3d box(Eigen::Vector3d::Map(&numbers[0]),
+                                Eigen::Vector3d::Map(&numbers[3]));
+  if (!is_complete || !(box.min().array() <= box.max().array()).all()) {
     throw Error::File(ErrorCode::kCorrupt,
                       path.string(),
                       "does not hold the six numbers of a box",

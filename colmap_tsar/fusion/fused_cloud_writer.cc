@@ -52,17 +52,9 @@ std::string VisibilityHeader(int64_t num_points) {
   return header;
 }
 
-void Write(const std::string& bytes, AtomicFile* file) {
-  file->Stream().write(bytes.data(),
-                       static_cast<std::streamsize>(bytes.size()));
-  if (!file->Stream()) {
-    file->Prepare();  // Throws the reason.
-  }
-}
-
 void Rewrite(const std::string& header, AtomicFile* file) {
   file->Stream().seekp(0);
-  Write(header, file);
+  file->Stream() << header;
   file->Prepare();
 }
 
@@ -109,13 +101,12 @@ FusedCloudWriter::FusedCloudWriter(const ContainedPath& path)
     : visibility_path_(path.Parent() / (path.Filename().string() + ".vis")),
       points_(path),
       visibility_(visibility_path_) {
-  Write(PlyHeader(0), &points_);
-  Write(VisibilityHeader(0), &visibility_);
+  Add({0, PlyHeader(0), VisibilityHeader(0)});
 }
 
 void FusedCloudWriter::Add(const EncodedPoints& points) {
-  Write(points.points, &points_);
-  Write(points.visibility, &visibility_);
+  points_.Stream() << points.points;
+  visibility_.Stream() << points.visibility;
   num_points_ += points.count;
 }
 

@@ -4,6 +4,7 @@
 #include "colmap_tsar/io/dense_maps.h"
 
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 
 #include <array>
 #include <optional>
@@ -68,15 +69,11 @@ enum DmapContent : uint8_t {
   kHasViews = 8,
 };
 
-template <typename Matrix>
-Matrix ReadMatrix(ByteReader* reader) {
-  Matrix matrix;
-  for (int row = 0; row < matrix.rows(); ++row) {
-    for (int column = 0; column < matrix.cols(); ++column) {
-      matrix(row, column) = reader->Read<double>();
-    }
-  }
-  return matrix;
+// The numbers of a matrix, row by row.
+Eigen::Matrix3d ReadMatrix3(ByteReader* reader) {
+  Eigen::Matrix3d transposed;
+  reader->ReadAll<double>({transposed.data(), 9});
+  return transposed.transpose();
 }
 
 struct DmapHeader {
@@ -125,13 +122,16 @@ Matrix ReadMatrix(std::istringstream* text,
                   const std::string& name) {
   std::string read;
   *text >> read;
+  bool is_complete = read == word;
   Matrix matrix;
   for (int row = 0; row < matrix.rows(); ++row) {
     for (int column = 0; column < matrix.cols(); ++column) {
-      *text >> matrix(row, column);
+      const std::optional<double> number = ReadNumber<double>(*text);
+      is_complete &= number.has_value();
+      matrix(row, column) = number.value_or(0.0);
     }
   }
-  if (!*text || read != word) {
+  if (!is_complete) {
     throw CorruptCamera(name,
                         "not a camera: it has no \"" + word + "\" with " +
                             std::to_string(matrix.size()) + " numbers");
@@ -226,10 +226,10 @@ Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name) {
     throw reader.Corrupt("the file is shorter than its content says");
   }
   reader.Take(num_ids * sizeof(uint32_t));
-  const auto k = ReadMatrix<Eigen::Matrix3d>(&reader);
+  const Eigen::Matrix3d k = ReadMatrix3(&reader);
   dmap.camera.file = name;
-  dmap.camera.rotation = ReadMatrix<Eigen::Matrix3d>(&reader);
-  dmap.camera.center = ReadMatrix<Eigen::Vector3d>(&reader);
+  dmap.camera.rotation = ReadMatrix3(&reader);
+  reader.ReadAll<double>({dmap.camera.center.data(), 3});
   SetCalibration(k, &dmap.camera);
 
   const bool has_normals = (header.content & kHasNormals) != 0;

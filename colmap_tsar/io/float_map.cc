@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -35,23 +34,8 @@ static_assert(std::endian::native == std::endian::little,
 std::vector<uint8_t> ReadFileBytes(const std::filesystem::path& path,
                                    size_t max_num_bytes) {
   InputFile file(path);
-  if (file.IsMissing()) {
-    throw Error::File(
-        ErrorCode::kNotFound, path.string(), "no such file", "check the path");
-  }
-  std::vector<uint8_t> bytes(std::min<size_t>(file.Size(), max_num_bytes));
-  file.read(reinterpret_cast<char*>(bytes.data()),
-            static_cast<std::streamsize>(bytes.size()));
-  if (!file) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "cannot be read (" +
-                          (file.Reason().empty() ? std::string("reading failed")
-                                                 : file.Reason()) +
-                          ")",
-                      "check that it is a file and that you may read it");
-  }
-  return bytes;
+  file.RequireOpened("file", "check the path");
+  return file.ReadBytes(0, max_num_bytes);
 }
 
 std::span<const uint8_t> ByteReader::Take(size_t num_bytes) {

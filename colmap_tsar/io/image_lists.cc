@@ -5,12 +5,12 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/source_selector.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cstddef>
 #include <numeric>
 #include <unordered_set>
@@ -32,7 +32,7 @@ std::string Trimmed(const std::string& text) {
              : text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-struct ConfigLine {
+struct Line {
   int number = 0;
   std::string text;
 };
@@ -54,21 +54,20 @@ int IndexOf(const std::string& name,
   return index;
 }
 
-// The lines that are neither blank nor comments.
-std::vector<ConfigLine> ReadConfigLines(const std::filesystem::path& path) {
+// The lines of a file that are not blank, without the blanks around them. noun,
+// advice: for a missing file.
+std::vector<Line> ReadLines(const std::filesystem::path& path,
+                            const std::string& noun,
+                            const std::string& advice) {
   InputFile file(path);
-  if (!file) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "the configuration file is missing or cannot be read (" +
-                          file.Reason() + ")",
-                      "make the workspace with image_undistorter");
-  }
-  std::vector<ConfigLine> lines;
+  file.RequireOpened(noun, advice);
+  std::vector<Line> lines;
   std::string line;
   for (int number = 1; std::getline(file, line); ++number) {
-    std::string text = Trimmed(line);
-    if (!text.empty() && text[0] != '#') {
+    if (number == 1 && line.starts_with(kByteOrderMark)) {
+      line.erase(0, 3);
+    }
+    if (std::string text = Trimmed(line); !text.empty()) {
       lines.push_back({number, std::move(text)});
     }
   }
@@ -99,7 +98,11 @@ class ConfigParser {
         selector_(model, min_triangulation_angle_degrees) {}
 
   std::vector<StereoProblem> Parse() {
-    const std::vector<ConfigLine> lines = ReadConfigLines(path_);
+    std::vector<Line> lines = ReadLines(path_,
+                                        "configuration file",
+                                        "make the workspace with "
+                                        "image_undistorter");
+    std::erase_if(lines, [](const Line& line) { return line.text[0] == '#'; });
     std::vector<StereoProblem> problems;
     for (size_t i = 0; i < lines.size(); i += 2) {
       StereoProblem problem;
@@ -124,7 +127,7 @@ class ConfigParser {
   }
 
  private:
-  void ParseSources(const ConfigLine& line, StereoProblem* problem) {
+  void ParseSources(const Line& line, StereoProblem* problem) {
     const int reference = problem->reference;
     const std::vector<std::string> names = SplitNames(line.text);
     if (!names.empty() && names[0] == "__auto__") {
@@ -146,7 +149,7 @@ class ConfigParser {
     return images;
   }
 
-  std::vector<int> FindSources(const ConfigLine& line,
+  std::vector<int> FindSources(const Line& line,
                                const std::vector<std::string>& names,
                                int reference) const {
     std::vector<int> sources;
@@ -165,15 +168,11 @@ class ConfigParser {
     return sources;
   }
 
-  std::vector<int> SelectSources(const ConfigLine& line,
+  std::vector<int> SelectSources(const Line& line,
                                  const std::vector<std::string>& names,
                                  int reference) {
-    int count = 0;
-    if (names.size() == 2) {
-      const char* end = names[1].data() + names[1].size();
-      const auto result = std::from_chars(names[1].data(), end, count);
-      count = result.ec == std::errc() && result.ptr == end ? count : 0;
-    }
+    const int count =
+        names.size() == 2 ? ParseNumber<int>(names[1]).value_or(0) : 0;
     if (count < 1) {
       throw Corrupt(line,
                     "must have the form \"__auto__, N\" with a number N > 0");
@@ -189,7 +188,7 @@ class ConfigParser {
                : "no other image shares enough of its sparse points";
   }
 
-  int FindImage(const ConfigLine& line, const std::string& name) const {
+  int FindImage(const Line& line, const std::string& name) const {
     return IndexOf(name,
                    model_,
                    path_,
@@ -197,7 +196,7 @@ class ConfigParser {
                    "correct the name or make the workspace again");
   }
 
-  Error Corrupt(const ConfigLine& line, const std::string& what) const {
+  Error Corrupt(const Line& line, const std::string& what) const {
     return Error::File(ErrorCode::kCorrupt,
                        path_.string(),
                        "line " + std::to_string(line.number) + " " + what,
@@ -215,24 +214,9 @@ class ConfigParser {
 std::vector<ListedImage> ReadImageList(const std::filesystem::path& path,
                                        const SparseModel& model,
                                        const std::string& option) {
-  InputFile file(path);
-  if (!file) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "the list of images is missing or cannot be read (" +
-                          file.Reason() + ")",
-                      "check " + option);
-  }
   std::vector<ListedImage> images;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    if (number == 1 && line.starts_with(kByteOrderMark)) {
-      line.erase(0, 3);
-    }
-    const std::string name = Trimmed(line);
-    if (name.empty()) {
-      continue;
-    }
+  for (const auto& [number, name] :
+       ReadLines(path, "list of images", "check " + option)) {
     if (name.size() > kMaxNameLength || HasControlCharacter(name)) {
       throw Error::File(ErrorCode::kCorrupt,
                         path.string(),

@@ -20,9 +20,9 @@ struct ListedImage {
 
 // Reads a text file with one image name per line, as COLMAP's image_list_path.
 // Blank lines, blanks around names and line ends of any system are ignored.
-// option: the option that names the file. Throws Error: kNotFound (it cannot be
-// read), kCorrupt (a line is no text), kMismatch (a line names no image of the
-// model, or none does), with the number of the line.
+// option: the option that names the file. Throws Error: kNotFound (there is
+// none), kIo (it cannot be read), kCorrupt (a line is no text), kMismatch (a
+// line names no image of the model, or none does), with the number of the line.
 std::vector<ListedImage> ReadImageList(const std::filesystem::path& path,
                                        const SparseModel& model,
                                        const std::string& option);
@@ -44,9 +44,9 @@ struct StereoProblem {
 // Blank lines and lines that begin with '#' are skipped. Sources that are not
 // independent (see SourceSelector) are left out.
 //
-// Throws Error: kNotFound (no such file), kMismatch (an image that the sparse
-// model does not hold), kCorrupt (a reference without sources, twice, or among
-// its own sources; a bad N). Messages name the line.
+// Throws Error: kNotFound (no such file), kIo, kMismatch (an image that the
+// sparse model does not hold), kCorrupt (a reference without sources, twice, or
+// among its own sources; a bad N). Messages name the line.
 std::vector<StereoProblem> ReadPatchMatchConfig(
     const std::filesystem::path& path,
     const SparseModel& model,

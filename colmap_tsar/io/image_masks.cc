@@ -4,6 +4,7 @@
 #include "colmap_tsar/io/image_masks.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/io/photo.h"
@@ -37,68 +38,46 @@ fs::path FindMask(const fs::path& folder, const std::string& name) {
   return is_png && Exists(mask) ? mask : fs::path();
 }
 
-// An open PNG file; see PictureInput for more errors.
-class PngInput {
- public:
-  // Throws Error kCorrupt if it is no PNG file.
-  explicit PngInput(const fs::path& path) : file_(path, "mask", kMaskAdvice) {
-    const std::optional<PngHeader> header = ReadPngHeader(&file_);
-    if (!header) {
-      throw Error::File(
-          ErrorCode::kCorrupt, Name(), "the mask is no PNG file", kMaskAdvice);
-    }
-    header_ = *header;
-  }
-
-  const std::string& Name() const { return file_.Name(); }
-  const PngHeader& Header() const { return header_; }
-  RasterSize Size() const {
-    return {static_cast<int>(header_.width), static_cast<int>(header_.height)};
-  }
-
-  // Whether the end of the file is that of a complete one.
-  bool EndsAsWhole() { return EndsInMarker(&file_); }
-
-  cv::Mat Decode() {
-    cv::Mat pixels = DecodePicture(file_.ReadAll(),
-                                   cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
-    if (pixels.empty()) {
-      throw Error::File(ErrorCode::kCorrupt,
-                        Name(),
-                        "the mask is damaged or breaks off",
-                        "write it again");
-    }
-    return pixels;
-  }
-
- private:
-  PictureInput file_;
-  PngHeader header_;
-};
-
-bool HasSize(const PngHeader& header, const RasterSize& size) {
-  return header.width == size.width && header.height == size.height;
+Error Corrupt(const fs::path& path, const std::string& what) {
+  return Error::File(ErrorCode::kCorrupt, path.string(), what, kMaskAdvice);
 }
 
 // Throws if, by its header, the file is no mask for an image of these sizes.
-void RequireMask(const MaskSizes& sizes, const PngInput& file) {
-  if (!HasSize(file.Header(), sizes.image) &&
-      !HasSize(file.Header(), sizes.maps)) {
+void RequireMask(const fs::path& path,
+                 const MaskSizes& sizes,
+                 InputFile* file) {
+  file->RequireOpened("mask", kMaskAdvice);
+  const std::optional<PngHeader> header = ReadPngHeader(file);
+  if (!header) {
+    throw Corrupt(
+        path,
+        file->Size() == 0 ? "the file is empty" : "the mask is no PNG file");
+  }
+  const auto has_size = [&](const RasterSize& size) {
+    return header->width == size.width && header->height == size.height;
+  };
+  if (!has_size(sizes.image) && !has_size(sizes.maps)) {
     const bool has_own_maps = sizes.maps.width != sizes.image.width ||
                               sizes.maps.height != sizes.image.height;
     throw Error::File(
         ErrorCode::kMismatch,
-        file.Name(),
-        "the mask has " + ToString(file.Size()) +
-            " pixels, its undistorted image " + ToString(sizes.image) +
+        path.string(),
+        "the mask has " + std::to_string(header->width) + " x " +
+            std::to_string(header->height) + " pixels, its undistorted image " +
+            ToString(sizes.image) +
             (has_own_maps ? ", and its maps " + ToString(sizes.maps) : ""),
         "masks of the photos do not fit: undistort them with "
         "image_undistorter, as docs/guide.md tells under Masks");
   }
 }
 
-Image<uint8_t> DecodeMask(PngInput* file) {
-  const cv::Mat pixels = file->Decode();
+Image<uint8_t> DecodeMask(const fs::path& path, InputFile* file) {
+  const cv::Mat pixels =
+      DecodePicture(file->ReadBytes(0, file->Size()),
+                    cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+  if (pixels.empty()) {
+    throw Corrupt(path, "the mask is damaged or breaks off");
+  }
   Image<uint8_t> mask(pixels.cols, pixels.rows);
   cv::Mat is_black(pixels.rows, pixels.cols, CV_8UC1, mask.Data());
   cv::compare(pixels, 0, is_black, cv::CMP_EQ);
@@ -150,17 +129,17 @@ std::vector<fs::path> FindImageMasks(
 }
 
 Image<uint8_t> ReadImageMask(const fs::path& path, const MaskSizes& sizes) {
-  PngInput file(path);
-  RequireMask(sizes, file);
-  return DecodeMask(&file);
+  InputFile file(path);
+  RequireMask(path, sizes, &file);
+  return DecodeMask(path, &file);
 }
 
 void CheckImageMask(const fs::path& path, const MaskSizes& sizes) {
-  PngInput file(path);
-  RequireMask(sizes, file);
-  if (!file.EndsAsWhole()) {
+  InputFile file(path);
+  RequireMask(path, sizes, &file);
+  if (!EndsInMarker(&file)) {
     // Data may have been appended after the end.
-    DecodeMask(&file);
+    DecodeMask(path, &file);
   }
 }
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
 
@@ -53,14 +54,11 @@ std::string ReadWord(ByteReader* reader) {
 
 template <typename T>
 T ReadNumber(ByteReader* reader) {
-  const std::string word = ReadWord(reader);
-  T number = 0;
-  const auto [end, error] =
-      std::from_chars(word.data(), word.data() + word.size(), number);
-  if (error != std::errc() || end != word.data() + word.size()) {
+  const std::optional<T> number = ParseNumber<T>(ReadWord(reader));
+  if (!number) {
     throw reader->Corrupt("the PFM header has no number where one is due");
   }
-  return number;
+  return *number;
 }
 
 DepthImage ParsePfm(std::span<const uint8_t> bytes, const std::string& name) {
@@ -127,15 +125,6 @@ std::vector<int64_t> ParseShape(std::string_view text,
   return shape;
 }
 
-template <typename T, typename Convert>
-void ReadValues(ByteReader* reader,
-                Convert convert,
-                std::vector<float>* values) {
-  for (float& value : *values) {
-    value = convert(reader->Read<T>());
-  }
-}
-
 DepthImage ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
   constexpr std::string_view kMagic = "\x93NUMPY";
   ByteReader reader(bytes, name);
@@ -173,15 +162,11 @@ DepthImage ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
                          shape[0],
                          channels,
                          static_cast<size_t>(type[2] - '0')));
-  const auto to_float = [](auto value) { return static_cast<float>(value); };
-  if (type == "<f2") {
-    ReadValues<uint16_t>(&reader, &HalfToFloat, &values);
-  } else if (type == "<u2") {
-    ReadValues<uint16_t>(&reader, to_float, &values);
-  } else if (type == "<f4") {
-    ReadValues<float>(&reader, to_float, &values);
-  } else {
-    ReadValues<double>(&reader, to_float, &values);
+  for (float& value : values) {
+    value = type == "<f4"   ? reader.Read<float>()
+            : type == "<f2" ? HalfToFloat(reader.Read<uint16_t>())
+            : type == "<u2" ? static_cast<float>(reader.Read<uint16_t>())
+                            : static_cast<float>(reader.Read<double>());
   }
   return {{static_cast<int>(shape[1]),
            static_cast<int>(shape[0]),

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/parse_number.h"
 
 #include <algorithm>
 #include <bit>
@@ -26,21 +27,15 @@ Error CorruptMap(const std::filesystem::path& path, const std::string& what) {
                      "run patch_match_stereo again for this image");
 }
 
-// Reads "123&" and returns 123, or -1 for anything else. Nine digits are more
-// than any file can have and fit an int.
+// Reads "123&" and returns 123, or -1 for anything else.
 int ReadHeaderNumber(std::istream& stream) {
-  int number = 0;
-  for (int num_digits = 0; num_digits < 10; ++num_digits) {
-    const int character = stream.get();
-    if (character == '&') {
-      return num_digits > 0 ? number : -1;
-    }
-    if (character < '0' || character > '9' || num_digits == 9) {
-      return -1;
-    }
-    number = 10 * number + (character - '0');
+  char text[12];  // Longer than any int.
+  stream.getline(text, sizeof(text), '&');
+  if (!stream.good()) {
+    return -1;
   }
-  return -1;
+  const auto length = static_cast<size_t>(stream.gcount() - 1);
+  return ParseNumber<int>({text, length}).value_or(-1);
 }
 
 template <typename Reader, typename T>
@@ -105,21 +100,10 @@ class MapWriter {
 
 MapReader::MapReader(const std::filesystem::path& path)
     : path_(path), file_(std::make_unique<InputFile>(path)) {
-  if (file_->IsMissing()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "no such map",
-                      "run patch_match_stereo for this image");
-  }
   if (file_->IsNoFile()) {
     throw CorruptMap(path, file_->Reason());
   }
-  if (!*file_) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "the map cannot be opened (" + file_->Reason() + ")",
-                      "check that you may read it");
-  }
+  file_->RequireOpened("map", "run patch_match_stereo for this image");
   ReadHeader();
 }
 
@@ -256,12 +240,6 @@ uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file) {
   return writer.Hash();
 }
 
-uint64_t PutPlanarMap(const PlanarMap& map, AtomicFile* file) {
-  MapWriter writer({map.width, map.height, map.channels}, file);
-  writer.Write(map.values);
-  return writer.Hash();
-}
-
 void WriteDepthMap(const ContainedPath& path, const Image<float>& depth) {
   AtomicFile file(path);
   PutDepthMap(depth, &file);
@@ -283,7 +261,7 @@ void WritePlanarMap(const ContainedPath& path, const PlanarMap& map) {
                       "this is a mistake of the program, please report it");
   }
   AtomicFile file(path);
-  PutPlanarMap(map, &file);
+  MapWriter(size, &file).Write(map.values);
   file.Commit();
 }
 

@@ -142,6 +142,5 @@ void WritePlanarMap(const ContainedPath& path, const PlanarMap& map);
 // content, see content_hash.h.
 uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file);
 uint64_t PutNormalMap(const Image<Vec3f>& normal, AtomicFile* file);
-uint64_t PutPlanarMap(const PlanarMap& map, AtomicFile* file);
 
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #include "colmap_tsar/io/photo.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/picture_file.h"
 
 #include <algorithm>
 #include <span>
@@ -66,17 +67,16 @@ bool HasEnd(std::span<const uint8_t> bytes) {
          text.find(kJpegEnd, stream) != std::string_view::npos;
 }
 
-PictureInput OpenPhoto(const std::filesystem::path& path) {
-  return PictureInput(
-      path, "image", "make the workspace again with image_undistorter");
-}
+constexpr const char* kAdvice =
+    "make the workspace again with image_undistorter";
 
 // T: Rgb, or uint8_t for gray.
 template <typename T>
 Image<T> Read(const std::filesystem::path& path) {
   constexpr bool kIsGray = std::is_same_v<T, uint8_t>;
-  PictureInput file = OpenPhoto(path);
-  const std::vector<uint8_t> bytes = file.ReadAll();
+  InputFile file(path);
+  file.RequireOpened("image", kAdvice);
+  const std::vector<uint8_t> bytes = file.ReadBytes(0, file.Size());
   cv::Mat pixels;
   if (HasEnd(bytes)) {
     pixels = DecodePicture(bytes,
@@ -84,16 +84,14 @@ Image<T> Read(const std::filesystem::path& path) {
                                cv::IMREAD_IGNORE_ORIENTATION);
   }
   if (pixels.empty()) {
-    throw cv::haveImageReader(path.string())
-        ? Error::File(ErrorCode::kCorrupt,
-                      file.Name(),
-                      "the image is damaged or breaks off",
-                      "make the workspace again with image_undistorter, from a "
-                      "whole photo")
-        : Error::File(ErrorCode::kCorrupt,
-                      file.Name(),
-                      "not a readable image: OpenCV does not know its format",
-                      "make the workspace again with image_undistorter");
+    throw Error::File(
+        ErrorCode::kCorrupt,
+        path.string(),
+        bytes.empty() ? "the file is empty"
+        : cv::haveImageReader(path.string())
+            ? "the image is damaged or breaks off"
+            : "not a readable image: OpenCV does not know its format",
+        std::string(kAdvice) + ", from a whole photo");
   }
   auto image = Image<T>::Uninitialized(pixels.cols, pixels.rows);
   cv::Mat target(pixels.rows, pixels.cols, pixels.type(), image.Data());
@@ -116,22 +114,24 @@ Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
 }
 
 bool HasAlpha(const std::filesystem::path& path) {
-  PictureInput file = OpenPhoto(path);
+  InputFile file(path);
+  file.RequireOpened("image", kAdvice);
   const std::optional<PngHeader> header = ReadPngHeader(&file);
   return header && header->has_alpha;
 }
 
 void CheckPhotoFile(const std::filesystem::path& path) {
-  PictureInput file = OpenPhoto(path);
+  InputFile file(path);
+  file.RequireOpened("image", kAdvice);
   if (!cv::haveImageReader(path.string()) || !EndsInMarker(&file)) {
     // Cameras may append data after the end.
     ReadPhoto(path);
   }
 }
 
-std::optional<PngHeader> ReadPngHeader(PictureInput* file) {
+std::optional<PngHeader> ReadPngHeader(InputFile* file) {
   constexpr uint8_t kAlpha = 4;
-  const std::vector<uint8_t> head = file->Read(0, kPngHeaderSize);
+  const std::vector<uint8_t> head = file->ReadBytes(0, kPngHeaderSize);
   if (head.size() < kPngHeaderSize || !TextOf(head).starts_with(kPngBegin)) {
     return std::nullopt;
   }
@@ -140,11 +140,11 @@ std::optional<PngHeader> ReadPngHeader(PictureInput* file) {
       BigEndianAt(head, 16), BigEndianAt(head, 20), (color_type & kAlpha) != 0};
 }
 
-bool EndsInMarker(PictureInput* file) {
-  const std::vector<uint8_t> head = file->Read(0, kPngBegin.size());
+bool EndsInMarker(InputFile* file) {
+  const std::vector<uint8_t> head = file->ReadBytes(0, kPngBegin.size());
   const uint64_t tail_size = std::min<uint64_t>(file->Size(), kPngEnd.size());
   const std::vector<uint8_t> tail =
-      file->Read(file->Size() - tail_size, tail_size);
+      file->ReadBytes(file->Size() - tail_size, tail_size);
   return TextOf(head).starts_with(kJpegBegin)
              ? TextOf(tail).ends_with(kJpegEnd)
              : !TextOf(head).starts_with(kPngBegin) ||

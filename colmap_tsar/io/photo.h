@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/base/picture_file.h"
+#include "colmap_tsar/base/input_file.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -43,12 +43,11 @@ struct PngHeader {
   bool has_alpha = false;
 };
 
-// Nullopt if the file is no PNG. Throws the errors of PictureInput.
-std::optional<PngHeader> ReadPngHeader(PictureInput* file);
+// Nullopt if the file is no PNG.
+std::optional<PngHeader> ReadPngHeader(InputFile* file);
 
 // Whether the last bytes are those of a whole file, with nothing after it, as
-// far as its format has a marker at its end: JPEG and PNG. Throws the errors of
-// PictureInput.
-bool EndsInMarker(PictureInput* file);
+// far as its format has a marker at its end: JPEG and PNG.
+bool EndsInMarker(InputFile* file);
 
 }  // namespace tsar

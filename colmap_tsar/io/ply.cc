@@ -5,20 +5,18 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/parse_number.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <iterator>
-#include <limits>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -49,7 +47,6 @@ constexpr NumberType kNumberTypes[] = {
     {"uint", "uint32", sizeof(uint32_t), &Load<uint32_t>},
     {"float", "float32", sizeof(float), &Load<float>},
     {"double", "float64", sizeof(double), &Load<double>}};
-constexpr const NumberType* kByte = &kNumberTypes[1];
 
 struct Element {
   std::string name;
@@ -71,24 +68,13 @@ class PlyFile {
  public:
   explicit PlyFile(const std::filesystem::path& path) : path_(path.string()) {
     InputFile file(path);
-    if (file.IsMissing() || file.IsNoFile()) {
-      Fail(ErrorCode::kNotFound, "there is no such file", "check the path");
-    }
-    if (!file) {
-      Fail(ErrorCode::kIo,
-           "the file cannot be opened (" + file.Reason() + ")",
-           "check that it is a file and that you may read it");
-    }
-    content_.resize(file.Size());
-    if (!file.read(content_.data(),
-                   static_cast<std::streamsize>(content_.size()))) {
-      Fail(ErrorCode::kIo, "the file cannot be read", "check its permissions");
-    }
-    rest_ = content_;
+    file.RequireOpened("file", "check the path");
+    content_ = file.ReadBytes(0, file.Size());
+    rest_ = {reinterpret_cast<const char*>(content_.data()), content_.size()};
     ReadHeader();
   }
 
-  PlyCloud ReadCloud(uint64_t max_num_points) {
+  std::vector<Eigen::Vector3d> ReadPoints() {
     for (const Element& element : elements_) {
       if (element.has_list) {
         Fail(ErrorCode::kUnsupported,
@@ -96,10 +82,7 @@ class PlyFile {
              "save the points without faces or put the vertices first");
       }
       if (element.name == "vertex") {
-        cloud_.num_points_read = element.count;
-        num_wanted_ = std::min(element.count, max_num_points);
-        is_ascii_ ? ReadAscii(element) : ReadBinary(element);
-        return std::move(cloud_);
+        return is_ascii_ ? ReadAscii(element) : ReadBinary(element);
       }
       Skip(element);
     }
@@ -221,121 +204,84 @@ class PlyFile {
     }
   }
 
-  // The indices of x, y and z, and of red, green and blue, among the element's
-  // properties; the colors are -1 unless all three are bytes.
-  std::array<int, 6> FindProperties(const Element& element) const {
-    static const std::array<std::string, 6> names = {
-        "x", "y", "z", "red", "green", "blue"};
-    std::array<int, 6> indices = {-1, -1, -1, -1, -1, -1};
-    for (size_t i = 0; i < element.names.size(); ++i) {
+  // The indices of x, y and z among the element's properties.
+  std::array<size_t, 3> FindCoordinates(const Element& element) const {
+    std::array<size_t, 3> indices;
+    for (size_t i = 0; i < 3; ++i) {
       const auto found =
-          std::find(names.begin(), names.end(), element.names[i]);
-      const auto position = static_cast<size_t>(found - names.begin());
-      if (position < 3 || (position < 6 && element.types[i] == kByte)) {
-        indices[position] = static_cast<int>(i);
+          std::ranges::find(element.names, std::string(1, "xyz"[i]));
+      if (found == element.names.end()) {
+        Corrupt("its vertices have no x, y, z");
       }
-    }
-    if (*std::min_element(indices.begin(), indices.begin() + 3) < 0) {
-      Corrupt("its vertices have no x, y, z");
-    }
-    if (*std::min_element(indices.begin() + 3, indices.end()) < 0) {
-      std::fill(indices.begin() + 3, indices.end(), -1);
+      indices[i] = static_cast<size_t>(found - element.names.begin());
     }
     return indices;
   }
 
-  // Whether this point is in the evenly spaced sample.
-  bool IsWanted(uint64_t index) const {
-    const double step = static_cast<double>(cloud_.num_points_read) /
-                        static_cast<double>(num_wanted_);
-    const auto next = static_cast<double>(cloud_.points.size());
-    return cloud_.points.size() < num_wanted_ &&
-           index >= static_cast<uint64_t>(next * step);
-  }
-
   double NextNumber() {
-    const size_t start = rest_.find_first_not_of(" \t\r\n");
-    rest_.remove_prefix(start == std::string_view::npos ? rest_.size() : start);
-    double value = 0;
-    const char* end = rest_.data() + rest_.size();
-    const auto result = std::from_chars(rest_.data(), end, value);
-    if (result.ec != std::errc()) {
+    constexpr std::string_view kBlank = " \t\r\n";
+    const size_t begin =
+        std::min(rest_.find_first_not_of(kBlank), rest_.size());
+    const size_t end =
+        std::min(rest_.find_first_of(kBlank, begin), rest_.size());
+    const std::optional<double> number =
+        ParseNumber<double>(rest_.substr(begin, end - begin));
+    if (!number) {
       Corrupt("a number is missing or cannot be read");
     }
-    rest_.remove_prefix(static_cast<size_t>(result.ptr - rest_.data()));
-    return value;
+    rest_.remove_prefix(end);
+    return *number;
   }
 
-  void ReadAscii(const Element& element) {
-    const std::array<int, 6> indices = FindProperties(element);
+  std::vector<Eigen::Vector3d> ReadAscii(const Element& element) {
+    const std::array<size_t, 3> indices = FindCoordinates(element);
     // A number takes at least one digit.
     CheckSize(element, element.types.size());
-    Reserve(indices);
+    std::vector<Eigen::Vector3d> points(element.count);
     std::vector<double> values(element.types.size());
-    for (uint64_t i = 0; i < element.count; ++i) {
+    for (Eigen::Vector3d& point : points) {
       for (double& value : values) {
         value = NextNumber();
       }
-      Take(i, indices, [&](int property) { return values[property]; });
+      for (size_t k = 0; k < 3; ++k) {
+        point[static_cast<int>(k)] = values[indices[k]];
+      }
     }
+    RequireFinite(points);
+    return points;
   }
 
-  void ReadBinary(const Element& element) {
-    const std::array<int, 6> indices = FindProperties(element);
-    const size_t stride = element.Stride();
-    CheckSize(element, stride);
-    Reserve(indices);
+  std::vector<Eigen::Vector3d> ReadBinary(const Element& element) {
+    const std::array<size_t, 3> indices = FindCoordinates(element);
+    CheckSize(element, element.Stride());
     std::vector<size_t> offsets = {0};
     for (const NumberType* type : element.types) {
       offsets.push_back(offsets.back() + type->size);
     }
-    for (uint64_t i = 0; i < element.count; ++i) {
-      const char* vertex = rest_.data() + i * stride;
-      Take(i, indices, [&](int property) {
-        const auto index = static_cast<size_t>(property);
-        return element.types[index]->load(vertex + offsets[index]);
-      });
+    std::vector<Eigen::Vector3d> points(element.count);
+    const char* vertex = rest_.data();
+    for (Eigen::Vector3d& point : points) {
+      for (size_t k = 0; k < 3; ++k) {
+        point[static_cast<int>(k)] =
+            element.types[indices[k]]->load(vertex + offsets[indices[k]]);
+      }
+      vertex += element.Stride();
+    }
+    RequireFinite(points);
+    return points;
+  }
+
+  void RequireFinite(const std::vector<Eigen::Vector3d>& points) const {
+    const auto bad = std::ranges::find_if_not(
+        points, [](const Eigen::Vector3d& point) { return point.allFinite(); });
+    if (bad != points.end()) {
+      Corrupt("vertex " + std::to_string(bad - points.begin()) +
+              " is not finite");
     }
   }
 
-  void Reserve(const std::array<int, 6>& indices) {
-    cloud_.points.reserve(num_wanted_);
-    cloud_.colors.reserve(indices[3] >= 0 ? num_wanted_ : 0);
-  }
-
-  // Checks point `index` and adds it if it is in the sample. value: returns the
-  // property at an index.
-  template <typename Value>
-  void Take(uint64_t index,
-            const std::array<int, 6>& indices,
-            const Value& value) {
-    std::array<double, 6> values = {};
-    for (size_t k = 0; k < 6; ++k) {
-      values[k] = indices[k] >= 0 ? value(indices[k]) : 0.0;
-    }
-    if (!std::all_of(values.begin(), values.begin() + 3, [](double value) {
-          return std::isfinite(value);
-        })) {
-      Corrupt("vertex " + std::to_string(index) + " is not finite");
-    }
-    if (!IsWanted(index)) {
-      return;
-    }
-    cloud_.points.emplace_back(values[0], values[1], values[2]);
-    if (indices[3] >= 0) {
-      // A text may hold anything; NaN becomes 0.
-      const auto byte = [](double value) {
-        return static_cast<uint8_t>(value > 0.0 ? std::min(value, 255.0) : 0.0);
-      };
-      cloud_.colors.push_back(
-          {byte(values[3]), byte(values[4]), byte(values[5])});
-    }
-  }
-
-  uint64_t num_wanted_ = 0;
-  PlyCloud cloud_;
   std::string path_;
-  std::string content_;
+  std::vector<uint8_t> content_;
   std::string_view rest_;
   bool is_ascii_ = false;
   std::vector<Element> elements_;
@@ -344,12 +290,7 @@ class PlyFile {
 }  // namespace
 
 std::vector<Eigen::Vector3d> ReadPlyPoints(const std::filesystem::path& path) {
-  return ReadPlyCloud(path, std::numeric_limits<uint64_t>::max()).points;
-}
-
-PlyCloud ReadPlyCloud(const std::filesystem::path& path,
-                      uint64_t max_num_points) {
-  return PlyFile(path).ReadCloud(max_num_points);
+  return PlyFile(path).ReadPoints();
 }
 
 }  // namespace tsar

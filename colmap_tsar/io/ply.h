@@ -3,9 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/base/image.h"
-
-#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -20,16 +17,5 @@ namespace tsar {
 // not finite), kUnsupported (big-endian, or lists at or before the vertices).
 // Sizes are checked against the file's length before memory is allocated.
 std::vector<Eigen::Vector3d> ReadPlyPoints(const std::filesystem::path& path);
-
-struct PlyCloud {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Rgb> colors;       // Empty if the file has none.
-  uint64_t num_points_read = 0;  // Points in the file.
-};
-
-// Reads positions and colors (red, green and blue of 8 bits). Of more than
-// max_num_points points, as many are sampled, evenly spaced in the file.
-PlyCloud ReadPlyCloud(const std::filesystem::path& path,
-                      uint64_t max_num_points);
 
 }  // namespace tsar

@@ -3,16 +3,16 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/io/sparse_model.h"
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string_view>
-#include <system_error>
 #include <unordered_set>
 #include <utility>
 
@@ -37,12 +37,7 @@ Error CorruptModel(const Path& path, const std::string& what) {
 class ModelFile {
  protected:
   explicit ModelFile(const Path& path) : path_(path), file_(path) {
-    if (!file_) {
-      throw Error::File(ErrorCode::kIo,
-                        path.string(),
-                        "cannot be read (" + file_.Reason() + ")",
-                        "check that it is a file and that you may read it");
-    }
+    file_.RequireOpened("file", "copy the sparse model again");
   }
 
   Path path_;
@@ -168,13 +163,11 @@ class TextReader : ModelFile {
   template <typename T>
   T Read() {
     const std::string word = ReadModelName();
-    T value{};
-    const auto [end, error] =
-        std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size()) {
+    const std::optional<T> number = ParseNumber<T>(word);
+    if (!number) {
       throw Corrupt("has \"" + word + "\" in the place of a number");
     }
-    return value;
+    return *number;
   }
 
   // Reads a word.

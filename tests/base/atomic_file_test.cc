@@ -169,20 +169,6 @@ TEST(CopyFileTest, KeepsTheTimeWhereItIsToldTo) {
   }
 }
 
-// The system finds nothing at the first address of the memory of a process.
-TEST(CopyFileTest, ADiskThatFailsIsNotTheEndOfTheFile) {
-  const TemporaryFolder folder;
-  const auto target = folder.Path() / "target";
-  WriteText(target, "old");
-  for (const char* source : {"/proc/self/mem", "/nowhere"}) {
-    ExpectError(ErrorCode::kIo,
-                {std::string(source) + ": cannot be read"},
-                [&] { CopyFile(source, UserPath(target)); });
-  }
-  EXPECT_EQ(ReadText(target), "old");
-  EXPECT_EQ(NumEntries(folder.Path()), 1u);
-}
-
 TEST(RenameFileTest, RemovesTheOldNameAlsoBetweenLinks) {
   const TemporaryFolder folder;
   WriteText(folder.Path() / "a", "text");

@@ -53,12 +53,6 @@ TEST(Camera, ResizedScalesEveryIntrinsicByItsOwnAxis) {
   EXPECT_EQ(resized.translation, camera.translation);
 }
 
-TEST(Camera, CenterIsWhereTheCameraWasPlaced) {
-  const Eigen::Vector3d center(3.0, -2.0, 7.0);
-  const Camera camera = PlaceAt(center, Rotation(0.3, -0.2, 1.1));
-  EXPECT_NEAR((camera.Center() - center).norm(), 0.0, 1e-12);
-}
-
 TEST(RelativePose, TakesPointsFromTheReferenceToTheSource) {
   const Camera reference = PlaceAt({1.0, 2.0, 3.0}, Rotation(0.1, 0.2, 0.3));
   const Camera source = PlaceAt({1.5, 1.8, 2.9}, Rotation(-0.1, 0.4, 0.2));

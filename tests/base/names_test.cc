@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/printable.h"
 
@@ -105,6 +106,25 @@ TEST(Printable, IsOneLineWithoutControlCharacters) {
   for (const char* name : {"caf\xE9.jpg", "caf\x9B.jpg", "caf\xC2.jpg"}) {
     EXPECT_EQ(Printable(name), "caf?.jpg");
     EXPECT_FALSE(HasControlCharacter(name));
+  }
+}
+
+TEST(ParseNumber, TakesTheWholeTextOrNothing) {
+  EXPECT_EQ(ParseNumber<double>("-1.5e3"), -1500.0);
+  EXPECT_EQ(ParseNumber<int>("-7"), -7);
+  EXPECT_EQ(ParseNumber<uint64_t>("18446744073709551615"), ~uint64_t{0});
+  for (const char* text : {"",
+                           " 1",
+                           "1 ",
+                           "+1",
+                           "1x",
+                           "1,5",
+                           "1.5",
+                           "1e9",
+                           "x",
+                           "-1",
+                           "4294967296"}) {
+    EXPECT_EQ(ParseNumber<uint32_t>(text), std::nullopt) << text;
   }
 }
 

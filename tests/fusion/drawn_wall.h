@@ -47,19 +47,15 @@ struct DrawnWall {
   // Points of view number `place` of several, all of which are fused.
   static std::vector<FusedPoint> Fuse(const std::vector<FusionView>& views,
                                       int place,
-                                      const FusionOptions& options,
-                                      int num_threads = 1) {
+                                      const FusionOptions& options) {
     std::vector<FusionSourceInput> sources;
     for (int i = 0; i < static_cast<int>(views.size()); ++i) {
       if (i != place) {
         sources.push_back({InputOf(views[i]), true, i});
       }
     }
-    return FuseView(InputOf(views[place]),
-                    place,
-                    sources,
-                    options,
-                    *Device::CreateCpu(num_threads));
+    return FuseView(
+        InputOf(views[place]), place, sources, options, *Device::CreateCpu(1));
   }
 
   static FusionOptions DensestOptions() {

@@ -253,18 +253,5 @@ TEST(FuseViewTest, UnknownNormalsAgreeWithAny) {
   EXPECT_NEAR(points[0].normal.z, -1.f, 1e-6f);
 }
 
-TEST(FuseViewTest, ThreadsDoNotChangeABit) {
-  const std::vector<FusionView> views = ViewsSideBySide(3);
-  const FusionOptions options = Wall::DensestOptions();
-  const std::vector<FusedPoint> one = Wall::Fuse(views, 0, options, 1);
-  const std::vector<FusedPoint> many = Wall::Fuse(views, 0, options, 7);
-  ASSERT_EQ(one.size(), many.size());
-  for (size_t i = 0; i < one.size(); ++i) {
-    EXPECT_EQ(one[i].position, many[i].position);
-    EXPECT_EQ(one[i].normal, many[i].normal);
-    EXPECT_EQ(one[i].sources, many[i].sources);
-  }
-}
-
 }  // namespace
 }  // namespace tsar

@@ -150,7 +150,7 @@ TEST_F(ImageMaskTest, OtherFilesAreRefused) {
   fs::remove(path_);
   ExpectRefused(ErrorCode::kNotFound, "no such mask; write it as");
   fs::create_directory(path_);
-  ExpectRefused(ErrorCode::kIo, "the mask cannot be read: it is a ");
+  ExpectRefused(ErrorCode::kIo, "cannot be read (it is a ");
 }
 
 TEST_F(ImageMaskTest, DamageNeverGivesAnotherMask) {

@@ -67,6 +67,10 @@ constexpr char kNpy[] = "some.file.npy";
 constexpr char kPng[] = "some.file.PNG";
 constexpr char kTiff[] = "some.file.tif";
 constexpr char kExr[] = "some.file.exr";
+constexpr auto kReadPfm = &ReadImage<kPfm>;
+constexpr auto kReadNpy = &ReadImage<kNpy>;
+constexpr auto kReadTiff = &ReadImage<kTiff>;
+constexpr auto kReadExr = &ReadImage<kExr>;
 
 struct ValidFile {
   std::string name;
@@ -90,7 +94,8 @@ std::vector<ValidFile> ValidFiles() {
     Append(ToPositiveHalf(value), &halves);
     Append(static_cast<uint16_t>(value), &integers);
   }
-  std::string version_two = NpyBytes("<f4", "(2, 3)", FloatData(kSix));
+  const std::string data = FloatData(kSix);
+  std::string version_two = NpyBytes("<f4", "(2, 3)", data);
   version_two[6] = 2;
   version_two.insert(10, 2, '\0');
   cv::Mat floats(2, 3, CV_32FC1);
@@ -109,58 +114,28 @@ std::vector<ValidFile> ValidFiles() {
       {"apd of normals", &ReadApd, ApdBytes(1, 2, 3, kSix, true), three},
       {"dmap of depth alone", &ReadDmap, DmapBytes(SmallDmap()), one},
       {"dmap with everything", &ReadDmap, DmapBytes(full), one},
-      {"pfm", &ReadImage<kPfm>, PfmBytes(3, 2, 1, kSix, true), one},
-      {"pfm, big-endian",
-       &ReadImage<kPfm>,
-       PfmBytes(3, 2, 1, kSix, false),
+      {"pfm", kReadPfm, PfmBytes(3, 2, 1, kSix, true), one},
+      {"big-endian pfm", kReadPfm, PfmBytes(3, 2, 1, kSix, false), one},
+      {"pfm of normals", kReadPfm, PfmBytes(1, 2, 3, kSix, true), three},
+      {"npy", kReadNpy, NpyBytes("<f4", "(2, 3)", data), one},
+      {"npy of 3 dimensions",
+       kReadNpy,
+       NpyBytes("<f4", "(2, 3, 1)", data),
        one},
-      {"pfm of normals",
-       &ReadImage<kPfm>,
-       PfmBytes(1, 2, 3, kSix, true),
-       three},
-      {"npy",
-       &ReadImage<kNpy>,
-       NpyBytes("<f4", "(2, 3)", FloatData(kSix)),
-       one},
-      {"npy, last dimension 1",
-       &ReadImage<kNpy>,
-       NpyBytes("<f4", "(2, 3, 1)", FloatData(kSix)),
-       one},
-      {"npy of normals",
-       &ReadImage<kNpy>,
-       NpyBytes("<f4", "(2, 1, 3)", FloatData(kSix)),
-       three},
-      {"npy of halves",
-       &ReadImage<kNpy>,
-       NpyBytes("<f2", "(2, 3)", halves),
-       one},
-      {"npy of doubles",
-       &ReadImage<kNpy>,
-       NpyBytes("<f8", "(2, 3)", doubles),
-       one},
-      {"npy of integers",
-       &ReadImage<kNpy>,
-       NpyBytes("<u2", "(2, 3)", integers),
-       one},
-      {"npy of version 2", &ReadImage<kNpy>, version_two, one},
+      {"npy of normals", kReadNpy, NpyBytes("<f4", "(2, 1, 3)", data), three},
+      {"npy of halves", kReadNpy, NpyBytes("<f2", "(2, 3)", halves), one},
+      {"npy of doubles", kReadNpy, NpyBytes("<f8", "(2, 3)", doubles), one},
+      {"npy of integers", kReadNpy, NpyBytes("<u2", "(2, 3)", integers), one},
+      {"npy of version 2", kReadNpy, version_two, one},
       {"picture png",
        &ReadImage<kPng>,
        PngBytes(3, 2, {1, 2, 3, 4, 5, 6}),
        one},
-      {"picture tiff", &ReadImage<kTiff>, Encoded(".tiff", floats), one},
-      {"picture tiff of three equal channels",
-       &ReadImage<kTiff>,
-       Encoded(".tiff", equal),
-       one},
-      {"picture tiff of normals",
-       &ReadImage<kTiff>,
-       Encoded(".tiff", colors),
-       three},
-      {"picture exr", &ReadImage<kExr>, Encoded(".exr", floats), one},
-      {"picture exr of normals",
-       &ReadImage<kExr>,
-       Encoded(".exr", colors),
-       three},
+      {"picture tiff", kReadTiff, Encoded(".tiff", floats), one},
+      {"picture of equal channels", kReadTiff, Encoded(".tiff", equal), one},
+      {"picture of normals", kReadTiff, Encoded(".tiff", colors), three},
+      {"picture exr", kReadExr, Encoded(".exr", floats), one},
+      {"picture exr of normals", kReadExr, Encoded(".exr", colors), three},
   };
 }
 
@@ -256,8 +231,8 @@ TEST(MapFormats, RefuseOtherHeaders) {
 }
 
 TEST(MapFormats, AnyWhiteSpaceSeparatesInPfmAndOneByteOfItEnds) {
-  const FloatMap map = ReadImage<kPfm>(
-      "Pf 1\t1\r\n-0.5\n" + FloatData({std::bit_cast<float>(0x20200a0au)}));
+  const FloatMap map = kReadPfm("Pf 1\t1\r\n-0.5\n" +
+                                FloatData({std::bit_cast<float>(0x20200a0au)}));
   EXPECT_EQ(std::bit_cast<uint32_t>(map.values[0]), 0x20200a0au);
 }
 

@@ -197,7 +197,7 @@ TEST_F(PhotoTest, RefusesWhatIsNoPhoto) {
   for (const std::filesystem::path& special :
        {path, folder_.Path(), std::filesystem::path("/dev/zero")}) {
     ExpectError(ErrorCode::kIo,
-                {special.string(), "cannot be read: it is a"},
+                {special.string(), "cannot be read (it is a"},
                 [&] { CheckPhotoFile(special); });
   }
 }

@@ -1,0 +1,35 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include <charconv>
+#include <istream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <system_error>
+
+namespace tsar {
+
+// The number that a whole text is, whatever the locale. Nullopt for any other
+// text, such as an empty one, one with blanks, a plus sign or anything behind
+// the number, and for numbers that the type does not hold.
+template <typename T>
+std::optional<T> ParseNumber(std::string_view text) {
+  T number{};
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && rest == end ? std::optional(number)
+                                             : std::nullopt;
+}
+
+// Reads the next word, between white space, as a number.
+template <typename T>
+std::optional<T> ReadNumber(std::istream& text) {
+  std::string word;
+  text >> word;
+  return ParseNumber<T>(word);
+}
+
+}  // namespace tsar
