@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/device/parallel_for.h"
-#include "colmap_tsar/device/scan_and_sort.h"
 
 #include <cstdint>
 #include <utility>
@@ -17,15 +16,6 @@
 
 namespace tsar {
 namespace {
-
-TEST(Buffer, HoldsWhatWasUploaded) {
-  const auto device = Device::CreateCpu(1);
-  const std::vector<int> host = {3, 1, 4, 1, 5};
-  const Buffer<int> buffer(*device, host);
-  EXPECT_EQ(buffer.Size(), 5u);
-  EXPECT_EQ(buffer.ToHost(), host);
-  EXPECT_NE(static_cast<const void*>(buffer.Data()), host.data());
-}
 
 TEST(Buffer, MovesItsMemory) {
   const auto device = Device::CreateCpu(1);
@@ -117,22 +107,6 @@ TEST(Atomic, SumOfLongNumbersLosesNone) {
   EXPECT_EQ(sum, kCount * step);
   EXPECT_EQ(AtomicAdd(&sum, int64_t{-1}), kCount * step);
   EXPECT_EQ(sum, kCount * step - 1);
-}
-
-std::vector<int> Sum(const std::vector<int>& values) {
-  const auto device = Device::CreateCpu(2);
-  const Buffer<int> buffer(*device, values);
-  return ExclusiveSum(buffer.Data(), buffer.Size(), *device).ToHost();
-}
-
-TEST(ExclusiveSum, OfOnesCounts) {
-  for (const int count : {1, 2, 997, 70001}) {
-    const std::vector<int> sums = Sum(std::vector<int>(count, 1));
-    ASSERT_EQ(sums.size(), static_cast<size_t>(count) + 1);
-    for (int i = 0; i <= count; ++i) {
-      ASSERT_EQ(sums[i], i);
-    }
-  }
 }
 
 }  // namespace

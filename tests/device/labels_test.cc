@@ -88,16 +88,14 @@ TEST(LabelComponents, AgreesWithAFloodFillOnNoise) {
   }
 }
 
-TEST(LabelComponents, FollowsASpiral) { ExpectSameAsFlood(DrawSpiral(41, 41)); }
-
-TEST(LabelComponents, FollowsASnake) {
-  ExpectSameAsFlood(DrawSnake(67, 43, true));
-  ExpectSameAsFlood(DrawSnake(67, 43, false));
-}
-
-TEST(LabelComponents, LabelsRastersThatAreAllEqualOrEmpty) {
-  ExpectSameAsFlood(Image<int>(97, 61, 3));
-  ExpectSameAsFlood(Image<int>(97, 61, -1));
+TEST(LabelComponents, AgreesWithAFloodFillOnCorridorsAndWhereAllAreEqual) {
+  for (const Image<int>& values : {DrawSpiral(41, 41),
+                                   DrawSnake(67, 43, true),
+                                   DrawSnake(67, 43, false),
+                                   Image<int>(97, 61, 3),
+                                   Image<int>(97, 61, -1)}) {
+    ExpectSameAsFlood(values);
+  }
 }
 
 void ExpectGroups(const Image<int>& labels, int num_labels) {

@@ -18,7 +18,6 @@ namespace {
 
 struct CountVisits {
   ImageView<int> visits;
-  void operator()(int64_t i) const { ++visits.data[i]; }
   void operator()(int x, int y) const { visits(x, y) += 1 + x + 100000 * y; }
 };
 
@@ -27,17 +26,6 @@ class ParallelForTest : public testing::TestWithParam<int> {
   ParallelForTest() : device_(Device::CreateCpu(GetParam())) {}
   std::unique_ptr<Device> device_;
 };
-
-TEST_P(ParallelForTest, VisitsEachIndexOnce) {
-  for (const int count : {1, 2, 3, 31, 127, 128, 129, 997}) {
-    Image<int> visits(count, 1, 0);
-    ParallelFor(
-        *device_, static_cast<int64_t>(count), CountVisits{visits.View()});
-    for (const int n : visits) {
-      ASSERT_EQ(n, 1) << count;
-    }
-  }
-}
 
 TEST_P(ParallelForTest, VisitsEachPixelOnce) {
   const std::vector<std::pair<int, int>> sizes = {
