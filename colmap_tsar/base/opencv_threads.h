@@ -5,6 +5,8 @@
 
 #include <mutex>
 
+#include <opencv2/core.hpp>
+
 namespace tsar {
 
 // Disables OpenCV's own threads while an object lives: images are processed in
@@ -13,8 +15,19 @@ namespace tsar {
 // it.
 class OpenCvWithoutThreads {
  public:
-  OpenCvWithoutThreads();
-  ~OpenCvWithoutThreads();
+  OpenCvWithoutThreads() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (num_alive_++ == 0) {
+      num_threads_before_ = cv::getNumThreads();
+      cv::setNumThreads(1);
+    }
+  }
+  ~OpenCvWithoutThreads() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (--num_alive_ == 0) {
+      cv::setNumThreads(num_threads_before_);
+    }
+  }
   OpenCvWithoutThreads(const OpenCvWithoutThreads&) = delete;
   OpenCvWithoutThreads& operator=(const OpenCvWithoutThreads&) = delete;
 
