@@ -108,9 +108,7 @@ void FuseCommand::AddTo(OptionSet* set) {
   AddDeviceArguments(group, &devices, set);
 }
 
-void FuseCommand::UsePreset() {
-  options.fusion = PresetFusionOptions(preset);
-}
+void FuseCommand::UsePreset() { options.fusion = PresetFusionOptions(preset); }
 
 FuseSummary FuseCommand::Run(Progress& progress,
                              const std::function<bool()>& should_stop) const {
