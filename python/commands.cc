@@ -177,10 +177,6 @@ py::dict RestoreOriginals(const std::filesystem::path& workspace_path) {
 py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<StereoCommand>(options);
   const StereoSummary summary = Run("stereo", command, listeners);
-  py::dict dropped_priors;
-  for (const StereoSummary::ImageReason& image : summary.dropped_priors) {
-    dropped_priors[ToText(image.name)] = ToText(image.reason);
-  }
   py::list without_sources;
   for (const StereoSummary::ImageReason& image : summary.without_sources) {
     without_sources.append(ToText(image.name));
@@ -191,8 +187,6 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
                   "num_images"_a = summary.num_images,
                   "num_skipped"_a = summary.num_skipped,
                   "num_masks"_a = summary.num_masks,
-                  "num_priors"_a = summary.num_priors,
-                  "dropped_priors"_a = dropped_priors,
                   "without_sources"_a = without_sources,
                   "wall_seconds"_a = summary.wall_seconds,
                   "peak_gpu_memory"_a = ToDict(summary.peak_gpu_memory),

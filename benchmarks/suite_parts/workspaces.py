@@ -15,9 +15,6 @@ from suite_parts.sparse_model import read_model, write_text
 
 # Raised where a workspace of the cache would be made in another way.
 VERSION = 2
-# tsar_refine takes what the planar prior fills for missing: it must not count
-# as a depth that was there before.
-STEREO_OPTIONS = ("--TsarStereo.planar_prior", "0")
 INPUTS = ("images", "sparse", "stereo/depth_maps", "stereo/normal_maps",
           "stereo/patch-match.cfg", "stereo/fusion.cfg")
 TRUTHS = ("ground_truth", "scans")
@@ -94,7 +91,7 @@ class Workspaces:
             print(f"making {configuration.label()}", flush=True)
             self._write(configuration, workspace)
             run([self.program, "tsar_stereo", "--workspace_path", workspace,
-                 *STEREO_OPTIONS, *self.stereo_options])
+                 *self.stereo_options])
 
         return self._kept(configuration.stem(), "workspace", key, make)
 

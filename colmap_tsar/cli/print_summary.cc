@@ -63,26 +63,16 @@ void PrintReasons(const std::vector<Image>& images,
   }
 }
 
-// where: the file that says why priors were dropped, in brackets, or empty.
-void PrintPriors(const std::optional<int64_t>& num_priors,
-                 int num_images,
-                 int64_t num_dropped,
-                 const std::string& where,
-                 std::ostream& out) {
-  if (num_priors) {
-    out << "  depth priors for " << *num_priors << " of "
-        << Counted(num_images, "image") << More(num_dropped, "of them not used")
-        << (num_dropped > 0 ? where : "") << "\n";
-  }
-}
-
 void PrintMasksAndPriors(const RunSummary& summary, std::ostream& out) {
   PrintMasks(summary.num_masks, summary.num_images, out);
-  PrintPriors(summary.num_priors,
-              summary.num_images,
-              Count(summary, kPriorsDropped),
-              " (stereo/tsar/manifest.json says why)",
-              out);
+  if (summary.num_priors) {
+    const int64_t num_dropped = Count(summary, kPriorsDropped);
+    out << "  depth priors for " << *summary.num_priors << " of "
+        << Counted(summary.num_images, "image")
+        << More(num_dropped, "of them not used")
+        << (num_dropped > 0 ? " (stereo/tsar/manifest.json says why)" : "")
+        << "\n";
+  }
 }
 
 void PrintImages(const RunSummary& summary, std::ostream& out) {
@@ -233,12 +223,6 @@ void PrintSummary(const StereoSummary& summary, std::ostream& out) {
       << More(summary.num_skipped, "done before") << ": "
       << Fixed(summary.wall_seconds, 1) << " s\n";
   PrintMasks(summary.num_masks, summary.num_images, out);
-  PrintPriors(summary.num_priors,
-              summary.num_images,
-              static_cast<int64_t>(summary.dropped_priors.size()),
-              "",
-              out);
-  PrintReasons(summary.dropped_priors, "", "", out);
   for (const StereoSummary::ImageReason& image : summary.without_sources) {
     out << "  " << Printable(image.name) << " has no maps: " << image.reason
         << "\n";

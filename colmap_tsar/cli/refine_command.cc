@@ -56,8 +56,21 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
               "Where a mask is black (0), what the maps hold is no evidence, "
               "and the refined maps have no depth.",
               options);
-  AddPriorOptions(
-      "", &command->workspace.prior_path, &command->prior_type, options);
+  options->Add("prior_path",
+               &command->workspace.prior_path,
+               "The folder with depth priors of the undistorted images, of a "
+               "network or a sensor: a.jpg.EXT for a.jpg, normals "
+               "a.jpg.normal.EXT; npy, exr, pfm, png, tif (docs/guide.md).");
+  options->AddChoice(
+      "prior_type",
+      &command->prior_type,
+      {ToString(PriorType::kAuto),
+       ToString(PriorType::kMetric),
+       ToString(PriorType::kRelative),
+       ToString(PriorType::kInverse)},
+      "What they hold. metric: depth times one factor for each image; "
+      "relative: the same plus a constant; inverse: 1 / depth times a factor "
+      "plus a constant; auto: what fits best.");
   options->Add("output_path",
                &command->workspace.output_path,
                "Write a second workspace here, with links to the images, and "

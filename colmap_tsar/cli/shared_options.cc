@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
-#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/store/input_folders.h"
 
 #include <algorithm>
@@ -99,28 +98,6 @@ void AddMaskPath(std::filesystem::path* value,
                "The folder with masks of the undistorted images, named as for "
                "COLMAP: a.jpg.png for a.jpg. " +
                    effect);
-}
-
-void AddPriorOptions(const std::string& use,
-                     std::filesystem::path* prior_path,
-                     std::string* prior_type,
-                     OptionSet* options) {
-  options->Add("prior_path",
-               prior_path,
-               "The folder with depth priors of the undistorted images, of a "
-               "network or a sensor: a.jpg.EXT for a.jpg, normals "
-               "a.jpg.normal.EXT; npy, exr, pfm, png, tif (docs/guide.md)." +
-                   use);
-  options->AddChoice(
-      "prior_type",
-      prior_type,
-      {ToString(PriorType::kAuto),
-       ToString(PriorType::kMetric),
-       ToString(PriorType::kRelative),
-       ToString(PriorType::kInverse)},
-      "What they hold. metric: depth times one factor for each image; "
-      "relative: the same plus a constant; inverse: 1 / depth times a factor "
-      "plus a constant; auto: what fits best.");
 }
 
 std::optional<MapType> ParseMapType(const std::string& value) {

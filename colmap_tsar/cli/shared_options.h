@@ -52,13 +52,6 @@ void AddMaskPath(std::filesystem::path* value,
                  const std::string& effect,
                  OptionSet* options);
 
-// Adds --prior_path and --prior_type. use: sentences after the description of
-// the files, each after a space, or empty.
-void AddPriorOptions(const std::string& use,
-                     std::filesystem::path* prior_path,
-                     std::string* prior_type,
-                     OptionSet* options);
-
 // The map type of a value; nothing where that is empty.
 std::optional<MapType> ParseMapType(const std::string& value);
 

@@ -6,7 +6,6 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/priors/depth_prior.h"
 
 #include <functional>
 #include <iostream>
@@ -17,9 +16,9 @@ namespace {
 constexpr const char* kSummary =
     "Makes the depth and normal maps of a dense workspace from its images, as "
     "patch_match_stereo does, on NVIDIA GPUs and also without any: photometric "
-    "maps (all depths), geometric maps (those that other images confirm, and "
-    "between them what a planar prior fills) and their matching costs. Run it "
-    "after image_undistorter, and tsar_refine or stereo_fusion after it. It "
+    "maps (all depths), geometric maps (those that other images confirm) and "
+    "their matching costs. Run it after image_undistorter, and tsar_refine or "
+    "stereo_fusion after it. It "
     "can be interrupted at any time: the same command goes on where it "
     "stopped.";
 
@@ -34,12 +33,6 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
   AddMaskPath(&command->files.mask_path,
               "Where a mask is black (0), no depth is made.",
               options);
-  AddPriorOptions(
-      " They take part where planar_prior fills; measured depths stay. "
-      "tsar_refine does not see what they filled: give them to it as well.",
-      &command->files.prior_path,
-      &command->prior_type,
-      options);
   options->Add("overwrite",
                &command->overwrite,
                "Replace maps that another program made, or that were made with "
@@ -67,11 +60,6 @@ void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
                &stereo->geom_consistency,
                "Also make geometric maps, for which depths are improved with "
                "regard to those of the source images, and filtered.");
-  options->Add(group + "planar_prior",
-               &stereo->planar_prior,
-               "Fill pixels without a depth, expecting flat surfaces between "
-               "reliable depths: for maps that are fused as they are. "
-               "tsar_refine takes them for missing. Needs geom_consistency.");
   const auto add = [&](const std::string& name,
                        OptionTarget target,
                        const std::string& description,
@@ -135,15 +123,13 @@ void StereoCommand::AddTo(OptionSet* options) {
 StereoSummary StereoCommand::Run(
     Progress& progress, const std::function<bool()>& should_stop) const {
   const DeviceOptions parsed_devices = devices.Parse();
-  StereoImageFiles parsed_files = files;
-  parsed_files.prior_type = ParsePriorType(prior_type);
   return MatchWorkspace(workspace_path,
                         parsed_devices,
                         stereo,
                         overwrite,
                         progress,
                         should_stop,
-                        parsed_files);
+                        files);
 }
 
 int RunTsarStereo(int argc, char** argv) {

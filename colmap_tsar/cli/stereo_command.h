@@ -18,8 +18,7 @@ namespace tsar {
 // parses those that are texts.
 struct StereoCommand {
   std::filesystem::path workspace_path;
-  StereoImageFiles files;  // Without the prior_type, which comes next.
-  std::string prior_type = "auto";
+  StereoImageFiles files;
   bool overwrite = false;
   DeviceArguments devices;
   StereoOptions stereo;

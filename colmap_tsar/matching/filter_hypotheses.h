@@ -3,10 +3,8 @@
 
 #pragma once
 
-#include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
-#include "colmap_tsar/view/denoise/window_variance.h"
 
 namespace tsar {
 
@@ -17,22 +15,14 @@ struct HypothesisFilterOptions {
   int min_num_consistent = 2;             // Sources.
   float geom_consistency_max_cost = 1.f;  // Pixels of reprojection error.
   float window_radius = 5.f;              // Pixels.
-  // The largest deviation of a depth from its prior, as a share of it, and the
-  // own texture, in squared gray levels, from which it must match nevertheless.
-  float prior_tolerance = 0.01f;
-  float min_distinct_texture = kDistinctTexture;
 };
 
 // Keeps the depths that enough sources confirm: their image matches under the
 // plane of depth and normal, their depth map reprojects to the pixel, and the
 // triangulation angle suffices. The others become 0. The reference itself and
-// sources without depth confirm nothing. prior: the prior of the maps, or
-// empty. Depths on their prior plane without distinct own texture need not
-// match: a match says little, since the plane was preferred to others that
-// match as well.
+// sources without depth confirm nothing.
 DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
                                     const Buffer<SourceView>& sources,
-                                    ImageView<const Plane> prior,
                                     const HypothesisFilterOptions& options,
                                     Device& device);
 

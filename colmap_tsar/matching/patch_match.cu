@@ -49,10 +49,6 @@ struct DrawKernel {
   }
 };
 
-TSAR_HD Plane PriorAt(const ImageView<const Plane>& prior, int x, int y) {
-  return prior.Empty() ? Plane{} : prior(x, y);
-}
-
 // The cost of the pixels' planes before view selection: the mean of the two
 // lowest costs of the sources.
 struct FirstCostKernel {
@@ -60,17 +56,13 @@ struct FirstCostKernel {
   const SourceView* sources;
   int num_sources;
   PatchMatchOptions options;
-  ImageView<const Plane> prior;
   ImageView<const Plane> planes;
   ImageView<float> costs;
 
   TSAR_HD void operator()(int x, int y) const {
     const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    const PixelCosts pixel{reference,
-                           options,
-                           patch,
-                           reference.intrinsics.Ray(x, y),
-                           PriorAt(prior, x, y)};
+    const PixelCosts pixel{
+        reference, options, patch, reference.intrinsics.Ray(x, y)};
     const float worst =
         kMaxCost + options.geometric_weight * options.max_geometric_error;
     float first = worst;
@@ -87,7 +79,7 @@ struct FirstCostKernel {
         second = cost;
       }
     }
-    costs(x, y) = 0.5f * (first + second) + pixel.OffPrior(plane);
+    costs(x, y) = 0.5f * (first + second);
   }
 };
 
@@ -103,7 +95,6 @@ struct SweepKernel {
   uint32_t stream;
   int iteration;
   int color;
-  ImageView<const Plane> prior;
   ImageView<const uint8_t> keeps_plane;
   ImageView<Plane> planes;
   ImageView<float> costs;
@@ -127,11 +118,8 @@ struct SweepKernel {
 
   TSAR_HD void Update(int x, int y) const {
     const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    const PixelCosts pixel{reference,
-                           options,
-                           patch,
-                           reference.intrinsics.Ray(x, y),
-                           PriorAt(prior, x, y)};
+    const PixelCosts pixel{
+        reference, options, patch, reference.intrinsics.Ray(x, y)};
     Plane best = planes(x, y);
     if (!IsUsable(best, pixel.ray, options)) {
       // The plane is invalid, or from another pixel at a smaller size.
@@ -149,14 +137,13 @@ struct SweepKernel {
     costs(x, y) = best_cost;
   }
 
-  // Takes the best of the pixel's own plane, those of its neighbors and the
-  // prior.
+  // Takes the best of the pixel's own plane and those of its neighbors.
   TSAR_HD void Propagate(int x,
                          int y,
                          const PixelCosts& pixel,
                          Plane* best,
                          float* best_cost) const {
-    constexpr int kNumCandidates = kNumPropagationAreas + 2;
+    constexpr int kNumCandidates = kNumPropagationAreas + 1;
     Plane candidates[kNumCandidates] = {*best};
     int num_candidates = 1;
     for (int area = 0; area < kNumPropagationAreas; ++area) {
@@ -167,9 +154,6 @@ struct SweepKernel {
           candidates[num_candidates++] = plane;
         }
       }
-    }
-    if (IsUsable(pixel.prior, pixel.ray, options)) {
-      candidates[num_candidates++] = pixel.prior;
     }
     float weighted[kNumCandidates] = {};
     float plain[kNumCandidates] = {};
@@ -199,8 +183,7 @@ struct SweepKernel {
     const float scale =
         1.f / static_cast<float>(sum_weights == 0 ? num_sources : sum_weights);
     for (int c = 0; c < num_candidates; ++c) {
-      const float cost = scale * (sum_weights == 0 ? plain[c] : weighted[c]) +
-                         pixel.OffPrior(candidates[c]);
+      const float cost = scale * (sum_weights == 0 ? plain[c] : weighted[c]);
       if (c == 0 || cost < *best_cost) {
         *best_cost = cost;
         *best = candidates[c];
@@ -269,7 +252,7 @@ struct SweepKernel {
                   pixel.Geometric(sources[s], plane));
         }
       }
-      const float cost = scale * sum + pixel.OffPrior(plane);
+      const float cost = scale * sum;
       if (cost < *best_cost) {
         *best_cost = cost;
         *best = plane;
@@ -313,7 +296,6 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               inputs.sources.Data(),
                               num_sources,
                               options,
-                              inputs.prior,
                               hypotheses.planes.View(),
                               hypotheses.costs.View()});
   if (num_sources == 0) {
@@ -334,7 +316,6 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               inputs.stream,
                               iteration,
                               color,
-                              inputs.prior,
                               inputs.keeps_plane,
                               hypotheses.planes.View(),
                               hypotheses.costs.View(),

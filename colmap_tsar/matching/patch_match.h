@@ -30,30 +30,23 @@ struct PatchMatchOptions {
   // error at which it is truncated.
   float geometric_weight = 0.2f;
   float max_geometric_error = 3.f;
-  // The cost of a deviation from the planar prior by prior_sigma (a share of
-  // its depth) or more.
-  float prior_weight = 0.3f;
-  float prior_sigma = 0.01f;
 };
 
 // The plane of every pixel and its cost: the mean over the selected sources of
 // 1 - NCC plus the geometric term, in [0, 2 + geometric_weight *
-// max_geometric_error], and the term of the prior, at most prior_weight.
+// max_geometric_error].
 struct PlaneHypotheses {
   DeviceImage<Plane> planes;
   DeviceImage<float> costs;
 };
 
 // The inputs of PatchMatch; reference.depth and reference.normal are not used.
-// If the sources have depth, costs have the geometric term. A pixel's valid
-// prior plane is a candidate, and costs have a term for deviations from it (Xu
-// and Tao, "Planar Prior Assisted PatchMatch Multi-View Stereo", AAAI 2020).
+// If the sources have depth, costs have the geometric term.
 struct PatchMatchInputs {
   ReferenceView reference;
   const Buffer<SourceView>& sources;
   // Key of the random numbers: the same stream gives the same result.
   uint32_t stream = 0;
-  ImageView<const Plane> prior = {};  // May be empty.
   // 1 for pixels that keep their planes, which others may adopt; may be empty.
   ImageView<const uint8_t> keeps_plane = {};
 };

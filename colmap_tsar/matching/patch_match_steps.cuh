@@ -174,7 +174,6 @@ struct PixelCosts {
   const PatchMatchOptions& options;
   const ReferencePatch& patch;
   Vec3f ray;
-  Plane prior;  // May be invalid.
 
   // 1 - NCC in one view.
   TSAR_HD float Photometric(const SourceView& source,
@@ -200,17 +199,6 @@ struct PixelCosts {
       error = fminf(error, sqrtf(dx * dx + dy * dy));
     }
     return options.geometric_weight * error;
-  }
-
-  // The term for the plane's deviation from the prior.
-  TSAR_HD float OffPrior(const Plane& plane) const {
-    const float expected = prior.Valid() ? prior.Depth(ray) : 0.f;
-    if (!(expected > 0.f)) {
-      return 0.f;
-    }
-    const float sigmas =
-        (plane.Depth(ray) - expected) / (options.prior_sigma * expected);
-    return options.prior_weight * fminf(sigmas * sigmas, 1.f);
   }
 };
 

@@ -80,10 +80,6 @@ class StereoSummary(PrintedResult):
     """Images that had been done before."""
     num_masks: Optional[int]
     """Of num_images, those with a mask; None where no masks were given."""
-    num_priors: Optional[int]
-    """Of num_images, those with a depth prior; None where no priors were given."""
-    dropped_priors: Dict[str, str]
-    """Why this run did not use the depth priors of some images, by image."""
     without_sources: List[str]
     """Images without maps, since no other shares enough sparse points with them."""
     wall_seconds: float

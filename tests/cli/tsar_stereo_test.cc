@@ -42,38 +42,5 @@ TEST_F(TsarStereoTest, WrongOptionsAreOneLineAndLeaveTheWorkspaceAsItIs) {
   }
 }
 
-TEST_F(TsarStereoTest, TellsWhichDepthPriorsWereNotUsed) {
-  const std::filesystem::path priors = folder_.Path() / "priors";
-  std::filesystem::create_directories(priors);
-  WriteText(priors / "v0.pfm",
-            PfmBytes(8, 6, 1, std::vector<float>(48, 2.f), true));
-  const Words words = {"--prior_path",
-                       priors.string(),
-                       "--TsarStereo.depth_min",
-                       "2.5",
-                       "--TsarStereo.depth_max",
-                       "10",
-                       "--TsarStereo.max_image_size",
-                       "24",
-                       "--TsarStereo.device",
-                       "cpu",
-                       "--overwrite",
-                       "1"};
-  const Outcome outcome = Run(words);
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_THAT(outcome.out,
-              testing::HasSubstr(
-                  "  depth priors for 1 of 4 images, 1 of them not used\n"
-                  "  v0.png: depth prior not used: "));
-  ExpectFailure({"--prior_path",
-                 priors.string(),
-                 "--TsarStereo.planar_prior",
-                 "0",
-                 "--TsarStereo.device",
-                 "cpu"},
-                "turn --TsarStereo.planar_prior and "
-                "--TsarStereo.geom_consistency on");
-}
-
 }  // namespace
 }  // namespace tsar

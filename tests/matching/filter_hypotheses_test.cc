@@ -65,7 +65,6 @@ class FilterHypothesesTest : public testing::TestWithParam<float> {
     Image<float> filtered =
         FilterHypotheses(reference,
                          Buffer<SourceView>(*device_, sources),
-                         {},
                          options_,
                          *device_)
             .ToHost();

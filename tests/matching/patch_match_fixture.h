@@ -87,13 +87,12 @@ class PatchMatchTest : public testing::Test {
                      const Buffer<SourceView>& sources,
                      DeviceImage<Plane> planes,
                      uint32_t stream = 1,
-                     ImageView<const Plane> prior = {},
                      ImageView<const uint8_t> keeps_plane = {}) {
     ReferenceView reference = scene.Reference();
     reference.depth = {};
     reference.normal = {};
     const PlaneHypotheses hypotheses =
-        RunPatchMatch({reference, sources, stream, prior, keeps_plane},
+        RunPatchMatch({reference, sources, stream, keeps_plane},
                       std::move(planes),
                       options_,
                       *device_);

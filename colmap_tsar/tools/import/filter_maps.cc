@@ -64,7 +64,6 @@ class FilterTask : public ImageTasks<DepthNormal> {
     maps.depth = FilterHypotheses(
                      reference,
                      on_device.Sources(0),
-                     {},
                      FilterOptions(options_, static_cast<int>(sources.size())),
                      device)
                      .ToHost();

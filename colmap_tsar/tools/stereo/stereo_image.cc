@@ -7,7 +7,6 @@
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
-#include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_views.h"
 #include "colmap_tsar/view/device_views.h"
 
@@ -123,7 +122,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    Device& device) {
   const StereoViews views(reference, sources, 1, device);
   const Buffer<SourceView> level_sources = views.Sources(0);
-  ReferenceView view = views.Reference(0);
+  const ReferenceView view = views.Reference(0);
   PatchMatchOptions search = SearchOptions(options, range);
   search.num_past_iterations =
       options.num_iterations - 1 + pass * kGeometricIterations;
@@ -144,19 +143,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
              options.smooth_normals,
              device,
              &maps);
-  StereoMaps host = ToHostWithCosts(view, level_sources, maps, device);
-  if (options.FillsUnderPrior()) {
-    view.depth = std::as_const(maps.depth).View();
-    view.normal = std::as_const(maps.normal).View();
-    const DeviceImage<float> reliable =
-        FindReliableDepth(view, level_sources, search.window_radius, device);
-    Image<Plane> prior = TriangulatePlanes(reliable.ToHost(), view.intrinsics);
-    if (reference.prior != nullptr) {
-      host.prior = UseDepthPrior(reference, reliable, device, &prior);
-    }
-    FillWithPrior(prior, view.intrinsics, range, &host);
-  }
-  return host;
+  return ToHostWithCosts(view, level_sources, maps, device);
 }
 
 MemoryPlan PlanStereo(const WorkspaceOverview& overview) {
@@ -167,9 +154,8 @@ MemoryPlan PlanStereo(const WorkspaceOverview& overview) {
   // its sources again.
   plan.device = (1 << 14) + num_pixels * (75 + 9 * plan.num_sources);
   plan.views = kViewBytesPerPixel * num_pixels * (plan.num_sources + 1);
-  // The maps with their costs, prior planes, and the alignment of a prior.
-  plan.main = plan.views + ReadAndWriteBytes(overview) + 50 * num_pixels +
-              (overview.has_priors ? 100 * MaxRasterPixels(num_pixels) : 0);
+  // The maps with their costs.
+  plan.main = plan.views + ReadAndWriteBytes(overview) + 50 * num_pixels;
   return plan;
 }
 

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/compose/depth_interval.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/priors/align_prior.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/workspace_check.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
@@ -24,7 +23,6 @@ struct StereoMaps {
   Image<Vec3f> normal;
   Image<float> min_cost;
   Image<float> second_cost;
-  PriorAssessment prior{};  // Of the pass that fills.
 };
 
 // Matches an image with its sources, coarse to fine. Of the views, it uses
@@ -40,9 +38,7 @@ StereoMaps MatchImage(const ViewData& reference,
 // the depth of the sources, some of which may have none. keeps_holes: whether
 // pixels of the reference without a depth, which are masked, get none. pass
 // counts from 0. The last pass filters: depths that too few sources confirm
-// become 0, with their normals; if the run fills its maps, these pixels then
-// get those of the planar prior (FillWithPrior), in which the reference's depth
-// prior, if it has one, takes part (UseDepthPrior).
+// become 0, with their normals.
 StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const std::vector<const ViewData*>& sources,
                                    const DepthInterval& range,

@@ -33,7 +33,7 @@ namespace fs = std::filesystem;
 using InputState = std::map<std::string, std::string>;
 
 // The inputs by the names of reference and source images: "camera", "photo",
-// "mask" and, for references, "sources", "depths" and "prior". Every map
+// "mask" and, for references, "sources" and "depths". Every map
 // depends on all.
 using StereoInputs = std::map<std::string, InputState>;
 
@@ -43,43 +43,22 @@ struct StereoChange {
   std::string text;
 };
 
-// The inputs by the words of a line, which ends in the image's name.
-constexpr std::array<const char*, 4> kWords = {
-    "camera", "photo", "sources", "depths"};
-// Inputs behind the word of another one, after a plus sign, where they exist.
-struct Appended {
-  const char* word;
-  const char* key;
-};
-constexpr std::array<Appended, 2> kAppended = {Appended{"photo", "mask"},
-                                               {"depths", "prior"}};
-constexpr char kSign = '+';
-
+// The inputs in the order of a line, which ends in the image's name, with the
+// name of each for an error.
 struct Part {
   const char* key;
   const char* name;
 };
-constexpr std::array<Part, 6> kParts = {
+constexpr std::array<Part, 5> kParts = {
     Part{"camera", "its camera"},
     Part{"photo", "its photo"},
     Part{"mask", "its mask"},
     Part{"sources", "its list of sources"},
-    Part{"depths", "the range of its sparse points"},
-    Part{"prior", "its depth prior"}};
+    Part{"depths", "the range of its sparse points"}};
 // The value of an unused input.
 constexpr const char* kNone = "-";
 // The first line of a file.
 const std::string kHead = std::string("fingerprints ") + kContentHashName;
-
-// Splits words into their input and the one that is appended to it.
-void SplitWords(InputState* state) {
-  for (const auto& [word, key] : kAppended) {
-    std::string& value = (*state)[word];
-    const size_t sign = value.find(kSign);
-    (*state)[key] = sign == std::string::npos ? kNone : value.substr(sign + 1);
-    value = value.substr(0, sign);
-  }
-}
 
 std::string FingerprintOfSources(const Workspace& workspace,
                                  const std::vector<int>& sources) {
@@ -111,8 +90,7 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
                     ? FingerprintOf(FileState(workspace.MaskPath(image)))
                     : kNone},
                {"sources", kNone},
-               {"depths", kNone},
-               {"prior", kNone}};
+               {"depths", kNone}};
     }
     return state;
   };
@@ -126,9 +104,6 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
     state["sources"] = FingerprintOfSources(workspace, sources);
     state["depths"] = FingerprintOfDepths(
         StereoDepths(workspace, problem.reference, options));
-    if (workspace.Priors().HasPrior(problem.reference)) {
-      state["prior"] = FingerprintOfPrior(workspace, problem.reference);
-    }
   }
   return inputs;
 }
@@ -146,15 +121,14 @@ std::optional<StereoInputs> ReadStereoInputs(
   while (std::getline(file, line)) {
     InputState state;
     size_t begin = 0;
-    for (const char* word : kWords) {
+    for (const Part& part : kParts) {
       const size_t end = line.find(' ', begin);
       if (end == std::string::npos) {
         return std::nullopt;
       }
-      state[word] = line.substr(begin, end - begin);
+      state[part.key] = line.substr(begin, end - begin);
       begin = end + 1;
     }
-    SplitWords(&state);
     inputs[line.substr(begin)] = std::move(state);
   }
   return inputs;
@@ -164,14 +138,8 @@ void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs) {
   AtomicFile file(path);
   file.Stream() << kHead << "\n";
   for (const auto& [name, state] : inputs) {
-    for (const char* word : kWords) {
-      file.Stream() << state.at(word);
-      for (const auto& [before, key] : kAppended) {
-        if (std::string_view(word) == before && state.at(key) != kNone) {
-          file.Stream() << kSign << state.at(key);
-        }
-      }
-      file.Stream() << " ";
+    for (const Part& part : kParts) {
+      file.Stream() << state.at(part.key) << " ";
     }
     file.Stream() << name << "\n";
   }

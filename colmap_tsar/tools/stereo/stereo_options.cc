@@ -34,11 +34,11 @@ std::string StereoOptions::Text() const {
        << "\nnum_sources " << num_sources << "\nwindow_radius " << window_radius
        << "\nnum_iterations " << num_iterations << "\nnum_levels " << num_levels
        << "\ngeom_consistency " << geom_consistency << "\nnum_geometric_passes "
-       << num_geometric_passes << "\nplanar_prior " << planar_prior
-       << "\nsmooth_normals " << smooth_normals << "\nfilter_min_ncc "
-       << filter_min_ncc << "\nfilter_min_triangulation_angle "
-       << filter_min_triangulation_angle << "\nfilter_min_num_consistent "
-       << filter_min_num_consistent << "\nfilter_geom_consistency_max_cost "
+       << num_geometric_passes << "\nsmooth_normals " << smooth_normals
+       << "\nfilter_min_ncc " << filter_min_ncc
+       << "\nfilter_min_triangulation_angle " << filter_min_triangulation_angle
+       << "\nfilter_min_num_consistent " << filter_min_num_consistent
+       << "\nfilter_geom_consistency_max_cost "
        << filter_geom_consistency_max_cost << "\n";
   return text.str();
 }

@@ -20,16 +20,12 @@ struct StereoOptions {
   int num_levels = 2;
   bool geom_consistency = true;
   int num_geometric_passes = 2;  // Passes over all images.
-  bool planar_prior = true;      // Fills unmeasured pixels.
   bool smooth_normals = true;    // In the geometric maps.
   // The filter of the geometric maps.
   double filter_min_ncc = 0.1;
   double filter_min_triangulation_angle = 3.0;
   int filter_min_num_consistent = 2;
   double filter_geom_consistency_max_cost = 1.0;
-
-  // Whether the run fills its maps, in one pass after the geometric ones.
-  bool FillsUnderPrior() const { return geom_consistency && planar_prior; }
 
   // Throws kBadOption with the option.
   void Check() const;

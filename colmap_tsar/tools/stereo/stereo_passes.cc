@@ -5,12 +5,9 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/content_hash.h"
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/run/load_view.h"
-#include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
 
 #include <algorithm>
@@ -45,51 +42,20 @@ void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps) {
   WriteDepthMap(files.depth, maps.depth);
 }
 
-void ReadStereoMaps(const StereoMapFiles& files,
-                    bool with_costs,
-                    ViewData* view) {
-  view->depth = ReadDepthMap(files.depth);
-  view->normal = ReadNormalMap(files.normal);
-  if (!with_costs) {
-    return;
-  }
-  const PlanarMap costs = ReadPlanarMap(*files.cost);
-  const size_t num_pixels = view->depth.NumPixels();
-  if (costs.values.size() != 2 * num_pixels ||
-      costs.width != view->depth.Width()) {
-    throw Error::File(ErrorCode::kMismatch,
-                      files.cost->string(),
-                      "has another size than its depth map",
-                      "delete both, and run tsar_stereo again");
-  }
-  view->min_cost = Image<float>(view->depth.Width(), view->depth.Height());
-  view->second_cost = view->min_cost;
-  const auto second =
-      costs.values.begin() + static_cast<std::ptrdiff_t>(num_pixels);
-  std::copy(costs.values.begin(), second, view->min_cost.begin());
-  std::copy(second, costs.values.end(), view->second_cost.begin());
-}
-
 StereoPasses::StereoPasses(const Workspace& workspace,
                            const StereoOptions& options)
     : workspace_(workspace),
       num_geometric_(options.geom_consistency ? options.num_geometric_passes
-                                              : 0),
-      num_prior_(options.FillsUnderPrior() ? 1 : 0) {}
+                                              : 0) {}
 
 StereoMapFiles StereoPasses::Files(int pass, int image) const {
   if (pass > 0 && pass + 1 < NumPasses()) {
     const std::string key = workspace_.Model().images[image].name;
     const ContainedPath folder =
         GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass));
-    StereoMapFiles files{folder / "depth" / (key + ".bin"),
-                         folder / "normal" / (key + ".bin"),
-                         std::nullopt};
-    // The next pass identifies filled pixels by their costs.
-    if (Fills(pass)) {
-      files.cost = folder / "cost" / (key + ".bin");
-    }
-    return files;
+    return {folder / "depth" / (key + ".bin"),
+            folder / "normal" / (key + ".bin"),
+            std::nullopt};
   }
   const MapPaths paths = workspace_.Paths(
       image, pass == 0 ? MapType::kPhotometric : MapType::kGeometric);
@@ -131,12 +97,9 @@ std::shared_ptr<const ViewData> StereoTask::Load(int image) const {
   if (pass_ > 0 && is_matched_[image]) {
     const StereoMapFiles files = passes_.Files(pass_ - 1, image);
     if (files.Exist()) {
-      ReadStereoMaps(files, passes_.IsUnderPrior(pass_), view.get());
+      view->depth = ReadDepthMap(files.depth);
+      view->normal = ReadNormalMap(files.normal);
     }
-  }
-  if (passes_.Fills(pass_) && workspace_.Priors().HasPrior(image)) {
-    view->prior = LoadPrior(
-        workspace_, image, workspace_.ReadMask(image, {width, height}));
   }
   return view;
 }
@@ -159,7 +122,7 @@ std::vector<int> StereoTask::Views(size_t index) const {
 StereoMaps StereoTask::Compute(size_t index,
                                size_t worker,
                                LoadedViews* views,
-                               ImageReport* report) {
+                               ImageReport*) {
   const int image = Problem(index).reference;
   std::vector<const ViewData*> sources;
   for (const int source : StereoSources(Problem(index), options_)) {
@@ -172,20 +135,14 @@ StereoMaps StereoTask::Compute(size_t index,
   if (pass_ == 0) {
     return MatchImage(reference, sources, range, stream, options_, device);
   }
-  if (passes_.IsUnderPrior(pass_)) {
-    return MatchUnderPrior(reference, sources, range, stream, options_, device);
-  }
-  StereoMaps maps =
-      MatchImageGeometrically(reference,
-                              sources,
-                              range,
-                              stream,
-                              pass_ - 1,
-                              /*keeps_holes=*/workspace_.HasMask(image),
-                              options_,
-                              device);
-  report->prior = maps.prior;
-  return maps;
+  return MatchImageGeometrically(reference,
+                                 sources,
+                                 range,
+                                 stream,
+                                 pass_ - 1,
+                                 /*keeps_holes=*/workspace_.HasMask(image),
+                                 options_,
+                                 device);
 }
 
 void StereoTask::Write(size_t index, StereoMaps maps, ImageReport* report) {

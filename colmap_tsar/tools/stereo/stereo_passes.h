@@ -29,24 +29,14 @@ struct StereoMapFiles {
 // Writes each file atomically, the depth map last; creates the folders.
 void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps);
 
-// Reads the view's maps and, with_costs, its costs, which files then name.
-void ReadStereoMaps(const StereoMapFiles& files,
-                    bool with_costs,
-                    ViewData* view);
-
-// The passes over all images: the photometric one (index 0), the geometric
-// ones, and the one that matches under the planar prior.
+// The passes over all images: the photometric one (index 0) and the geometric
+// ones.
 class StereoPasses {
  public:
   // workspace must outlive this object.
   StereoPasses(const Workspace& workspace, const StereoOptions& options);
 
-  int NumPasses() const { return 1 + num_geometric_ + num_prior_; }
-  bool IsUnderPrior(int pass) const { return pass > num_geometric_; }
-  // Whether the pass fills the maps that the next one matches under the prior.
-  bool Fills(int pass) const {
-    return num_prior_ > 0 && pass == num_geometric_;
-  }
+  int NumPasses() const { return 1 + num_geometric_; }
   StereoMapFiles Files(int pass, int image) const;
   // Whether the image has all final maps of the run.
   bool IsDone(int image) const;
@@ -56,7 +46,6 @@ class StereoPasses {
  private:
   const Workspace& workspace_;
   const int num_geometric_;
-  const int num_prior_;
 };
 
 // One pass of tsar_stereo over images by their indices in Problems(). Those
@@ -70,8 +59,8 @@ class StereoTask : public ImageTasks<StereoMaps> {
              int pass,
              std::vector<RefineWorker>& workers);
 
-  // Loads the image, after the first pass its current maps, and for the pass
-  // that fills its depth prior. Maps of unmatched images are older and ignored.
+  // Loads the image and, after the first pass, its current maps. Maps of
+  // unmatched images are older and ignored.
   std::shared_ptr<const ViewData> Load(int image) const override;
 
   ImageReport Begin(size_t index) override;

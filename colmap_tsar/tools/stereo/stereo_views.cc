@@ -126,8 +126,7 @@ void FilterMaps(const PatchMatchInputs& inputs,
   ReferenceView view = inputs.reference;
   view.depth = std::as_const(maps->depth).View();
   view.normal = std::as_const(maps->normal).View();
-  maps->depth =
-      FilterHypotheses(view, inputs.sources, inputs.prior, filter, device);
+  maps->depth = FilterHypotheses(view, inputs.sources, filter, device);
   if (smooth_normals) {
     maps->normal = SmoothNormals(view.intrinsics,
                                  std::as_const(maps->depth).View(),

@@ -54,7 +54,6 @@ PatchMatchOptions SearchOptions(const StereoOptions& options,
 inline constexpr int kFirstPlanes = 0;
 inline constexpr int kLevels = 1;              // Plus the level.
 inline constexpr int kGeometricPasses = 1000;  // Plus the pass.
-inline constexpr int kUnderPrior = 2000;
 
 // The key of the random numbers of one use. image_stream: the image's key.
 uint32_t StreamOf(uint32_t image_stream, int use);

@@ -47,25 +47,9 @@ WorkspaceOverview OverviewOf(const Workspace& workspace,
         overview.max_num_image_pixels, int64_t{camera.width} * camera.height);
     CheckPhotoFile(workspace.ImagePath(image));
     workspace.CheckMask(image, {width, height});
-    workspace.CheckPrior(image);
-    overview.has_priors =
-        overview.has_priors || workspace.Priors().HasPrior(image);
   }
   overview.has_maps.assign(workspace.Model().images.size(), true);
   return overview;
-}
-
-void CheckPriorOptions(const StereoImageFiles& files,
-                       const StereoOptions& options) {
-  RequirePathOfPriorType(files.prior_path, files.prior_type);
-  if (!files.prior_path.empty() && !options.FillsUnderPrior()) {
-    throw Error(ErrorCode::kBadOption,
-                OptionName("prior_path") +
-                    ": depth priors tell where unmeasured pixels are filled; "
-                    "leave it out, or turn " +
-                    OptionName("planar_prior") + " and " +
-                    OptionName("geom_consistency") + " on");
-  }
 }
 
 // Opens a workspace of image_undistorter with the folders for maps.
@@ -84,8 +68,6 @@ Workspace OpenForStereo(const fs::path& path, const StereoImageFiles& files) {
   Workspace workspace(path, MapType::kPhotometric);
   workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(files.mask_path);
-  workspace.UsePriors(files.prior_path, files.prior_type);
-  workspace.Priors().WarnOfStrayFiles();
   return workspace;
 }
 
@@ -121,11 +103,6 @@ std::vector<std::vector<size_t>> FindImagesOfPasses(
   return images;
 }
 
-const std::string& NameOf(const Workspace& workspace, size_t index) {
-  const StereoProblem& problem = workspace.Problems()[index];
-  return workspace.Model().images[problem.reference].name;
-}
-
 // The summary of what is known before the first pass. images: those whose maps
 // are made, by their indices in Problems().
 StereoSummary SummarizeInputs(const Workspace& workspace,
@@ -138,24 +115,23 @@ StereoSummary SummarizeInputs(const Workspace& workspace,
   summary.num_images = static_cast<int>(images.size());
   const std::vector<int> references = workspace.ReferencesOf(images);
   summary.num_masks = workspace.CountMasks(references);
-  summary.num_priors = workspace.Priors().Count(references);
   for (const size_t index : images) {
     const StereoProblem& problem = workspace.Problems()[index];
     if (problem.sources.empty()) {
       summary.without_sources.push_back(
-          {NameOf(workspace, index), problem.without_sources});
+          {workspace.Model().images[problem.reference].name,
+           problem.without_sources});
     }
   }
   return summary;
 }
 
 // Runs all passes on their images and adds the images skipped in the last one
-// and the dropped priors of listed images to the summary.
+// to the summary.
 void RunPasses(const Workspace& workspace,
                const StereoOptions& options,
                const StereoPasses& passes,
                const std::vector<std::vector<size_t>>& images,
-               const std::vector<bool>& is_listed,
                size_t max_num_views,
                RefineDevices& devices,
                Progress& progress,
@@ -183,13 +159,6 @@ void RunPasses(const Workspace& workspace,
         outcome.reports, ImageReport::Outcome::kSkipped, &ImageReport::outcome);
     summary->num_skipped = static_cast<int>(num_skipped) -
                            static_cast<int>(summary->without_sources.size());
-    for (size_t i = 0; i < images[pass].size(); ++i) {
-      const PriorAssessment& prior = outcome.reports[i].prior;
-      if (is_listed[images[pass][i]] && prior.IsDropped()) {
-        summary->dropped_priors.push_back(
-            {NameOf(workspace, images[pass][i]), Describe(prior)});
-      }
-    }
   }
 }
 
@@ -204,7 +173,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const StereoImageFiles& files) {
   device_options.Check();
   options.Check();
-  CheckPriorOptions(files, options);
   const Stopwatch stopwatch;
   const Workspace workspace = OpenForStereo(workspace_path, files);
   const WorkspaceLock lock(workspace.Root());
@@ -241,7 +209,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
               options,
               passes,
               images,
-              is_listed,
               devices.at_work.MaxNumViews(overview.max_num_pixels),
               devices,
               progress,

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
@@ -28,10 +27,6 @@ struct StereoImageFiles {
   // The folder with the masks of images, see io/image_masks.h. Masked
   // pixels get no depth, and those of sources confirm none.
   std::filesystem::path mask_path;
-  // The folder with the depth priors of images, see priors/prior_folder.h, and
-  // the meaning of their values. Without options.planar_prior they have no use.
-  std::filesystem::path prior_path;
-  PriorType prior_type = PriorType::kAuto;
 };
 
 struct StereoSummary {
@@ -48,10 +43,6 @@ struct StereoSummary {
   int num_skipped = 0;  // Images done before.
   // The number of images with a mask; nullopt without masks.
   std::optional<int64_t> num_masks;
-  // The number of images with a depth prior; nullopt without priors.
-  std::optional<int64_t> num_priors;
-  // The images whose depth prior this run dropped.
-  std::vector<ImageReason> dropped_priors;
   std::vector<ImageReason> without_sources;
   double wall_seconds = 0.0;
   std::vector<RunSummary::GpuMemory> peak_gpu_memory;
@@ -63,13 +54,12 @@ struct StereoSummary {
 // overwrite: whether to replace maps that this program did not make, or made
 // with other options or inputs.
 //
-// Throws Error: kBadOption (priors are given that have no use, or their type
-// alone), kUnsupported (there are such maps and overwrite is false, or
+// Throws Error: kUnsupported (there are such maps and overwrite is false, or
 // the workspace has been refined), kNotFound (no image has sources; an image
 // without sparse points needs options.depth_min and depth_max), kInterrupted
 // once should_stop returned true, and those of the workspace, its lock, the
-// devices, writing, Workspace::UseMasks, UsePriors and CheckPrior. Completed
-// images are kept; the same call resumes the run.
+// devices, writing and Workspace::UseMasks. Completed images are kept; the same
+// call resumes the run.
 StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const DeviceOptions& device_options,
                              const StereoOptions& options,

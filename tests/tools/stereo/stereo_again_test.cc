@@ -22,7 +22,6 @@ TEST_F(StereoWorkspaceTest, MakesListedImagesAsAmongAll) {
             "v0.png\nv1.png\nv1.png\nleft/v2.png\nleft/v2.png\nv3.png\n"
             "v3.png\nleft/v2.png\n");
   options_.num_geometric_passes = 2;
-  options_.planar_prior = false;
   Run();
   const auto whole = Maps();
   for (const char* folder :

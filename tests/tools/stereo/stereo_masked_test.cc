@@ -84,7 +84,6 @@ TEST_F(StereoMaskedTest, HolesStayHolesInGeometricPasses) {
   const auto device = Device::CreateCpu(1);
   for (const bool keeps_holes : {false, true}) {
     for (const int pass : {0, 1}) {
-      options_.planar_prior = false;
       const StereoMaps maps = MatchImageGeometrically(
           views[0],
           {&views[1], &views[2]},

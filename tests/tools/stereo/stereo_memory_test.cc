@@ -1,13 +1,10 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/tools/stereo/planar_prior.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 
 #include <algorithm>
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,7 +19,6 @@ namespace {
 struct Matched {
   int64_t photometric = 0;  // Bytes at a time.
   int64_t geometric = 0;
-  int64_t under_prior = 0;
 };
 
 Matched Match(const SyntheticViews& drawn,
@@ -45,13 +41,7 @@ Matched Match(const SyntheticViews& drawn,
   MatchImage(photos[0], photo_sources, range, 1, options, first);
   matched.photometric = static_cast<int64_t>(first.PeakMemory());
   CountingDevice second("", SIZE_MAX, 2);
-  ViewData reference = drawn.views[0];
-  if (options.planar_prior) {
-    auto prior = std::make_shared<DepthPrior>();
-    prior->values = drawn.truth;
-    reference.prior = std::move(prior);
-  }
-  MatchImageGeometrically(reference,
+  MatchImageGeometrically(drawn.views[0],
                           sources,
                           range,
                           1,
@@ -60,22 +50,14 @@ Matched Match(const SyntheticViews& drawn,
                           options,
                           second);
   matched.geometric = static_cast<int64_t>(second.PeakMemory());
-  ViewData with_costs = drawn.views[0];
-  with_costs.min_cost = Image<float>(
-      with_costs.depth.Width(), with_costs.depth.Height(), kUndefinedCost);
-  with_costs.second_cost = with_costs.min_cost;
-  CountingDevice third("", SIZE_MAX, 2);
-  MatchUnderPrior(with_costs, sources, range, 1, options, third);
-  matched.under_prior = static_cast<int64_t>(third.PeakMemory());
   return matched;
 }
 
-StereoOptions FastOptions(int num_levels, bool planar_prior = false) {
+StereoOptions FastOptions(int num_levels) {
   StereoOptions options;
   options.num_iterations = 1;
   options.window_radius = 2;
   options.num_levels = num_levels;
-  options.planar_prior = planar_prior;
   return options;
 }
 
@@ -89,7 +71,7 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
     const int64_t num_pixels = int64_t{width} * height;
     for (const int num_levels : {1, 3}) {
       SCOPED_TRACE(num_levels);
-      const StereoOptions options = FastOptions(num_levels, num_levels == 3);
+      const StereoOptions options = FastOptions(num_levels);
       for (const size_t num_sources : {size_t{1}, size_t{4}, size_t{40}}) {
         SCOPED_TRACE(num_sources);
         const Matched matched = Match(drawn, num_sources, options);
@@ -98,10 +80,7 @@ TEST(StereoMemory, IsWhatMatchingTakes) {
         overview.max_num_image_pixels = num_pixels;
         overview.max_num_sources = static_cast<int>(num_sources);
         const int64_t planned = PlanStereo(overview).device;
-        EXPECT_GE(
-            planned,
-            std::max(
-                {matched.photometric, matched.geometric, matched.under_prior}));
+        EXPECT_GE(planned, std::max(matched.photometric, matched.geometric));
         EXPECT_LE(planned, 2 * matched.geometric);
       }
     }

@@ -55,7 +55,7 @@ class StereoWorkspaceTest : public testing::Test {
         overwrite,
         progress,
         should_stop,
-        {image_list_path_, mask_path_, prior_path_, prior_type_});
+        {image_list_path_, mask_path_});
   }
 
   void ExpectError(ErrorCode code,
@@ -89,8 +89,6 @@ class StereoWorkspaceTest : public testing::Test {
   StereoOptions options_;
   std::filesystem::path image_list_path_;
   std::filesystem::path mask_path_;
-  std::filesystem::path prior_path_;
-  PriorType prior_type_ = PriorType::kAuto;
 };
 
 }  // namespace tsar
