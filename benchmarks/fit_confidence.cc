@@ -53,7 +53,7 @@ DepthKind KindAt(const PlaneView& refined,
   if (source == Provenance::kMeasured) {
     return refined.planes(x, y) > 0 ? DepthKind::kMoved : DepthKind::kStanding;
   }
-  switch (view.found.labeled.evidence[view.SuperpixelAt(x, y)]) {
+  switch (view.found.labels.evidence[view.SuperpixelAt(x, y)]) {
     case LabelEvidence::kMeasured:
       return DepthKind::kFilled;
     case LabelEvidence::kCarried:

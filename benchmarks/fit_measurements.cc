@@ -42,7 +42,7 @@ struct Sample {
 };
 
 Image<float> DepthsOfPlanes(const ModeledImage& view) {
-  const std::vector<Plane> planes = PlanesOfSuperpixels(view.found.labeled);
+  const std::vector<Plane> planes = PlanesOfSuperpixels(view.found);
   Image<float> depths(view.depth.Width(), view.depth.Height());
   for (int y = 0; y < depths.Height(); ++y) {
     for (int x = 0; x < depths.Width(); ++x) {

@@ -65,7 +65,7 @@ struct ModeledImage {
     return AtSamePlace(superpixels, x, y, depth);
   }
   LabelMeasures LabelAt(int x, int y) const {
-    const LabelQuality& quality = found.labeled.qualities[SuperpixelAt(x, y)];
+    const LabelQuality& quality = found.labels.qualities[SuperpixelAt(x, y)];
     return {quality.strength.Value(),
             quality.confirmed.Value(),
             quality.uncertainty.Value(),
@@ -139,8 +139,8 @@ class ModeledScene {
                        std::as_const(flags).View(),
                        views[0].camera.GetIntrinsics(),
                        evidence.resolution},
-                      result.found.labeled.labels,
-                      result.found.labeled.planes,
+                      result.found.labels.planes,
+                      result.found.planes,
                       MakeSceneOptions({}, views).borders,
                       *device_);
     DistrustFattened(refined.fattened.View(), flags.View(), *device_);

@@ -39,7 +39,7 @@ DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
 // that an edge in front fattened as not trusted.
 Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                   const ObservedView& observed,
-                                  const LabeledView& labeled,
+                                  const FoundScene& found,
                                   const BorderOptions& options,
                                   DeviceImage<uint8_t>* flags,
                                   Device& device) {
@@ -53,8 +53,8 @@ Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
                                                 flags->View(),
                                                 observed.camera.GetIntrinsics(),
                                                 evidence.resolution},
-                                               labeled.labels,
-                                               labeled.planes,
+                                               found.labels.planes,
+                                               found.planes,
                                                options,
                                                device);
   DistrustFattened(refined.fattened.View(), flags->View(), device);
@@ -70,13 +70,12 @@ DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
 // The labels of superpixels with their evidence and the errors of their planes.
 std::vector<ComposedSuperpixel> DescribeSuperpixels(
     const FoundScene& found, const std::vector<Vec3f>& prior_normals) {
-  const LabeledView& labeled = found.labeled;
   std::vector<ComposedSuperpixel> result;
-  for (size_t k = 0; k < labeled.evidence.size(); ++k) {
-    const int label = labeled.labels[k];
-    const LabelQuality& quality = labeled.qualities[k];
+  for (size_t k = 0; k < found.labels.evidence.size(); ++k) {
+    const int label = found.labels.planes[k];
+    const LabelQuality& quality = found.labels.qualities[k];
     result.push_back(
-        {labeled.evidence[k],
+        {found.labels.evidence[k],
          {quality.strength.Value(),
           quality.confirmed.Value(),
           quality.uncertainty.Value(),
@@ -118,18 +117,17 @@ RefineResult ComposeImage(
   const ViewEvidence& evidence = *views[0].evidence;
   result.prior = evidence.prior.assessment;
   const SceneOptions scene = MakeSceneOptions(options, views);
-  const LabeledView& labeled = found.labeled;
   DeviceReference view(reference, device);
   DeviceImage<uint8_t> flags = TransferFlags(evidence, reference, view, device);
   timer.Finish("upload");
   const Image<uint16_t> superpixels =
       options.pixel_borders
           ? RefineSuperpixels(
-                view, views[0], labeled, scene.borders, &flags, device)
+                view, views[0], found, scene.borders, &flags, device)
           : evidence.superpixels;
   timer.Finish("borders");
   const DeviceImage<Plane> scene_planes =
-      PlaneImage(superpixels, PlanesOfSuperpixels(labeled), device);
+      PlaneImage(superpixels, PlanesOfSuperpixels(found), device);
   const DeviceImage<uint16_t> device_superpixels(device, superpixels);
   const Buffer<ComposedSuperpixel> of_superpixel(
       device, DescribeSuperpixels(found, evidence.prior.normals));

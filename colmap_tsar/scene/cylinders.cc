@@ -12,6 +12,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <set>
 #include <utility>
 
@@ -479,9 +480,8 @@ class CylinderFinder {
       }
     });
     std::vector<Candidate> candidates;
-    for (const std::vector<Candidate>& of_view : of_views) {
-      std::ranges::copy(of_view, std::back_inserter(candidates));
-    }
+    std::ranges::copy(of_views | std::views::join,
+                      std::back_inserter(candidates));
     std::ranges::stable_sort(
         candidates, std::greater{}, [](const Candidate& candidate) {
           return std::pair(candidate.num_views, candidate.num_rows);

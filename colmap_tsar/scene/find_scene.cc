@@ -29,15 +29,14 @@ constexpr int kMaxBlockPlanes = 400;
 
 // Indices of the model's planes that the views measured, in ascending order.
 std::vector<int> MeasuredPlanes(const std::vector<ModeledView>& views,
-                                size_t num_planes,
-                                double max_weight) {
+                                size_t num_planes) {
   std::vector<double> measured(num_planes, 0.0);
   for (const ModeledView& view : views) {
     for (size_t s = 0; s < view.assignment->size(); ++s) {
       const int plane = (*view.assignment)[s];
       if (plane >= 0) {
-        measured[plane] +=
-            std::min<double>(max_weight, view.observed.evidence->weights[s]);
+        measured[plane] += std::min<double>(kMaxSuperpixelWeight,
+                                            view.observed.evidence->weights[s]);
       }
     }
   }
@@ -82,7 +81,7 @@ PlaneSupport FindSupport(const std::vector<ModeledView>& views,
                          const std::vector<ModelPlane>& planes,
                          const std::vector<int>& indices,
                          const std::vector<int>& new_indices,
-                         const PlaneSupportOptions& options) {
+                         double tolerance) {
   DiscoveredPlanes near;
   for (const int index : indices) {
     const ModelPlane& plane = planes[index];
@@ -93,40 +92,40 @@ PlaneSupport FindSupport(const std::vector<ModeledView>& views,
     observed.push_back(view.observed);
     near.assignment.push_back(Renumber(*view.assignment, new_indices));
   }
-  return FindPlaneSupport(observed, near, options);
+  return FindPlaneSupport(observed, near, tolerance);
 }
 
 }  // namespace
 
-BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
-                        const RefineOptions& options,
-                        Device& device) {
-  const SceneOptions scene = MakeSceneOptions(options, views);
-  DiscoverPlanesOptions discovery = scene.discovery;
+PlaneBlock ModelBlock(const std::vector<ObservedView>& views,
+                      const RefineOptions& options,
+                      Device& device) {
+  DiscoverPlanesOptions discovery = MakeSceneOptions(options, views).discovery;
   discovery.max_planes = std::min(
       discovery.max_planes + kPlanesPerView * static_cast<int>(views.size()),
       kMaxBlockPlanes);
   discovery.max_scores = kMaxBlockScores;
   DiscoveredPlanes discovered =
       DiscoverPlanes(views, CollectCandidates(views), discovery, device);
-  return {MeasureScenePlanes(views, discovered, discovery, scene.support),
-          std::move(discovered.assignment),
-          discovered.frame};
+  PlaneBlock block;
+  block.planes = MeasureScenePlanes(views, discovered, discovery.tolerance);
+  block.assignment = std::move(discovered.assignment);
+  block.frame = discovered.frame;
+  return block;
 }
 
-LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
-                           const std::vector<ModelPlane>& planes,
-                           const std::vector<BoundingCrease>& creases,
-                           const RefineOptions& options,
-                           const DeviceLender& lend_device,
-                           Image<PlaneCost>* costs) {
+ViewLabels LabelInModel(const std::vector<ModeledView>& views,
+                        const std::vector<ModelPlane>& planes,
+                        const std::vector<BoundingCrease>& creases,
+                        const RefineOptions& options,
+                        const DeviceLender& lend_device,
+                        Image<PlaneCost>* costs) {
   std::vector<ObservedView> observed;
   for (const ModeledView& view : views) {
     observed.push_back(view.observed);
   }
   const SceneOptions scene = MakeSceneOptions(options, observed);
-  std::vector<int> indices =
-      MeasuredPlanes(views, planes.size(), scene.discovery.max_weight);
+  std::vector<int> indices = MeasuredPlanes(views, planes.size());
   const std::vector<BoundingCrease> bounding =
       BoundingCreasesOf(creases, &indices);
   ViewEvidence cut;
@@ -135,23 +134,24 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
     observed[0].evidence = &cut;
   }
   const std::vector<int> new_indices = IndicesAmong(indices, planes.size());
-  std::vector<Plane> camera_planes =
+  const std::vector<Plane> camera_planes =
       ToCameraPlanes(planes, indices, observed[0].camera);
-  std::vector<VotingLabels> source_labels;
+  std::vector<ViewLabels> source_labels;
   for (size_t i = 1; i < views.size() && views[i].labels != nullptr; ++i) {
-    source_labels.push_back(
-        {Renumber(views[i].labels->labels.planes, new_indices),
-         views[i].labels->strengths});
+    ViewLabels& of_source = source_labels.emplace_back();
+    of_source.planes = Renumber(views[i].labels->planes, new_indices);
+    of_source.strengths = views[i].labels->strengths;
   }
   const LabelInputs::Rasters rasters = {/*confident_depth=*/costs->Empty(),
                                         /*superpixels=*/!source_labels.empty()};
   Image<float> votes;
   if (!indices.empty() && observed[0].evidence->NumSuperpixels() > 0 &&
       (rasters.confident_depth || rasters.superpixels)) {
-    const PlaneSupport support =
-        rasters.confident_depth
-            ? FindSupport(views, planes, indices, new_indices, scene.support)
-            : PlaneSupport();
+    PlaneSupport support;
+    if (rasters.confident_depth) {
+      support = FindSupport(
+          views, planes, indices, new_indices, scene.discovery.tolerance);
+    }
     lend_device([&](Device& device) {
       const LabelInputs inputs(observed, rasters, device);
       if (rasters.confident_depth) {
@@ -167,12 +167,10 @@ LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
     AddCreaseVotes(
         observed[0], planes, indices, bounding, scene.labels, costs, &votes);
   }
-  LabeledView labeled = ChooseLabels(
-      observed[0], std::move(camera_planes), *costs, votes, scene.labels);
-  return {{Renumber(std::move(labeled.labels), indices),
-           std::move(labeled.evidence),
-           std::move(labeled.qualities)},
-          std::move(labeled.strengths)};
+  ViewLabels labels =
+      ChooseLabels(observed[0], camera_planes, *costs, votes, scene.labels);
+  labels.planes = Renumber(std::move(labels.planes), indices);
+  return labels;
 }
 
 FoundScene FindScene(const std::vector<ObservedView>& views,
@@ -185,15 +183,14 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
   std::set<int> shown(labels.planes.begin(), labels.planes.end());
   shown.erase(kNoPlane);
   const Camera& camera = views[0].camera;
-  const std::vector<int> indices(shown.begin(), shown.end());
-  for (const int index : indices) {
+  found.plane_indices.assign(shown.begin(), shown.end());
+  for (const int index : found.plane_indices) {
     found.plane_errors.push_back(ErrorInView(planes[index], camera));
   }
-  found.labeled.planes = ToCameraPlanes(planes, indices, camera);
-  found.labeled.labels =
-      Renumber(labels.planes, IndicesAmong(indices, planes.size()));
-  found.labeled.evidence = labels.evidence;
-  found.labeled.qualities = labels.qualities;
+  found.planes = ToCameraPlanes(planes, found.plane_indices, camera);
+  found.labels = labels;
+  found.labels.planes =
+      Renumber(labels.planes, IndicesAmong(found.plane_indices, planes.size()));
   for (size_t j = 1; j < views.size(); ++j) {
     std::vector<Plane>& of_source = found.planes_of_sources.emplace_back();
     for (const int plane : labels_of_views[j]->planes) {
@@ -202,7 +199,6 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
                      : Plane{});
     }
   }
-  found.plane_indices = indices;
   timer.Finish("labels");
   return found;
 }
@@ -210,7 +206,7 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
 Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
                          const FoundScene& found) {
   std::vector<uint16_t> of_superpixel;
-  for (const int label : found.labeled.labels) {
+  for (const int label : found.labels.planes) {
     const int id = label >= 0 ? found.plane_indices[label] + 1 : 0;
     of_superpixel.push_back(id <= kMaxPlanesOfMap ? static_cast<uint16_t>(id)
                                                   : uint16_t{0});
@@ -222,10 +218,10 @@ Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
   return ids;
 }
 
-std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled) {
+std::vector<Plane> PlanesOfSuperpixels(const FoundScene& found) {
   std::vector<Plane> planes;
-  for (const int label : labeled.labels) {
-    planes.push_back(label >= 0 ? labeled.planes[label] : Plane{});
+  for (const int label : found.labels.planes) {
+    planes.push_back(label >= 0 ? found.planes[label] : Plane{});
   }
   return planes;
 }

@@ -22,46 +22,31 @@
 #include <functional>
 #include <limits>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace tsar {
 
 // The steps from the evidence of views to the planes of the scene, and to the
 // labels of each view. All but the costs of labels run on CPUs.
 
-// The planes that a block of views measured, and the plane of each superpixel.
-struct BlockOfScene {
-  std::vector<MeasuredScenePlane> planes;
-  // See DiscoveredPlanes.
-  std::vector<std::vector<int>> assignment;
-  std::optional<Eigen::Matrix3d> frame;
-};
-
 // The largest number of scores (of a candidate for a superpixel) in a block.
 // Beyond that, some of the candidates would be left out.
 inline constexpr size_t kMaxBlockScores = size_t{1} << 27;
 
-BlockOfScene ModelBlock(const std::vector<ObservedView>& views,
-                        const RefineOptions& options,
-                        Device& device);
-
-// The labels of a view, as indices of the model's planes.
-struct LabelsInModel {
-  ViewLabels labels;
-  std::vector<float> strengths;  // See LabeledView.
-};
+// The planes that a block of views measured. The caller sets its place in the
+// scene.
+PlaneBlock ModelBlock(const std::vector<ObservedView>& views,
+                      const RefineOptions& options,
+                      Device& device);
 
 // A view, with its assignment to planes of the model and its labels so far.
 struct ModeledView {
   ObservedView observed;
   // The plane of the model that each superpixel measured, or -1.
   const std::vector<int>* assignment = nullptr;
-  // Null where no view has been labeled yet.
-  const LabelsInModel* labels = nullptr;
+  // As indices of the model's planes; null where no view has been labeled yet.
+  const ViewLabels* labels = nullptr;
 };
 
 // Runs the work on a device; more than once where its memory runs out.
@@ -74,19 +59,21 @@ using DeviceLender =
 // votes of other views, as set by an earlier call with the same views and
 // planes; empty on the first call. The result has the same bits on every
 // device.
-LabelsInModel LabelInModel(const std::vector<ModeledView>& views,
-                           const std::vector<ModelPlane>& planes,
-                           const std::vector<BoundingCrease>& creases,
-                           const RefineOptions& options,
-                           const DeviceLender& lend_device,
-                           Image<PlaneCost>* costs);
+ViewLabels LabelInModel(const std::vector<ModeledView>& views,
+                        const std::vector<ModelPlane>& planes,
+                        const std::vector<BoundingCrease>& creases,
+                        const RefineOptions& options,
+                        const DeviceLender& lend_device,
+                        Image<PlaneCost>* costs);
 
 // The planes, columns and pipes of the scene that an image shows, and where.
 struct FoundScene {
-  LabeledView labeled;
-  // Indices of labeled.planes in the model, and their errors in this view.
+  // In the image's camera's frame, their indices in the model, and their errors
+  // in this view.
+  std::vector<Plane> planes;
   std::vector<int> plane_indices;
   std::vector<InverseDepthError> plane_errors;
+  ViewLabels labels;  // As indices of these planes.
   // For each source view, the plane of each of its superpixels, in its camera's
   // frame; invalid where it has none.
   std::vector<std::vector<Plane>> planes_of_sources;
@@ -116,6 +103,6 @@ Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
 
 // The plane of each superpixel, in the camera's frame; invalid where it has
 // none.
-std::vector<Plane> PlanesOfSuperpixels(const LabeledView& labeled);
+std::vector<Plane> PlanesOfSuperpixels(const FoundScene& found);
 
 }  // namespace tsar

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/scene/model_scene.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/scene/adjustment/adjust_planes.h"
@@ -15,10 +16,11 @@
 #include "colmap_tsar/scene/discovery/plane_measurement.h"
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/find_scene.h"
-#include "colmap_tsar/scene/label_sweeps.h"
+#include "colmap_tsar/scene/labeling/plane_costs.h"
 #include "colmap_tsar/scene/scene_options.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdint>
 #include <iterator>
 #include <map>
@@ -53,48 +55,41 @@ class SceneModeler {
   explicit SceneModeler(const ModelSceneInputs& inputs)
       : inputs_(inputs),
         neighbors_(MakeViewGraph(inputs.views)),
-        assignment_(inputs.views.size()) {}
+        assignment_(inputs.views.size()),
+        gpus_(inputs.resources.gpus),
+        costs_(inputs.views.size()) {}
 
   std::optional<SceneModel> Run() {
-    std::vector<Block> blocks = DiscoverBlocks();
+    std::vector<PlaneBlock> blocks = DiscoverBlocks();
     if (inputs_.should_stop()) {
       return std::nullopt;
     }
     Join(std::move(blocks));
     Adjust();
+    Label();
     if (inputs_.should_stop()) {
       return std::nullopt;
     }
-    std::optional<std::vector<ViewLabels>> labels = Label();
-    if (!labels) {
-      return std::nullopt;
-    }
     for (size_t i = 0; i < inputs_.views.size(); ++i) {
-      model_.views[inputs_.views[i].image] = std::move((*labels)[i]);
+      labels_[i].strengths = {};
+      model_.views[inputs_.views[i].image] = std::move(labels_[i]);
     }
     if (inputs_.refine_options.cylinders && !model_.frames.empty()) {
       FindCylinders();
-      if (inputs_.should_stop()) {
-        return std::nullopt;
-      }
     }
-    return std::move(model_);
+    return inputs_.should_stop() ? std::nullopt
+                                 : std::optional(std::move(model_));
   }
 
  private:
-  struct Block {
-    std::vector<size_t> views;
-    BlockOfScene found;
-  };
-
   ObservedView Observed(size_t view, const ViewEvidence& evidence) const {
     return MakeObservedView(evidence, inputs_.views[view].camera);
   }
 
-  std::vector<Block> DiscoverBlocks() {
+  std::vector<PlaneBlock> DiscoverBlocks() {
     const std::vector<std::vector<size_t>> parts =
         SplitIntoBlocks(neighbors_, inputs_.options.max_block_views);
-    std::vector<std::vector<Block>> found(parts.size());
+    std::vector<std::vector<PlaneBlock>> found(parts.size());
     inputs_.progress.Start(static_cast<int>(inputs_.views.size()),
                            inputs_.options.progress_prefix + " planes:");
     RunInParallel(parts.size(),
@@ -104,8 +99,8 @@ class SceneModeler {
                     Discover(parts[i], device, &found[i]);
                   });
     inputs_.progress.Finish();
-    std::vector<Block> blocks;
-    for (std::vector<Block>& of_part : found) {
+    std::vector<PlaneBlock> blocks;
+    for (std::vector<PlaneBlock>& of_part : found) {
       std::move(of_part.begin(), of_part.end(), std::back_inserter(blocks));
     }
     return blocks;
@@ -113,7 +108,7 @@ class SceneModeler {
 
   void Discover(const std::vector<size_t>& part,
                 Device& device,
-                std::vector<Block>* blocks) {
+                std::vector<PlaneBlock>* blocks) {
     if (inputs_.should_stop()) {
       return;
     }
@@ -143,57 +138,45 @@ class SceneModeler {
       Discover({middle, part.end()}, device, blocks);
       return;
     }
-    blocks->push_back(
-        {views, ModelBlock(observed, inputs_.refine_options, device)});
+    blocks->push_back(ModelBlock(observed, inputs_.refine_options, device));
+    blocks->back().views = views;
     for (size_t i = 0; i < views.size(); ++i) {
       inputs_.progress.Advance(/*was_work=*/true);
     }
   }
 
   // Joins the planes of the blocks into those of the model.
-  void Join(std::vector<Block> blocks) {
+  void Join(std::vector<PlaneBlock> blocks) {
     std::vector<std::vector<size_t>> views;
-    for (const Block& block : blocks) {
+    for (const PlaneBlock& block : blocks) {
       views.push_back(block.views);
     }
     const std::vector<std::vector<int>> block_neighbors =
         FindBlockNeighbors(neighbors_, views);
     const std::vector<int> components = FindComponents(neighbors_);
-    std::vector<PlaneBlock> planes;
-    std::vector<FrameOfBlock> frames;
+    std::map<int, int> num_blocks;
     for (size_t b = 0; b < blocks.size(); ++b) {
-      FrameOfBlock frame;
-      frame.component = components[blocks[b].views[0]];
-      frame.rotation = blocks[b].found.frame;
-      for (const MeasuredScenePlane& plane : blocks[b].found.planes) {
-        frame.axes.push_back(plane.found.axis);
-        frame.supports.push_back(plane.found.support);
-      }
-      frames.push_back(std::move(frame));
-      planes.push_back({std::move(blocks[b].found.planes), block_neighbors[b]});
+      blocks[b].neighbors = block_neighbors[b];
+      blocks[b].component = components[blocks[b].views[0]];
+      ++num_blocks[blocks[b].component];
     }
     const JoinedPlanes joined =
-        JoinPlanes(std::move(planes),
+        JoinPlanes(&blocks,
                    inputs_.refine_options.min_scene_plane,
                    *Device::CreateCpu(inputs_.resources.num_threads));
     for (const MeasuredScenePlane& plane : joined.planes) {
       model_.planes.push_back(ToModelPlane(plane));
     }
     for (size_t b = 0; b < blocks.size(); ++b) {
-      frames[b].indices = joined.indices[b];
       for (const int plane : joined.indices[b]) {
-        model_.planes[plane].component = frames[b].component;
+        model_.planes[plane].component = blocks[b].component;
       }
       for (size_t i = 0; i < blocks[b].views.size(); ++i) {
-        assignment_[blocks[b].views[i]] = Renumber(
-            std::move(blocks[b].found.assignment[i]), joined.indices[b]);
+        assignment_[blocks[b].views[i]] =
+            Renumber(std::move(blocks[b].assignment[i]), joined.indices[b]);
       }
     }
-    model_.frames = FindSceneFrames(frames, &model_.planes);
-    std::map<int, int> num_blocks;
-    for (const FrameOfBlock& frame : frames) {
-      ++num_blocks[frame.component];
-    }
+    model_.frames = FindSceneFrames(blocks, joined.indices, &model_.planes);
     for (const ModelPlane& plane : model_.planes) {
       may_move_.push_back(inputs_.refine_options.adjust_planes &&
                           num_blocks[plane.component] > 1);
@@ -207,7 +190,7 @@ class SceneModeler {
   void Adjust() {
     int round = 0;
     AdjustModel(
-        [&](const std::vector<WorldPlane>& planes) {
+        [&](const std::vector<ModelPlane>& planes) {
           std::vector<std::vector<PlaneMeasurement>> of_views(
               inputs_.views.size());
           ForEachObservedView(
@@ -218,7 +201,7 @@ class SceneModeler {
                     assignment_[view],
                     planes,
                     MakeSceneOptions(inputs_.refine_options, {observed})
-                        .measuring);
+                        .discovery.tolerance);
               });
           std::vector<PlaneMeasurement> measurements;
           std::ranges::copy(of_views | std::views::join,
@@ -229,39 +212,95 @@ class SceneModeler {
         &model_);
   }
 
-  // Labels all views; nothing where the run is to stop.
-  std::optional<std::vector<ViewLabels>> Label() {
-    LabelSweeps sweeps(inputs_, assignment_, model_.planes);
+  // Labels all views in sweeps; the result is invalid where the run is to stop.
+  void Label() {
     const int num_sweeps = inputs_.options.num_sweeps;
-    for (int sweep = 0; sweep < num_sweeps; ++sweep) {
+    for (int sweep = 0; sweep < num_sweeps && !inputs_.should_stop(); ++sweep) {
       const bool keeps_costs = sweep + 1 < num_sweeps;
-      const auto run = [&](const std::string& name) {
-        VisitViews("labels " + name, [&](size_t view, Device& cpu) {
-          sweeps.LabelView(view, keeps_costs, cpu);
-        });
-        sweeps.EndSweep();
-      };
-      run(std::to_string(sweep + 1) + " of " + std::to_string(num_sweeps));
+      Sweep(std::to_string(sweep + 1) + " of " + std::to_string(num_sweeps),
+            keeps_costs);
       // The labels of the first sweep are no valid votes beyond creases.
       if (sweep == 0 && inputs_.refine_options.bounding_creases &&
-          !inputs_.should_stop() && FindCreases(&sweeps)) {
-        run("within creases");
-      }
-      if (inputs_.should_stop()) {
-        return std::nullopt;
+          !inputs_.should_stop() && FindCreases()) {
+        labels_.clear();
+        costs_ = std::vector<Image<PlaneCost>>(costs_.size());
+        kept_bytes_ = 0;
+        Sweep("within creases", keeps_costs);
       }
     }
-    return sweeps.TakeLabels();
+  }
+
+  // keeps_costs: keep the costs for another sweep.
+  void Sweep(const std::string& name, bool keeps_costs) {
+    std::vector<ViewLabels> labels(inputs_.views.size());
+    VisitViews("labels " + name, [&](size_t view, Device& cpu) {
+      Image<PlaneCost> costs = std::move(costs_[view]);
+      const bool were_kept = !costs.Empty();
+      labels[view] = LabelView(view, cpu, &costs);
+      if (keeps_costs && (were_kept || ReserveMemory(costs))) {
+        costs_[view] = std::move(costs);
+      }
+    });
+    labels_ = std::move(labels);
+  }
+
+  // cpu: for steps that do not run on GPUs; costs: see LabelInModel.
+  ViewLabels LabelView(size_t view, Device& cpu, Image<PlaneCost>* costs) {
+    const auto modeled = [&](size_t i, const ViewEvidence& evidence) {
+      return ModeledView{Observed(i, evidence),
+                         &assignment_[i],
+                         labels_.empty() ? nullptr : &labels_[i]};
+    };
+    const ViewEvidence own = inputs_.evidence.read_all(view);
+    std::vector<std::shared_ptr<const ViewEvidence>> others;
+    std::vector<ModeledView> views = {modeled(view, own)};
+    for (const size_t source : inputs_.views[view].sources) {
+      if (source != view) {
+        others.push_back(inputs_.evidence.get(source));
+        views.push_back(modeled(source, *others.back()));
+      }
+    }
+    const auto lend_device = [&](const std::function<void(Device&)>& work) {
+      if (gpus_.Size() > 0) {
+        try {
+          return gpus_.Run(work);
+        } catch (const Error& error) {
+          // The view is too large. The CPU gives the same bits.
+          if (error.Code() != ErrorCode::kOutOfMemory) {
+            throw;
+          }
+        }
+      }
+      work(cpu);
+    };
+    return LabelInModel(views,
+                        model_.planes,
+                        creases_,
+                        inputs_.refine_options,
+                        lend_device,
+                        costs);
+  }
+
+  // Returns whether the costs may be kept.
+  bool ReserveMemory(const Image<PlaneCost>& costs) {
+    const auto num_bytes =
+        static_cast<int64_t>(costs.NumPixels() * sizeof(PlaneCost));
+    if (kept_bytes_.fetch_add(num_bytes) + num_bytes <=
+        inputs_.resources.max_kept_bytes) {
+      return true;
+    }
+    kept_bytes_ -= num_bytes;
+    return false;
   }
 
   // Finds creases with the labels of the first sweep; the result is invalid
   // where the run is to stop. Returns whether there are any.
-  bool FindCreases(LabelSweeps* sweeps) {
+  bool FindCreases() {
     std::vector<Camera> cameras;
     std::vector<const std::vector<int>*> labels;
     for (size_t view = 0; view < inputs_.views.size(); ++view) {
       cameras.push_back(inputs_.views[view].camera);
-      labels.push_back(&sweeps->PlanesOf(view));
+      labels.push_back(&labels_[view].planes);
     }
     const std::vector<int> copies = FindPlaneCopies(model_, cameras, labels);
     std::vector<std::vector<PlaneLine>> of_views(inputs_.views.size());
@@ -269,25 +308,20 @@ class SceneModeler {
       of_views[view] =
           FindPlaneLines(observed, Renumber(*labels[view], copies), model_);
     });
-    const std::vector<SharedLine> lines = JoinPlaneLines(of_views);
+    const std::vector<PlaneLine> lines = JoinPlaneLines(of_views);
     if (lines.empty() || inputs_.should_stop()) {
       return false;
     }
-    LineEvidenceSum sum(lines.size());
+    std::vector<LineEvidence> sum(lines.size());
     std::mutex mutex;
     ForEachFullView("creases", [&](size_t view, const ObservedView& observed) {
-      const std::vector<ViewLineEvidence> of_view = TestPlaneLines(
+      const std::vector<LineEvidence> of_view = TestPlaneLines(
           observed, Renumber(*labels[view], copies), lines, model_);
       const std::lock_guard lock(mutex);
-      sum.Add(of_view);
+      AddEvidence(of_view, &sum);
     });
-    std::vector<BoundingCrease> creases =
-        FindBoundingCreases(lines, sum.Get(), copies, &model_);
-    if (creases.empty()) {
-      return false;
-    }
-    sweeps->RestartWithin(std::move(creases));
-    return true;
+    creases_ = FindBoundingCreases(lines, sum, copies, &model_);
+    return !creases_.empty();
   }
 
   // The result is invalid where the run is to stop.
@@ -372,6 +406,15 @@ class SceneModeler {
   std::vector<std::vector<int>> assignment_;
   SceneModel model_;
   std::vector<bool> may_move_;  // Per plane, in the adjustment.
+  DevicePool gpus_;
+  // All sweeps but the first one respect them.
+  std::vector<BoundingCrease> creases_;
+  // Labels of the last sweep, by view; empty before the first one.
+  std::vector<ViewLabels> labels_;
+  // Costs by view, constant between sweeps once creases are known; empty
+  // without memory for them, in which case they are recomputed.
+  std::vector<Image<PlaneCost>> costs_;
+  std::atomic<int64_t> kept_bytes_ = 0;
 };
 
 }  // namespace

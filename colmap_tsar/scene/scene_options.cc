@@ -45,9 +45,6 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
   scene.discovery.tolerance = tolerance;
   scene.discovery.min_gain = options.min_scene_plane;
   scene.discovery.manhattan_frame = options.manhattan_frame;
-  scene.support.tolerance = tolerance;
-  scene.measuring.tolerance = tolerance;
-  scene.measuring.max_weight = scene.discovery.max_weight;
   scene.labels.tolerance = static_cast<float>(tolerance);
   scene.labels.unlabeled_cost = static_cast<float>(options.unlabeled_cost);
   if (!options.bounded_planes) {

@@ -4,8 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/scene/discovery/discover_planes.h"
-#include "colmap_tsar/scene/discovery/plane_measurement.h"
-#include "colmap_tsar/scene/discovery/plane_support.h"
 #include "colmap_tsar/scene/evidence/label_view.h"
 #include "colmap_tsar/scene/labeling/refine_borders.h"
 #include "colmap_tsar/view/refine_options.h"
@@ -18,8 +16,6 @@ namespace tsar {
 // run.
 struct SceneOptions {
   DiscoverPlanesOptions discovery;
-  PlaneSupportOptions support;
-  MeasureViewOptions measuring;
   LabelOptions labels;
   BorderOptions borders;
 };

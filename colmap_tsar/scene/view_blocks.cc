@@ -4,8 +4,11 @@
 #include "colmap_tsar/scene/view_blocks.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <set>
+
+#include <boost/pending/disjoint_sets.hpp>
 
 namespace tsar {
 
@@ -27,23 +30,18 @@ ViewGraph MakeViewGraph(const std::vector<SceneView>& views) {
 }
 
 std::vector<int> FindComponents(const ViewGraph& neighbors) {
-  std::vector<int> components(neighbors.size(), -1);
-  int count = 0;
-  for (size_t first = 0; first < neighbors.size(); ++first) {
-    if (components[first] >= 0) {
-      continue;
+  boost::disjoint_sets_with_storage<> sets(neighbors.size());
+  for (size_t i = 0; i < neighbors.size(); ++i) {
+    for (const size_t other : neighbors[i]) {
+      sets.union_set(i, other);
     }
-    std::vector<size_t> reached = {first};
-    components[first] = count;
-    for (size_t i = 0; i < reached.size(); ++i) {
-      for (const size_t other : neighbors[reached[i]]) {
-        if (components[other] < 0) {
-          components[other] = count;
-          reached.push_back(other);
-        }
-      }
-    }
-    ++count;
+  }
+  std::map<size_t, int> indices;
+  std::vector<int> components;
+  for (size_t i = 0; i < neighbors.size(); ++i) {
+    const auto index = static_cast<int>(indices.size());
+    components.push_back(
+        indices.try_emplace(sets.find_set(i), index).first->second);
   }
   return components;
 }

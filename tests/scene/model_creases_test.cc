@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/scene/model_scene.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -38,7 +37,14 @@ class ModelCreasesTest : public DrawnRoomTest {
   // Nothing is measured of the ceiling.
   void MakeCeilingBare() {
     for (size_t view = 0; view < views_.size(); ++view) {
-      Forget(view, kCeilingSurface);
+      ViewEvidence& evidence = room_.evidence[view];
+      Forget(
+          [&](int, int i) {
+            const RayDepth& sample = evidence.observations[i].sample;
+            return room_.Hit(room_.cameras[view], {sample.x, sample.y, 1.0})
+                       .first == kCeilingSurface;
+          },
+          &evidence);
       // Candidates of the surfaces, for three views.
       std::vector<Plane>& candidates = room_.evidence[view].candidates;
       for (size_t i = room_.surfaces.size(); i > 0; --i) {
@@ -48,33 +54,6 @@ class ModelCreasesTest : public DrawnRoomTest {
         }
       }
     }
-  }
-
-  // The observations of a surface.
-  void Forget(size_t view, int surface) {
-    ViewEvidence& evidence = room_.evidence[view];
-    ViewEvidence kept = evidence;
-    kept.observations.clear();
-    kept.sources.clear();
-    for (size_t k = 0; k < evidence.weights.size(); ++k) {
-      const int begin = evidence.first_observation[k];
-      const int end = evidence.first_observation[k + 1];
-      kept.first_observation[k] = static_cast<int>(kept.observations.size());
-      for (int i = begin; i < end; ++i) {
-        const Observation& observation = evidence.observations[i];
-        const RayDepth& sample = observation.sample;
-        if (room_.Hit(room_.cameras[view], {sample.x, sample.y, 1.0}).first !=
-            surface) {
-          kept.observations.push_back(observation);
-          kept.sources.push_back(ObservationSource::kMeasured);
-        }
-      }
-      const auto num_kept = static_cast<float>(kept.observations.size()) -
-                            static_cast<float>(kept.first_observation[k]);
-      kept.weights[k] *= num_kept / static_cast<float>(end - begin);
-    }
-    kept.first_observation.back() = static_cast<int>(kept.observations.size());
-    evidence = std::move(kept);
   }
 
   // gray: of a surface and a point on it.
@@ -186,14 +165,6 @@ TEST_F(ModelCreasesTest, WithoutTheOptionThereIsNone) {
   EXPECT_EQ(FindCeiling(model), -1);
   EXPECT_EQ(model.planes.size(), 3u);
   EXPECT_THAT(text_.str(), testing::Not(testing::HasSubstr("creases")));
-}
-
-TEST_F(ModelCreasesTest, WithoutALineThereIsNone) {
-  MakeCeilingBare();
-  const SceneModel with = *Run();
-  EXPECT_EQ(FindCeiling(with), -1);
-  refine_options_.bounding_creases = false;
-  ExpectSame(with, *Run());
 }
 
 TEST_F(ModelCreasesTest, DoNotDependOnTheResources) {

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/scene/model_scene.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <mutex>
@@ -93,18 +92,6 @@ TEST_F(ModelSceneTest, KeptCostsAreComputedOnce) {
   EXPECT_LT(gpu.NumAllocations() - num_allocations, num_allocations);
 }
 
-TEST_F(ModelSceneTest, GpusShareTheViews) {
-  const SceneModel on_cpu = *Run();
-  CountingDevice first("first", SIZE_MAX);
-  CountingDevice second("second", SIZE_MAX);
-  resources_.num_threads = 3;
-  resources_.num_views = 3;
-  resources_.gpus = {{"GPU 0", &first}, {"GPU 1", &second}};
-  ExpectSame(on_cpu, *Run());
-  EXPECT_GT(first.NumAllocations(), 0);
-  EXPECT_GT(second.NumAllocations(), 0);
-}
-
 TEST_F(ModelSceneTest, AWallThatLeansInOneViewIsUpright) {
   LetTheWallLean();
   options_.max_block_views = 1;
@@ -149,22 +136,6 @@ TEST_F(ModelSceneTest, TheAdjustmentLeavesPlanesOfOneBlockAsTheyWereFound) {
   ExpectSame(adjusted, *Run());
 }
 
-TEST_F(ModelSceneTest, BlocksHardlyChangeAdjustedPlanes) {
-  const SceneModel one = *Run();
-  options_.max_block_views = 1;
-  const SceneModel many = *Run();
-  for (const DrawnSurface& surface : room_.surfaces) {
-    const auto a = static_cast<size_t>(Find(surface, one));
-    const auto b = static_cast<size_t>(Find(surface, many));
-    ASSERT_LT(a, one.planes.size());
-    ASSERT_LT(b, many.planes.size());
-    EXPECT_LT(AngleBetween(one.planes[a].plane, many.planes[b].plane), 0.05);
-    EXPECT_LT(std::abs(one.planes[a].plane.Height(surface.middle) -
-                       many.planes[b].plane.Height(surface.middle)),
-              0.001);
-  }
-}
-
 TEST_F(ModelSceneTest, ViewsThatNothingConnectsShareNothing) {
   for (SceneView& view : views_) {
     view.sources.clear();
@@ -180,22 +151,6 @@ TEST_F(ModelSceneTest, ViewsThatNothingConnectsShareNothing) {
     }
   }
   EXPECT_EQ(components.size(), 3u);
-}
-
-TEST_F(ModelSceneTest, AViewThatMeasuredNothingHearsItsSources) {
-  ViewEvidence& evidence = room_.evidence[1];
-  evidence.observations.clear();
-  std::fill(
-      evidence.first_observation.begin(), evidence.first_observation.end(), 0);
-  std::fill(evidence.weights.begin(), evidence.weights.end(), 0.f);
-  evidence.candidates.clear();
-  const SceneModel model = *Run();
-  EXPECT_EQ(model.planes.size(), room_.surfaces.size());
-  ASSERT_EQ(model.views.size(), 3u);
-  // It has no depths that could tell how far planes may be.
-  for (const int plane : model.views.at(kFirstImage + 1).planes) {
-    EXPECT_EQ(plane, -1);
-  }
 }
 
 TEST_F(ModelSceneTest, OneViewAloneAndNone) {

@@ -15,7 +15,7 @@ namespace {
 std::vector<uint16_t> NumbersOf(const std::vector<int>& labels,
                                 const std::vector<int>& plane_indices) {
   FoundScene found;
-  found.labeled.labels = labels;
+  found.labels.planes = labels;
   found.plane_indices = plane_indices;
   Image<uint16_t> superpixels(static_cast<int>(labels.size()), 1);
   for (int x = 0; x < superpixels.Width(); ++x) {

@@ -3,10 +3,15 @@
 
 #pragma once
 
+#include "colmap_tsar/scene/adjustment/adjust_planes.h"
+#include "colmap_tsar/scene/discovery/plane_measurement.h"
 #include "colmap_tsar/scene/find_scene.h"
+#include "colmap_tsar/scene/scene_options.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -16,20 +21,34 @@ namespace tsar {
 // view shows of them, after so many sweeps. Each view is a source of all
 // others.
 inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
-                                   const BlockOfScene& block,
+                                   const PlaneBlock& block,
                                    const RefineOptions& options,
                                    Device& device,
                                    int num_sweeps = 2) {
-  std::vector<ModelPlane> planes;
+  SceneModel model;
   for (const MeasuredScenePlane& plane : block.planes) {
-    planes.push_back(ToModelPlane(plane));
+    model.planes.push_back(ToModelPlane(plane));
   }
+  const std::vector<ModelPlane>& planes = model.planes;
+  const double tolerance = MakeSceneOptions(options, views).discovery.tolerance;
+  AdjustModel(
+      [&](const std::vector<ModelPlane>& adjusted) {
+        std::vector<PlaneMeasurement> measurements;
+        for (size_t i = 0; i < views.size(); ++i) {
+          std::ranges::copy(
+              MeasureView(views[i], block.assignment[i], adjusted, tolerance),
+              std::back_inserter(measurements));
+        }
+        return measurements;
+      },
+      std::vector<bool>(planes.size(), false),
+      &model);
   const auto lend_device = [&](const std::function<void(Device&)>& work) {
     work(device);
   };
-  std::vector<LabelsInModel> labels;
+  std::vector<ViewLabels> labels;
   for (int sweep = 0; sweep < num_sweeps; ++sweep) {
-    std::vector<LabelsInModel> next;
+    std::vector<ViewLabels> next;
     for (size_t i = 0; i < views.size(); ++i) {
       std::vector<ModeledView> modeled;
       for (size_t j = 0; j < views.size(); ++j) {
@@ -44,8 +63,8 @@ inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
     labels = std::move(next);
   }
   std::vector<const ViewLabels*> of_views;
-  for (const LabelsInModel& of_view : labels) {
-    of_views.push_back(&of_view.labels);
+  for (const ViewLabels& of_view : labels) {
+    of_views.push_back(&of_view);
   }
   return FindScene(views, planes, of_views, device);
 }

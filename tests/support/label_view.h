@@ -9,20 +9,18 @@
 #include "colmap_tsar/scene/labeling/plane_costs.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
-#include <utility>
 #include <vector>
 
 namespace tsar {
 
 // Labels the first view with discovered planes on one device. source_labels: of
 // the other views, in numbers of these planes; or none.
-inline LabeledView LabelView(
-    const std::vector<ObservedView>& views,
-    const DiscoveredPlanes& discovered,
-    const PlaneSupport& support,
-    const LabelOptions& options,
-    Device& device,
-    const std::vector<VotingLabels>& source_labels = {}) {
+inline ViewLabels LabelView(const std::vector<ObservedView>& views,
+                            const DiscoveredPlanes& discovered,
+                            const PlaneSupport& support,
+                            const LabelOptions& options,
+                            Device& device,
+                            const std::vector<ViewLabels>& source_labels = {}) {
   std::vector<Plane> planes;
   for (const ScenePlane& found : discovered.planes) {
     planes.push_back(ToCameraPlane(found.plane, views[0].camera));
@@ -37,7 +35,7 @@ inline LabeledView LabelView(
   if (!source_labels.empty()) {
     votes = ComputeLabelVotes(inputs, planes, source_labels, device);
   }
-  return ChooseLabels(views[0], std::move(planes), costs, votes, options);
+  return ChooseLabels(views[0], planes, costs, votes, options);
 }
 
 }  // namespace tsar

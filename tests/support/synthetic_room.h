@@ -203,4 +203,28 @@ class SyntheticRoom {
   }
 };
 
+// Takes away the observations i of superpixels k where is_gone(k, i).
+template <typename Function>
+void Forget(const Function& is_gone, ViewEvidence* evidence) {
+  ViewEvidence kept = *evidence;
+  kept.observations.clear();
+  kept.sources.clear();
+  for (int k = 0; k < evidence->NumSuperpixels(); ++k) {
+    const int begin = evidence->first_observation[k];
+    const int end = evidence->first_observation[k + 1];
+    int count = 0;
+    for (int i = begin; i < end; ++i) {
+      if (!is_gone(k, i)) {
+        kept.observations.push_back(evidence->observations[i]);
+        kept.sources.push_back(evidence->sources[i]);
+        ++count;
+      }
+    }
+    kept.first_observation[k + 1] = static_cast<int>(kept.observations.size());
+    kept.weights[k] *=
+        static_cast<float>(count) / static_cast<float>(end - begin);
+  }
+  *evidence = std::move(kept);
+}
+
 }  // namespace tsar

@@ -61,6 +61,18 @@ inline Image<RayDepth> ToSamples(const Image<float>& depth,
   return samples;
 }
 
+// Square superpixels of this size, numbered row by row.
+template <typename T>
+Image<T> SquareSuperpixels(int width, int height, int size) {
+  Image<T> superpixels(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      superpixels(x, y) = static_cast<T>(y / size * (width / size) + x / size);
+    }
+  }
+  return superpixels;
+}
+
 // In degrees, between unit vectors.
 inline float AngleBetween(const Vec3f& a, const Vec3f& b) {
   return 2.f * std::asin(std::min(0.5f * Norm(a - b), 1.f)) * 57.29578f;

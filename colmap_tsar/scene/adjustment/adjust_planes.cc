@@ -355,22 +355,6 @@ class PlaneProblem {
   ceres::Problem problem_;
 };
 
-std::vector<WorldPlane> WorldPlanes(const SceneModel& model) {
-  std::vector<WorldPlane> planes;
-  for (const ModelPlane& plane : model.planes) {
-    planes.push_back(plane.plane);
-  }
-  return planes;
-}
-
-// Whether the normal is the axis of the frame up to rounding.
-bool IsAlongAxis(const ModelPlane& plane,
-                 const std::vector<Eigen::Matrix3d>& frames) {
-  return plane.frame >= 0 &&
-         frames[plane.frame].col(plane.axis).cross(plane.plane.normal).norm() <
-             1e-9;
-}
-
 }  // namespace
 
 void AdjustModel(const MeasurePlanes& measure,
@@ -378,15 +362,18 @@ void AdjustModel(const MeasurePlanes& measure,
                  SceneModel* model) {
   for (size_t p = 0; p < model->planes.size(); ++p) {
     ModelPlane& plane = model->planes[p];
-    if (!may_move[p] && !IsAlongAxis(plane, model->frames)) {
-      plane.frame = plane.axis = -1;
+    if (!may_move[p] && plane.frame >= 0) {
+      const Eigen::Vector3d axis = model->frames[plane.frame].col(plane.axis);
+      // Up to rounding.
+      if (!(axis.cross(plane.plane.normal).norm() < 1e-9)) {
+        plane.frame = plane.axis = -1;
+      }
     }
   }
   SceneModel adjusted = *model;
   bool moves = std::ranges::find(may_move, true) != may_move.end();
   for (int round = 0; moves && round < kMaxRounds; ++round) {
-    moves =
-        PlaneProblem(measure(WorldPlanes(adjusted)), adjusted).Solve(&adjusted);
+    moves = PlaneProblem(measure(adjusted.planes), adjusted).Solve(&adjusted);
   }
   for (size_t p = 0; p < model->planes.size(); ++p) {
     ModelPlane& plane = model->planes[p];
@@ -397,7 +384,7 @@ void AdjustModel(const MeasurePlanes& measure,
       plane.plane = adjusted.planes[p].plane;
     }
   }
-  PlaneProblem(measure(WorldPlanes(*model)), *model).Describe(model);
+  PlaneProblem(measure(model->planes), *model).Describe(model);
 }
 
 }  // namespace tsar

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/scene/discovery/plane_measurement.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
-#include "colmap_tsar/view/planes/world_plane.h"
 
 #include <functional>
 #include <vector>
@@ -15,7 +14,7 @@ namespace tsar {
 // Measures the current planes in the views: any number of measurements per
 // plane, in any order; see MeasurePlane.
 using MeasurePlanes = std::function<std::vector<PlaneMeasurement>(
-    const std::vector<WorldPlane>& planes)>;
+    const std::vector<ModelPlane>& planes)>;
 
 // Adjusts the planes and frames of a scene of any size together, by nonlinear
 // least squares (Ceres), and sets the centers, axes and covariances of the

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -46,13 +45,7 @@ constexpr float kMaxCreaseWidth = 14.f;
 constexpr float kMaxOffset = 10.f;
 constexpr double kMinSupport = 0.1;
 
-// A line at which its plane ends.
-struct EndOfPlane {
-  SharedLine shared;
-  int beyond;  // The side of the line beyond the end.
-};
-
-// Whether the line's plane ends there: nothing was measured beyond.
+// Whether the line's plane ends there: nothing was measured on the side beyond.
 bool PlaneEnds(const LineEvidence& evidence, int beyond) {
   const LineEvidence::Side& side = evidence.sides[beyond];
   const double measured_before = evidence.sides[1 - beyond].measured;
@@ -64,7 +57,7 @@ bool PlaneEnds(const LineEvidence& evidence, int beyond) {
 
 class CreaseFinder {
  public:
-  CreaseFinder(const std::vector<SharedLine>& lines,
+  CreaseFinder(const std::vector<PlaneLine>& lines,
                const std::vector<LineEvidence>& evidence,
                const std::vector<int>& copies,
                SceneModel* model)
@@ -74,33 +67,34 @@ class CreaseFinder {
         model_(model),
         first_new_(static_cast<int>(model->planes.size())) {
     for (size_t i = 0; i < lines.size(); ++i) {
-      on_axis_[{lines[i].line.plane, lines[i].line.axis}].push_back(i);
+      on_axis_[{lines[i].plane, lines[i].axis}].push_back(i);
     }
   }
 
   std::vector<BoundingCrease> Run() {
     std::vector<BoundingCrease> creases;
     for (const auto& [key, ends] : FindEnds()) {
-      creases.push_back(MakeCrease(Outermost(ends)));
+      const int beyond = std::get<2>(key);
+      creases.push_back(MakeCrease(Outermost(ends, beyond), beyond));
     }
     PlaceNewPlanes();
     return creases;
   }
 
  private:
-  using Ends = std::vector<EndOfPlane>;
+  using Lines = std::vector<PlaneLine>;
 
-  // The ends of planes by plane, axis and side.
-  std::map<std::tuple<int, int, int>, Ends> FindEnds() const {
-    std::map<std::tuple<int, int, int>, Ends> ends;
+  // The lines at which planes end, by plane, axis and the side beyond.
+  std::map<std::tuple<int, int, int>, Lines> FindEnds() const {
+    std::map<std::tuple<int, int, int>, Lines> ends;
     for (size_t i = 0; i < lines_.size(); ++i) {
-      const PlaneLine& line = lines_[i].line;
+      const PlaneLine& line = lines_[i];
       for (const int beyond : {0, 1}) {
         // Edges that few views see begin no planes that nobody measured.
         if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line) &&
-            (2 * lines_[i].num_views >= evidence_[i].sides[beyond].num_views ||
+            (2 * line.num_views >= evidence_[i].sides[beyond].num_views ||
              FindPlane(line, PlaneAtLine(*model_, line, beyond)) >= 0)) {
-          ends[{line.plane, line.axis, beyond}].push_back({lines_[i], beyond});
+          ends[{line.plane, line.axis, beyond}].push_back(line);
         }
       }
     }
@@ -111,7 +105,7 @@ class CreaseFinder {
     int count = 0;
     const PlaneLine* last = nullptr;
     for (const size_t i : on_axis_.at({crease.plane, crease.axis})) {
-      const PlaneLine& line = lines_[i].line;
+      const PlaneLine& line = lines_[i];
       const double below = evidence_[i].sides[0].measured;
       const double above = evidence_[i].sides[1].measured;
       if (std::min(below, above) > kMinPatternShare * (below + above) &&
@@ -127,36 +121,32 @@ class CreaseFinder {
     return count >= kMinPatternLines;
   }
 
-  // The outermost end; if it is one of a fall and a rise side by side, their
-  // middle. ends: those of one side of a plane.
-  EndOfPlane Outermost(const Ends& ends) const {
-    const auto is_further = [](const EndOfPlane& a, const EndOfPlane& b) {
-      return a.beyond == 0 ? a.shared.line.position < b.shared.line.position
-                           : a.shared.line.position > b.shared.line.position;
+  // The outermost of the ends of a plane on one side; if it is one of a fall
+  // and a rise side by side, their middle.
+  static PlaneLine Outermost(const Lines& ends, int beyond) {
+    const auto is_further = [&](const PlaneLine& a, const PlaneLine& b) {
+      return beyond == 0 ? a.position < b.position : a.position > b.position;
     };
-    EndOfPlane last = *std::ranges::min_element(ends, is_further);
-    PlaneLine& line = last.shared.line;
-    std::optional<EndOfPlane> partner;
-    for (const EndOfPlane& end : ends) {
-      const PlaneLine& other = end.shared.line;
-      if (other.step * line.step < 0.f &&
-          std::abs(other.position - line.position) <
-              kMaxCreaseWidth * line.pixel &&
-          (!partner || is_further(end, *partner))) {
-        partner = end;
+    PlaneLine last = *std::ranges::min_element(ends, is_further);
+    const PlaneLine* partner = nullptr;
+    for (const PlaneLine& other : ends) {
+      if (other.step * last.step < 0.f &&
+          std::abs(other.position - last.position) <
+              kMaxCreaseWidth * last.pixel &&
+          (partner == nullptr || is_further(other, *partner))) {
+        partner = &other;
       }
     }
-    if (partner) {
-      line.position = 0.5f * (line.position + partner->shared.line.position);
+    if (partner != nullptr) {
+      last.position = 0.5f * (last.position + partner->position);
     }
     return last;
   }
 
-  BoundingCrease MakeCrease(const EndOfPlane& end) {
-    const PlaneLine& line = end.shared.line;
+  BoundingCrease MakeCrease(const PlaneLine& line, int beyond) {
     BoundingCrease crease;
     crease.plane = line.plane;
-    crease.limit = PlaneAtLine(*model_, line, end.beyond);
+    crease.limit = PlaneAtLine(*model_, line, beyond);
     crease.beyond = FindPlane(line, crease.limit);
     if (crease.beyond < 0) {
       crease.beyond = static_cast<int>(model_->planes.size());
@@ -166,8 +156,9 @@ class CreaseFinder {
     if (crease.is_new) {
       creases_of_new_.resize(model_->planes.size() - first_new_);
       creases_of_new_[crease.beyond - first_new_].push_back(
-          {-model_->planes[crease.beyond].plane.normal.dot(OnLine(line)),
-           double(end.shared.num_views)});
+          {-model_->planes[crease.beyond].plane.normal.dot(
+               PointOn(line, *model_)),
+           double(line.num_views)});
     }
     return crease;
   }
@@ -178,7 +169,7 @@ class CreaseFinder {
   int FindPlane(const PlaneLine& line, const WorldPlane& limit) const {
     const ModelPlane& ending = model_->planes[line.plane];
     const double max_gap = double{kMaxOffset} * line.pixel;
-    const Eigen::Vector3d on_line = OnLine(line);
+    const Eigen::Vector3d on_line = PointOn(line, *model_);
     const auto gap = [&](int plane) {
       return std::abs(model_->planes[plane].plane.Height(on_line));
     };
@@ -200,16 +191,11 @@ class CreaseFinder {
     return best;
   }
 
-  Eigen::Vector3d OnLine(const PlaneLine& line) const {
-    return model_->planes[line.plane].center +
-           double{line.position} * AxisOf(*model_, line.plane, line.axis);
-  }
-
   ModelPlane MakePlane(const PlaneLine& line, const WorldPlane& limit) const {
     const ModelPlane& ending = model_->planes[line.plane];
     ModelPlane plane;
     plane.plane = limit;
-    plane.center = OnLine(line);
+    plane.center = PointOn(line, *model_);
     plane.axis_s = ending.plane.normal;
     plane.axis_t = limit.normal.cross(plane.axis_s);
     // Its normal is taken from the frame, and its offset is known to a pixel.
@@ -242,7 +228,7 @@ class CreaseFinder {
     }
   }
 
-  const std::vector<SharedLine>& lines_;
+  const std::vector<PlaneLine>& lines_;
   const std::vector<LineEvidence>& evidence_;
   const std::vector<int>& copies_;
   SceneModel* const model_;
@@ -257,7 +243,7 @@ class CreaseFinder {
 }  // namespace
 
 std::vector<BoundingCrease> FindBoundingCreases(
-    const std::vector<SharedLine>& lines,
+    const std::vector<PlaneLine>& lines,
     const std::vector<LineEvidence>& evidence,
     const std::vector<int>& copies,
     SceneModel* model) {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/scene/creases/line_evidence.h"
-#include "colmap_tsar/scene/creases/shared_lines.h"
+#include "colmap_tsar/scene/creases/plane_lines.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
@@ -28,7 +28,7 @@ struct BoundingCrease {
 // planes that begin there to the model, centered on their creases. evidence: by
 // line; copies: see FindPlaneCopies.
 std::vector<BoundingCrease> FindBoundingCreases(
-    const std::vector<SharedLine>& lines,
+    const std::vector<PlaneLine>& lines,
     const std::vector<LineEvidence>& evidence,
     const std::vector<int>& copies,
     SceneModel* model);

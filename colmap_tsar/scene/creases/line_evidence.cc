@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
 #include <set>
 
 namespace tsar {
@@ -33,39 +32,41 @@ struct Measurement {
   double weight;
 };
 
-// Cumulative sums of weights at positions that are known beforehand.
+// Pixels of a plane.
+struct Pixels {
+  double area = 0.0;
+  double measured = 0.0;  // Weight of what was measured on the plane.
+};
+
+// Cumulative sums of pixels at positions that are known beforehand.
 class SumsByPosition {
  public:
   explicit SumsByPosition(std::vector<float> positions)
-      : positions_(std::move(positions)), sums_(positions_.size() + 1, 0.0) {
+      : positions_(std::move(positions)), sums_(positions_.size() + 1) {
     std::ranges::sort(positions_);
   }
 
-  void Add(float position, double weight) {
-    sums_[std::ranges::lower_bound(positions_, position) -
-          positions_.begin()] += weight;
+  void Add(float position, const Pixels& pixels) {
+    Pixels& sum = sums_[std::ranges::lower_bound(positions_, position) -
+                        positions_.begin()];
+    sum.area += pixels.area;
+    sum.measured += pixels.measured;
   }
 
-  // The sum of weights up to and including a position.
-  double UpTo(float position) const {
+  // The sum up to and including a position.
+  Pixels UpTo(float position) const {
     const auto end = std::ranges::upper_bound(positions_, position);
-    return std::accumulate(
-        sums_.begin(), sums_.begin() + (end - positions_.begin()), 0.0);
+    Pixels sum;
+    for (auto i = positions_.begin(); i != end; ++i) {
+      sum.area += sums_[i - positions_.begin()].area;
+      sum.measured += sums_[i - positions_.begin()].measured;
+    }
+    return sum;
   }
 
  private:
   std::vector<float> positions_;
-  std::vector<double> sums_;
-};
-
-// The pixels of one side of lines: up to each cut, or beyond it.
-struct SideSums {
-  explicit SideSums(std::vector<float> positions)
-      : cuts(std::move(positions)), area(cuts), measured(cuts) {}
-
-  std::vector<float> cuts;  // By line.
-  SumsByPosition area;
-  SumsByPosition measured;  // Measured on the plane.
+  std::vector<Pixels> sums_;
 };
 
 // Computes the evidence of one view for the lines of one plane along one axis.
@@ -74,7 +75,7 @@ class LineTest {
   // is_plane: by superpixel, whether it is labeled with the plane or with none.
   LineTest(const ObservedView& view,
            const std::vector<uint8_t>& is_plane,
-           const std::vector<SharedLine>& lines,
+           const std::vector<PlaneLine>& lines,
            const SceneModel& model)
       : evidence_(*view.evidence),
         camera_(view.camera),
@@ -83,65 +84,67 @@ class LineTest {
         lines_(lines),
         model_(model) {}
 
-  // shown: by superpixel, whether it is labeled with the plane.
-  ViewLineEvidence Run(size_t first,
-                       size_t last,
-                       const std::vector<uint8_t>& shown,
-                       const std::vector<Vec3f>& middles) const {
-    const PlaneLine& any = lines_[first].line;
+  // Sets the evidence for the lines from first to last, which are along one
+  // axis. shown: by superpixel, whether it is labeled with the plane.
+  void Run(size_t first,
+           size_t last,
+           const std::vector<uint8_t>& shown,
+           const std::vector<Vec3f>& middles,
+           std::vector<LineEvidence>* result) const {
+    const PlaneLine& any = lines_[first];
     const PlaneAxis axis(
         model_.planes[any.plane], AxisOf(model_, any.plane, any.axis), camera_);
-    ViewLineEvidence result;
-    result.first = first;
-    result.last = last;
     const std::vector<Measurement> measurements = Measurements(axis);
     double on_plane = 0.0;
     for (const Measurement& measurement : measurements) {
       on_plane += measurement.is_on_plane ? measurement.weight : 0.0;
     }
-    result.measured = std::round(on_plane);
+    // All of it lies above the lines before these, and below those after them.
     const auto [begin, end] = LinesAround(axis, shown, middles, first, last);
-    result.begin = begin;
+    for (size_t i = first; i < begin; ++i) {
+      (*result)[i].sides[1].measured = std::round(on_plane);
+    }
+    for (size_t i = end; i < last; ++i) {
+      (*result)[i].sides[0].measured = std::round(on_plane);
+    }
     if (begin == end) {
-      return result;
+      return;
     }
     std::vector<float> cuts[2];
     for (size_t i = begin; i < end; ++i) {
-      const PlaneLine& line = lines_[i].line;
+      const PlaneLine& line = lines_[i];
       cuts[0].push_back(line.position - kMargin * line.pixel);
       // Measurements at the limit count as above it.
       cuts[1].push_back(
           std::nextafter(line.position + kMargin * line.pixel, -INFINITY));
     }
-    SideSums below(cuts[0]);
-    SideSums above(cuts[1]);
-    const double area = AddArea(axis, &below.area, &above.area);
+    SumsByPosition sums[] = {SumsByPosition(cuts[0]), SumsByPosition(cuts[1])};
+    const double area = AddArea(axis, sums);
     for (const Measurement& measurement : measurements) {
-      if (measurement.is_on_plane) {
-        below.measured.Add(measurement.position, measurement.weight);
-        above.measured.Add(measurement.position, measurement.weight);
+      for (SumsByPosition& of_side : sums) {
+        of_side.Add(
+            measurement.position,
+            {.measured = measurement.is_on_plane ? measurement.weight : 0.0});
       }
     }
     for (size_t i = begin; i < end; ++i) {
-      LineEvidence& line = result.lines.emplace_back();
-      const float low = below.cuts[i - begin];
-      const float high = above.cuts[i - begin];
-      line.sides[0].area = below.area.UpTo(low);
-      line.sides[1].area = area - above.area.UpTo(high);
-      line.sides[0].measured = std::round(below.measured.UpTo(low));
-      line.sides[1].measured = std::round(on_plane - above.measured.UpTo(high));
+      LineEvidence& line = (*result)[i];
+      const Pixels below = sums[0].UpTo(cuts[0][i - begin]);
+      const Pixels up_to_above = sums[1].UpTo(cuts[1][i - begin]);
+      line.sides[0].area = below.area;
+      line.sides[1].area = area - up_to_above.area;
+      line.sides[0].measured = std::round(below.measured);
+      line.sides[1].measured = std::round(on_plane - up_to_above.measured);
       for (const int side : {0, 1}) {
         LookThrough(i, axis, measurements, side, &line);
       }
     }
-    return result;
   }
 
  private:
-  // Adds the pixels labeled with the plane or with none; returns their number.
-  double AddArea(const PlaneAxis& axis,
-                 SumsByPosition* below,
-                 SumsByPosition* above) const {
+  // Adds the pixels labeled with the plane or with none to the sums of both
+  // sides; returns their number.
+  double AddArea(const PlaneAxis& axis, SumsByPosition (&sums)[2]) const {
     double area = 0.0;
     for (int y = 0; y < evidence_.height; ++y) {
       for (int x = 0; x < evidence_.width; ++x) {
@@ -150,8 +153,8 @@ class LineTest {
         }
         const float position = axis.Position(intrinsics_.Ray(x, y));
         if (!std::isnan(position)) {
-          below->Add(position, 1.0);
-          above->Add(position, 1.0);
+          sums[0].Add(position, {.area = 1.0});
+          sums[1].Add(position, {.area = 1.0});
           ++area;
         }
       }
@@ -208,12 +211,11 @@ class LineTest {
     }
     const float width = std::max(high - low, 0.f);
     const auto first_from = [&](float wanted) {
-      const auto found = std::ranges::lower_bound(
-          lines_.begin() + first,
-          lines_.begin() + last,
-          wanted,
-          {},
-          [](const SharedLine& line) { return line.line.position; });
+      const auto found = std::ranges::lower_bound(lines_.begin() + first,
+                                                  lines_.begin() + last,
+                                                  wanted,
+                                                  {},
+                                                  &PlaneLine::position);
       return static_cast<size_t>(found - lines_.begin());
     };
     const size_t begin = first_from(low - width);
@@ -228,7 +230,7 @@ class LineTest {
                    const std::vector<Measurement>& measurements,
                    int side,
                    LineEvidence* result) const {
-    const PlaneLine& line = lines_[index].line;
+    const PlaneLine& line = lines_[index];
     const WorldPlane limit = PlaneAtLine(model_, line, side);
     LineEvidence::Side& of_side = result->sides[side];
     if (limit.Height(camera_.Center()) <= 0.0) {
@@ -260,34 +262,22 @@ class LineTest {
   const Camera& camera_;
   const Intrinsics intrinsics_;
   const std::vector<uint8_t>& is_plane_;
-  const std::vector<SharedLine>& lines_;
+  const std::vector<PlaneLine>& lines_;
   const SceneModel& model_;
 };
 
-void AddTo(const LineEvidence& from, LineEvidence* to) {
-  for (size_t i = 0; i < from.sides.size(); ++i) {
-    to->sides[i].area += from.sides[i].area;
-    to->sides[i].measured += from.sides[i].measured;
-    to->sides[i].through += from.sides[i].through;
-    to->sides[i].num_views += from.sides[i].num_views;
-  }
-}
-
 }  // namespace
 
-std::vector<ViewLineEvidence> TestPlaneLines(
-    const ObservedView& view,
-    const std::vector<int>& labels,
-    const std::vector<SharedLine>& lines,
-    const SceneModel& model) {
+std::vector<LineEvidence> TestPlaneLines(const ObservedView& view,
+                                         const std::vector<int>& labels,
+                                         const std::vector<PlaneLine>& lines,
+                                         const SceneModel& model) {
   const std::vector<Vec3f> middles =
       MiddleRays(*view.evidence, view.camera.GetIntrinsics());
-  std::vector<ViewLineEvidence> result;
+  std::vector<LineEvidence> result(lines.size());
   for (const int plane : std::set<int>(labels.begin(), labels.end())) {
     const auto on_plane =
-        std::ranges::equal_range(lines, plane, {}, [](const SharedLine& line) {
-          return line.line.plane;
-        });
+        std::ranges::equal_range(lines, plane, {}, &PlaneLine::plane);
     if (plane < 0 || on_plane.empty()) {
       continue;
     }
@@ -300,43 +290,29 @@ std::vector<ViewLineEvidence> TestPlaneLines(
     const LineTest test(view, is_plane, lines, model);
     for (auto first = on_plane.begin(); first != on_plane.end();) {
       const auto last =
-          std::find_if(first, on_plane.end(), [&](const SharedLine& line) {
-            return line.line.axis != first->line.axis;
+          std::find_if(first, on_plane.end(), [&](const PlaneLine& line) {
+            return line.axis != first->axis;
           });
-      result.push_back(test.Run(
-          first - lines.begin(), last - lines.begin(), shown, middles));
+      test.Run(
+          first - lines.begin(), last - lines.begin(), shown, middles, &result);
       first = last;
     }
   }
   return result;
 }
 
-LineEvidenceSum::LineEvidenceSum(size_t num_lines)
-    : of_lines_(num_lines), elsewhere_(num_lines + 1) {}
-
-void LineEvidenceSum::Add(const std::vector<ViewLineEvidence>& view) {
-  for (const ViewLineEvidence& evidence : view) {
-    const size_t end = evidence.begin + evidence.lines.size();
-    for (size_t i = 0; i < evidence.lines.size(); ++i) {
-      AddTo(evidence.lines[i], &of_lines_[evidence.begin + i]);
-    }
-    elsewhere_[evidence.first][1] += evidence.measured;
-    elsewhere_[evidence.begin][1] -= evidence.measured;
-    elsewhere_[end][0] += evidence.measured;
-    elsewhere_[evidence.last][0] -= evidence.measured;
-  }
-}
-
-std::vector<LineEvidence> LineEvidenceSum::Get() const {
-  std::vector<LineEvidence> result = of_lines_;
-  std::array<double, 2> measured = {};
-  for (size_t i = 0; i < result.size(); ++i) {
-    for (size_t side = 0; side < 2; ++side) {
-      measured[side] += elsewhere_[i][side];
-      result[i].sides[side].measured += measured[side];
+void AddEvidence(const std::vector<LineEvidence>& of_view,
+                 std::vector<LineEvidence>* sum) {
+  for (size_t i = 0; i < of_view.size(); ++i) {
+    for (const int side : {0, 1}) {
+      const LineEvidence::Side& from = of_view[i].sides[side];
+      LineEvidence::Side& to = (*sum)[i].sides[side];
+      to.area += from.area;
+      to.measured += from.measured;
+      to.through += from.through;
+      to.num_views += from.num_views;
     }
   }
-  return result;
 }
 
 }  // namespace tsar

@@ -3,12 +3,11 @@
 
 #pragma once
 
-#include "colmap_tsar/scene/creases/shared_lines.h"
+#include "colmap_tsar/scene/creases/plane_lines.h"
 #include "colmap_tsar/scene/evidence/observed_view.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
 
 #include <array>
-#include <cstddef>
 #include <vector>
 
 namespace tsar {
@@ -29,42 +28,15 @@ struct LineEvidence {
   std::array<Side, 2> sides;
 };
 
-// The evidence of one view for the lines of one plane along one axis: those
-// from `first` to `last`.
-struct ViewLineEvidence {
-  size_t first = 0;
-  size_t last = 0;
-  // The lines from begin to begin + lines.size() lie in the part of the plane
-  // that the view shows, or near it.
-  size_t begin = 0;
-  std::vector<LineEvidence> lines;
-  // Measured on the plane: for the lines before `begin` all of it lies above,
-  // for those after the last all of it lies below.
-  double measured = 0.0;
-};
+// The evidence of one view, by line. lines: from JoinPlaneLines. labels: as for
+// FindPlaneLines.
+std::vector<LineEvidence> TestPlaneLines(const ObservedView& view,
+                                         const std::vector<int>& labels,
+                                         const std::vector<PlaneLine>& lines,
+                                         const SceneModel& model);
 
-// lines: from JoinPlaneLines. labels: as for FindPlaneLines.
-std::vector<ViewLineEvidence> TestPlaneLines(
-    const ObservedView& view,
-    const std::vector<int>& labels,
-    const std::vector<SharedLine>& lines,
-    const SceneModel& model);
-
-// The sum of the evidence of all views.
-class LineEvidenceSum {
- public:
-  explicit LineEvidenceSum(size_t num_lines);
-
-  void Add(const std::vector<ViewLineEvidence>& view);
-
-  // By line.
-  std::vector<LineEvidence> Get() const;
-
- private:
-  std::vector<LineEvidence> of_lines_;
-  // Measured on either side of each line in views that do not show it, as
-  // differences from the line before.
-  std::vector<std::array<double, 2>> elsewhere_;
-};
+// Adds the evidence of another view.
+void AddEvidence(const std::vector<LineEvidence>& of_view,
+                 std::vector<LineEvidence>* sum);
 
 }  // namespace tsar

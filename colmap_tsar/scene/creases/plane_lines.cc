@@ -295,11 +295,9 @@ WorldPlane PlaneAtLine(const SceneModel& model,
                        const PlaneLine& line,
                        int side) {
   const Eigen::Vector3d axis = AxisOf(model, line.plane, line.axis);
-  const Eigen::Vector3d on_line =
-      model.planes[line.plane].center + double{line.position} * axis;
   WorldPlane plane;
   plane.normal = side == 0 ? axis : Eigen::Vector3d(-axis);
-  plane.offset = -plane.normal.dot(on_line);
+  plane.offset = -plane.normal.dot(PointOn(line, model));
   return plane;
 }
 

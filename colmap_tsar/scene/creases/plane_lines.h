@@ -50,8 +50,8 @@ inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
   return model.frames[model.planes[plane].frame].col(axis);
 }
 
-// A straight line in an image along an axis of the Manhattan frame, across the
-// whole visible part of a plane.
+// A straight line along an axis of the Manhattan frame, across the whole part
+// of a plane that one view shows, or that several do.
 struct PlaneLine {
   int plane = -1;  // Index in the model.
   // The frame's other axis in the plane, and the line's position on it, from
@@ -62,7 +62,14 @@ struct PlaneLine {
   // The step of brightness along the axis, in gray levels, beyond the slope
   // around the line; negative where brightness falls.
   float step = 0.f;
+  int num_views = 1;  // That show it.
 };
+
+// A point on the line, in the world.
+inline Eigen::Vector3d PointOn(const PlaneLine& line, const SceneModel& model) {
+  return model.planes[line.plane].center +
+         double{line.position} * AxisOf(model, line.plane, line.axis);
+}
 
 // The orthogonal plane through the line, at which the line's plane would end on
 // that side (0: smaller positions, 1: larger ones); it faces the other side.

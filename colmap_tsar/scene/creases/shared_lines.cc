@@ -54,8 +54,9 @@ std::vector<Window> FindWindows(const std::vector<LineInView>& lines) {
   return windows;
 }
 
-SharedLine Average(const std::vector<LineInView>& lines, const Window& window) {
-  SharedLine shared = {lines[window.begin].line, window.num_views};
+PlaneLine Average(const std::vector<LineInView>& lines, const Window& window) {
+  PlaneLine shared = lines[window.begin].line;
+  shared.num_views = window.num_views;
   std::vector<float> pixels;
   double positions = 0.0;
   double weights = 0.0;
@@ -68,15 +69,15 @@ SharedLine Average(const std::vector<LineInView>& lines, const Window& window) {
     steps += line.step;
     pixels.push_back(line.pixel);
   }
-  shared.line.position = static_cast<float>(positions / weights);
-  shared.line.pixel = UpperMedian(&pixels);
-  shared.line.step = static_cast<float>(steps / (window.end - window.begin));
+  shared.position = static_cast<float>(positions / weights);
+  shared.pixel = UpperMedian(&pixels);
+  shared.step = static_cast<float>(steps / (window.end - window.begin));
   return shared;
 }
 
 }  // namespace
 
-std::vector<SharedLine> JoinPlaneLines(
+std::vector<PlaneLine> JoinPlaneLines(
     const std::vector<std::vector<PlaneLine>>& lines) {
   // Lines by plane, axis, and sign of the step.
   std::map<std::tuple<int, int, bool>, std::vector<LineInView>> groups;
@@ -85,7 +86,7 @@ std::vector<SharedLine> JoinPlaneLines(
       groups[{line.plane, line.axis, line.step > 0.f}].push_back({line, view});
     }
   }
-  std::vector<SharedLine> shared;
+  std::vector<PlaneLine> shared;
   for (auto& [key, of_group] : groups) {
     std::ranges::stable_sort(of_group, {}, [](const LineInView& in_view) {
       return in_view.line.position;
@@ -102,8 +103,8 @@ std::vector<SharedLine> JoinPlaneLines(
       }
     }
   }
-  std::ranges::stable_sort(shared, {}, [](const SharedLine& line) {
-    return std::tie(line.line.plane, line.line.axis, line.line.position);
+  std::ranges::stable_sort(shared, {}, [](const PlaneLine& line) {
+    return std::tie(line.plane, line.axis, line.position);
   });
   return shared;
 }

@@ -9,15 +9,10 @@
 
 namespace tsar {
 
-// A line that several views see at the same position on a plane.
-struct SharedLine {
-  PlaneLine line;  // With the median pixel and the mean step.
-  int num_views = 0;
-};
-
-// Joins lines of views; steps of opposite signs are different lines. lines: by
-// view. The result is sorted by plane, axis and position.
-std::vector<SharedLine> JoinPlaneLines(
+// The lines that several views see at the same position on a plane, with the
+// median pixel and the mean step; steps of opposite signs are different lines.
+// lines: by view. The result is sorted by plane, axis and position.
+std::vector<PlaneLine> JoinPlaneLines(
     const std::vector<std::vector<PlaneLine>>& lines);
 
 }  // namespace tsar

@@ -196,8 +196,7 @@ void AddPlanesOfPriors(const std::vector<ObservedView>& views,
     return;
   }
   const Camera& reference = views[0].camera;
-  const SuperpixelObservations observations(
-      views, options.max_weight, ObservationsOf::kPriors);
+  const SuperpixelObservations observations(views, ObservationsOf::kPriors);
   const PlaneEstimator estimator(observations, options.tolerance, device);
   std::vector<WorldPlane> known;
   for (const ScenePlane& plane : discovered->planes) {
@@ -258,7 +257,7 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   if (views.empty()) {
     return result;
   }
-  const SuperpixelObservations observations(views, options.max_weight);
+  const SuperpixelObservations observations(views);
   if (observations.Count() == 0) {
     return result;
   }

@@ -20,13 +20,18 @@ namespace tsar {
 std::vector<WorldPlane> CollectCandidates(
     const std::vector<ObservedView>& views);
 
+// The largest weight of a superpixel, in pixels of full confidence, so that the
+// sizes of superpixels and of the raster matter little. As many count as one
+// measurement: errors of neighbors are correlated.
+inline constexpr double kMaxSuperpixelWeight = 40.0;
+
+// The expected error of one observation, as a share of the tolerance.
+inline constexpr double kErrorShare = 0.25;
+
 struct DiscoverPlanesOptions {
   // The residual from which a depth is no inlier of a plane, in relative depths
   // of one pixel of disparity (DepthResolution::RelativeDepthError).
   double tolerance = 1.0;
-  // The largest weight of a superpixel, in pixels of full confidence, so that
-  // the sizes of superpixels and of the raster matter little.
-  double max_weight = 40.0;
   // The least gain of a plane, in pixels of full confidence that lie exactly on
   // it.
   double min_gain = 100.0;
@@ -62,8 +67,8 @@ struct DiscoveredPlanes {
 // location, where a plane costs min_gain and is assigned superpixels. A plane's
 // score for a superpixel is the sum over its observations of 1 - (residual /
 // tolerance)^2, never below 0, times the confidences, scaled to a sum of the
-// superpixel's weight or max_weight, whichever is less. The residual is
-// NormalizedResidual with one pixel of disparity as the expected error.
+// superpixel's weight or kMaxSuperpixelWeight, whichever is less. The residual
+// is NormalizedResidual with one pixel of disparity as the expected error.
 //
 // Candidates are chosen greedily while one adds min_gain. Then, in rounds, each
 // plane is fitted to the superpixels assigned to it in all views, planes with a

@@ -52,31 +52,41 @@ bool IsNear(const WorldPlane& plane, const Observations& observations) {
   return 2 * num_near >= observations.size();
 }
 
-void Append(const Observations& from, Observations* to) {
-  to->insert(to->end(), from.begin(), from.end());
-}
-
 std::vector<int> Union(const std::vector<int>& a, const std::vector<int>& b) {
   std::vector<int> result;
   std::ranges::set_union(a, b, std::back_inserter(result));
   return result;
 }
 
+// Translates a plane and its samples, so that arithmetic is done near the
+// origin.
+void Shift(const Eigen::Vector3d& offset, MeasuredScenePlane* plane) {
+  plane->found.plane.offset -= plane->found.plane.normal.dot(offset);
+  for (DepthObservation& observation : plane->observations) {
+    observation.center += offset;
+  }
+}
+
 class PlaneJoiner {
  public:
-  PlaneJoiner(std::vector<PlaneBlock> blocks, double min_gain, Device& device)
-      : blocks_(std::move(blocks)),
+  // origin: near which arithmetic is done. Takes the samples of the blocks.
+  PlaneJoiner(std::vector<PlaneBlock>* blocks,
+              const Eigen::Vector3d& origin,
+              double min_gain,
+              Device& device)
+      : blocks_(*blocks),
         min_gain_(min_gain),
         threads_(device.Threads()),
         nodes_of_block_(blocks_.size()) {
     for (int b = 0; b < static_cast<int>(blocks_.size()); ++b) {
-      for (MeasuredScenePlane& plane : blocks_[b].planes) {
+      for (MeasuredScenePlane& plane : (*blocks)[b].planes) {
         nodes_of_block_[b].push_back(static_cast<int>(nodes_.size()));
         Node& node = nodes_.emplace_back();
         node.blocks = {b};
         node.neighbors = blocks_[b].neighbors;
-        node.support = Support(plane.found.plane, plane.observations);
-        node.plane = std::move(plane);
+        node.plane = {plane.found, std::move(plane.observations)};
+        Shift(-origin, &node.plane);
+        node.support = Support(node.plane.found.plane, node.plane.observations);
       }
     }
   }
@@ -173,11 +183,9 @@ class PlaneJoiner {
     joint.plane.found = {
         plane, first.plane.found.support + second.plane.found.support};
     joint.plane.observations = std::move(first.plane.observations);
-    Append(second.plane.observations, &joint.plane.observations);
-    joint.plane.superpixels = std::move(first.plane.superpixels);
-    Append(second.plane.superpixels, &joint.plane.superpixels);
+    std::ranges::copy(second.plane.observations,
+                      std::back_inserter(joint.plane.observations));
     ThinOut(&joint.plane.observations);
-    ThinOut(&joint.plane.superpixels);
     joint.support = Support(plane, joint.plane.observations);
     joint.blocks = Union(first.blocks, second.blocks);
     joint.neighbors = Union(first.neighbors, second.neighbors);
@@ -231,7 +239,7 @@ class PlaneJoiner {
     return result;
   }
 
-  std::vector<PlaneBlock> blocks_;
+  const std::vector<PlaneBlock>& blocks_;
   const double min_gain_;
   ThreadPool& threads_;
   // The planes of the blocks, then those that they are joined into.
@@ -242,19 +250,8 @@ class PlaneJoiner {
   std::map<std::tuple<double, int, int>, WorldPlane> queue_;
 };
 
-// Translates a plane and its samples, so that arithmetic is done near the
-// origin.
-void Shift(const Eigen::Vector3d& offset, MeasuredScenePlane* plane) {
-  plane->found.plane.offset -= plane->found.plane.normal.dot(offset);
-  for (Observations* samples : {&plane->observations, &plane->superpixels}) {
-    for (DepthObservation& observation : *samples) {
-      observation.center += offset;
-    }
-  }
-}
-
-std::optional<Eigen::Vector3d> FindOrigin(
-    const std::vector<PlaneBlock>& blocks) {
+// A point near the measurements.
+Eigen::Vector3d FindOrigin(const std::vector<PlaneBlock>& blocks) {
   for (const PlaneBlock& block : blocks) {
     for (const MeasuredScenePlane& plane : block.planes) {
       if (!plane.observations.empty()) {
@@ -262,7 +259,7 @@ std::optional<Eigen::Vector3d> FindOrigin(
       }
     }
   }
-  return std::nullopt;
+  return Eigen::Vector3d::Zero();
 }
 
 // The superpixels that are assigned to each plane, indexed across all views.
@@ -298,16 +295,12 @@ void ThinOut(std::vector<DepthObservation>* samples) {
 std::vector<MeasuredScenePlane> MeasureScenePlanes(
     const std::vector<ObservedView>& views,
     const DiscoveredPlanes& discovered,
-    const DiscoverPlanesOptions& discovery,
-    const PlaneSupportOptions& support) {
+    double tolerance) {
   if (discovered.planes.empty()) {
     return {};
   }
-  std::vector<std::vector<DepthObservation>> superpixels =
-      MeasuredSuperpixels(views, discovered, support);
-  const SuperpixelObservations observations(views, discovery.max_weight);
-  const SuperpixelObservations of_priors(
-      views, discovery.max_weight, ObservationsOf::kPriors);
+  const SuperpixelObservations observations(views);
+  const SuperpixelObservations of_priors(views, ObservationsOf::kPriors);
   const std::vector<std::vector<int>> members = MembersOf(discovered);
   const Eigen::Matrix3d to_world = views[0].camera.rotation.transpose();
   const Eigen::Vector3d origin = views[0].camera.Center();
@@ -328,14 +321,12 @@ std::vector<MeasuredScenePlane> MeasureScenePlanes(
     sampled.Sample(members[p], kMaxPlaneSamples, [&](DepthObservation sample) {
       sample.center = to_world * sample.center + origin;
       sample.ray = to_world * sample.ray;
-      sample.sigma *= discovery.tolerance;
+      sample.sigma *= tolerance;
       plane.observations.push_back(sample);
     });
     for (DepthObservation& sample : plane.observations) {
       sample.weight *= static_cast<double>(count) / plane.observations.size();
     }
-    plane.superpixels = std::move(superpixels[p]);
-    ThinOut(&plane.superpixels);
     result.push_back(std::move(plane));
   }
   return result;
@@ -345,37 +336,20 @@ ModelPlane ToModelPlane(const MeasuredScenePlane& measured) {
   ModelPlane plane;
   plane.plane = measured.found.plane;
   plane.support = measured.found.support;
-  const PlaneUncertainty uncertainty =
-      ComputeUncertainty(plane.plane, measured.superpixels);
-  plane.center = uncertainty.center;
-  plane.axis_s = uncertainty.axes.col(0);
-  plane.axis_t = uncertainty.axes.col(1);
-  if (measured.superpixels.empty()) {
-    for (const DepthObservation& observation : measured.observations) {
-      plane.center +=
-          FootPoint(plane.plane, observation) / measured.observations.size();
-    }
-    plane.axis_s = plane.plane.normal.unitOrthogonal();
-    plane.axis_t = plane.plane.normal.cross(plane.axis_s);
+  for (const DepthObservation& observation : measured.observations) {
+    plane.center +=
+        FootPoint(plane.plane, observation) / measured.observations.size();
   }
-  // Rotation about one axis tilts the plane along the other.
-  plane.covariance(0, 0) = uncertainty.slope_variance(1);
-  plane.covariance(1, 1) = uncertainty.slope_variance(0);
-  plane.covariance(2, 2) = uncertainty.height_variance;
+  plane.axis_s = plane.plane.normal.unitOrthogonal();
+  plane.axis_t = plane.plane.normal.cross(plane.axis_s);
   return plane;
 }
 
-JoinedPlanes JoinPlanes(std::vector<PlaneBlock> blocks,
+JoinedPlanes JoinPlanes(std::vector<PlaneBlock>* blocks,
                         double min_gain,
                         Device& device) {
-  const Eigen::Vector3d origin =
-      FindOrigin(blocks).value_or(Eigen::Vector3d::Zero());
-  for (PlaneBlock& block : blocks) {
-    for (MeasuredScenePlane& plane : block.planes) {
-      Shift(-origin, &plane);
-    }
-  }
-  JoinedPlanes joined = PlaneJoiner(std::move(blocks), min_gain, device).Run();
+  const Eigen::Vector3d origin = FindOrigin(*blocks);
+  JoinedPlanes joined = PlaneJoiner(blocks, origin, min_gain, device).Run();
   for (MeasuredScenePlane& plane : joined.planes) {
     Shift(origin, &plane);
   }

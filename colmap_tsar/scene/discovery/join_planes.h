@@ -5,12 +5,14 @@
 
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene/discovery/discover_planes.h"
-#include "colmap_tsar/scene/discovery/plane_support.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
 #include <cstddef>
+#include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace tsar {
 
@@ -22,33 +24,34 @@ struct MeasuredScenePlane {
   // expected error is the tolerance of planes, and weights are in pixels of
   // full confidence; their sum is that of all observations.
   std::vector<DepthObservation> observations;
-  // A sample with one observation for each superpixel that measured it, with
-  // independent errors; the sum of weights is that of all of these.
-  std::vector<DepthObservation> superpixels;
 };
 
-// The largest number of samples of either kind that a plane keeps.
+// The largest number of samples that a plane keeps.
 inline constexpr size_t kMaxPlaneSamples = 300;
 
 // Keeps at most kMaxPlaneSamples, evenly spaced, with the same sum of weights.
 void ThinOut(std::vector<DepthObservation>* samples);
 
-// The planes discovered in these views with these options, with their samples.
+// The planes discovered in these views with this tolerance, with their samples.
 std::vector<MeasuredScenePlane> MeasureScenePlanes(
     const std::vector<ObservedView>& views,
     const DiscoveredPlanes& discovered,
-    const DiscoverPlanesOptions& discovery,
-    const PlaneSupportOptions& support);
+    double tolerance);
 
-// The plane of the model without its component and frame.
+// The plane of the model, of which AdjustModel determines the errors.
 ModelPlane ToModelPlane(const MeasuredScenePlane& measured);
 
-// The planes that were discovered in some of a scene's views.
+// What was discovered in a block of a scene's views.
 struct PlaneBlock {
+  std::vector<size_t> views;  // Their indices in the scene.
   std::vector<MeasuredScenePlane> planes;
+  // See DiscoveredPlanes.
+  std::vector<std::vector<int>> assignment;
+  std::optional<Eigen::Matrix3d> frame;
   // Other blocks with views of the same surfaces, in ascending order; the
   // relation is symmetric.
   std::vector<int> neighbors;
+  int component = 0;  // Of the views.
 };
 
 struct JoinedPlanes {
@@ -67,8 +70,8 @@ struct JoinedPlanes {
 // not depend on their number. Memory and time grow with the number of blocks,
 // as long as each has few neighbors and no plane runs along more than a
 // thousand of them, since each plane joined into it is compared with all along
-// it.
-JoinedPlanes JoinPlanes(std::vector<PlaneBlock> blocks,
+// it. The samples of the blocks' planes are moved to the joined ones.
+JoinedPlanes JoinPlanes(std::vector<PlaneBlock>* blocks,
                         double min_gain,
                         Device& device);
 

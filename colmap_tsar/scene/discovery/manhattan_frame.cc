@@ -151,29 +151,29 @@ std::optional<std::array<int, 3>> MatchColumns(const Eigen::Matrix3d& first,
   return columns;
 }
 
-double AlignedSupport(const FrameOfBlock& block) {
+double AlignedSupport(const PlaneBlock& block) {
   double support = 0.0;
-  for (size_t p = 0; p < block.axes.size(); ++p) {
-    support += block.axes[p] >= 0 ? block.supports[p] : 0.0;
+  for (const MeasuredScenePlane& plane : block.planes) {
+    support += plane.found.axis >= 0 ? plane.found.support : 0.0;
   }
   return support;
 }
 
 // The frame of the block's component that equals the block's frame, added where
 // there is none. columns: as by MatchColumns.
-int FindOrAdd(const FrameOfBlock& block,
+int FindOrAdd(const PlaneBlock& block,
               std::vector<SceneFrame>* frames,
               std::array<int, 3>* columns) {
   for (size_t f = 0; f < frames->size(); ++f) {
     const SceneFrame& frame = (*frames)[f];
     if (frame.component == block.component) {
-      if (const auto matched = MatchColumns(frame.rotation, *block.rotation)) {
+      if (const auto matched = MatchColumns(frame.rotation, *block.frame)) {
         *columns = *matched;
         return static_cast<int>(f);
       }
     }
   }
-  frames->push_back({*block.rotation, block.component});
+  frames->push_back({*block.frame, block.component});
   return static_cast<int>(frames->size()) - 1;
 }
 
@@ -220,7 +220,9 @@ std::vector<WorldPlane> AlignToManhattanFrame(
 }
 
 std::vector<Eigen::Matrix3d> FindSceneFrames(
-    const std::vector<FrameOfBlock>& blocks, std::vector<ModelPlane>* planes) {
+    const std::vector<PlaneBlock>& blocks,
+    const std::vector<std::vector<int>>& indices,
+    std::vector<ModelPlane>* planes) {
   std::vector<int> order(blocks.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::stable_sort(
@@ -228,14 +230,14 @@ std::vector<Eigen::Matrix3d> FindSceneFrames(
   std::vector<SceneFrame> frames;
   std::vector<AxisVotes> votes(planes->size());
   for (const int b : order) {
-    const FrameOfBlock& block = blocks[b];
+    const PlaneBlock& block = blocks[b];
     std::array<int, 3> columns = {0, 1, 2};
-    const int frame = block.rotation ? FindOrAdd(block, &frames, &columns) : -1;
-    for (size_t p = 0; p < block.indices.size(); ++p) {
-      const int axis = block.axes[p];
-      votes[block.indices[p]]
-           [axis < 0 ? kNoAxis : std::pair(frame, columns[axis])] +=
-          block.supports[p];
+    const int frame = block.frame ? FindOrAdd(block, &frames, &columns) : -1;
+    for (size_t p = 0; p < block.planes.size(); ++p) {
+      const ScenePlane& plane = block.planes[p].found;
+      votes[indices[b][p]]
+           [plane.axis < 0 ? kNoAxis : std::pair(frame, columns[plane.axis])] +=
+          plane.support;
     }
   }
   std::vector<int> new_indices(frames.size(), -1);

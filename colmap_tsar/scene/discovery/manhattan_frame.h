@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/scene/discovery/join_planes.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
 #include "colmap_tsar/view/planes/world_plane.h"
@@ -49,25 +50,15 @@ std::vector<WorldPlane> AlignToManhattanFrame(
     const std::function<bool(int p, const WorldPlane& plane)>& is_acceptable,
     std::optional<ManhattanFrame>* frame_found = nullptr);
 
-// The Manhattan frame that some views' planes were aligned to.
-struct FrameOfBlock {
-  int component = 0;
-  std::optional<Eigen::Matrix3d> rotation;
-  // Per plane of the block, the column along which its normal lies, or -1, and
-  // its support.
-  std::vector<int> axes;
-  std::vector<double> supports;
-  // The index of the plane in the model.
-  std::vector<int> indices;
-};
-
 // The frames of the whole scene. Frames of blocks of one component that agree
 // within 2 degrees, up to order and sign of columns, become one: that of the
 // block with the largest support. A plane of the model lies along the axis to
 // which most of its support was aligned, if it is still within 2 degrees of
 // that. Sets the planes' frame and axis, and returns the frames, of which each
-// has planes.
+// has planes. indices: see JoinedPlanes.
 std::vector<Eigen::Matrix3d> FindSceneFrames(
-    const std::vector<FrameOfBlock>& blocks, std::vector<ModelPlane>* planes);
+    const std::vector<PlaneBlock>& blocks,
+    const std::vector<std::vector<int>>& indices,
+    std::vector<ModelPlane>* planes);
 
 }  // namespace tsar

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <stdexcept>
 
 namespace tsar {
 namespace {
@@ -16,6 +15,9 @@ namespace {
 // A plane nearer to the camera than this, relative to its measured depths, is
 // seen edge-on.
 constexpr double kMinRelativeHeight = 1e-9;
+
+// The scale of the loss is half of the tolerance, as in DiscoverPlanes.
+constexpr MeasurePlaneOptions kLossOfViews = {2.0, 0.5};
 
 // Moments of the Cauchy weights of normally distributed errors of variance 1.
 struct LossMoments {
@@ -42,28 +44,12 @@ LossMoments MomentsOf(double loss_scale) {
   return moments;
 }
 
-void Check(const std::vector<DepthObservation>& observations) {
-  for (const DepthObservation& observation : observations) {
-    const bool valid =
-        observation.ray.allFinite() && observation.center.allFinite() &&
-        std::isfinite(observation.depth) && observation.depth > 0.0 &&
-        std::isfinite(observation.sigma) && observation.sigma > 0.0 &&
-        std::isfinite(observation.weight) && observation.weight >= 0.0;
-    if (!valid) {
-      throw std::invalid_argument(
-          "MeasurePlane: an observation is not finite, or its depth, sigma or "
-          "weight is out of range");
-    }
-  }
-}
-
 }  // namespace
 
 PlaneMeasurement MeasurePlane(int index,
                               const WorldPlane& plane,
                               const std::vector<DepthObservation>& observations,
                               const MeasurePlaneOptions& options) {
-  Check(observations);
   PlaneMeasurement measurement;
   measurement.plane = index;
   if (observations.empty()) {
@@ -116,9 +102,9 @@ PlaneMeasurement MeasurePlane(int index,
 
 std::vector<PlaneMeasurement> MeasureView(const ObservedView& view,
                                           const std::vector<int>& assignment,
-                                          const std::vector<WorldPlane>& planes,
-                                          const MeasureViewOptions& options) {
-  const SuperpixelObservations observations({view}, options.max_weight);
+                                          const std::vector<ModelPlane>& planes,
+                                          double tolerance) {
+  const SuperpixelObservations observations({view});
   std::map<int, std::vector<int>> superpixels;  // Indexed by plane.
   for (size_t k = 0; k < assignment.size(); ++k) {
     if (assignment[k] >= 0) {
@@ -136,12 +122,12 @@ std::vector<PlaneMeasurement> MeasureView(const ObservedView& view,
             of_plane.emplace_back(observations.At(k, i));
         observation.center = center;
         observation.ray = to_world * observation.ray;
-        observation.sigma *= options.tolerance * options.error_share;
-        observation.weight /= options.full_weight;
+        observation.sigma *= tolerance * kErrorShare;
+        observation.weight /= kMaxSuperpixelWeight;
       }
     }
     const PlaneMeasurement measurement =
-        MeasurePlane(plane, planes[plane], of_plane, options.planes);
+        MeasurePlane(plane, planes[plane].plane, of_plane, kLossOfViews);
     if (measurement.information > 0.0) {
       measurements.push_back(measurement);
     }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/scene/discovery/discover_planes.h"
+#include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
 #include <vector>
@@ -39,34 +40,19 @@ struct MeasurePlaneOptions {
 
 // Condenses the observations of one view, with the weights of Cauchy's loss at
 // this plane. Nothing is measured where there are no observations of a weight
-// above 0, and where the plane passes through the camera. Throws
-// std::invalid_argument where an observation is not finite, has no positive
-// depth and sigma, or has a negative weight.
+// above 0, and where the plane passes through the camera. Observations must be
+// finite, with a positive depth and sigma.
 PlaneMeasurement MeasurePlane(int index,
                               const WorldPlane& plane,
                               const std::vector<DepthObservation>& observations,
                               const MeasurePlaneOptions& options = {});
 
-struct MeasureViewOptions {
-  // The tolerance of residuals, in relative depths of one pixel of disparity,
-  // and the expected error of one observation as a share of that.
-  double tolerance = 1.0;
-  double error_share = 0.25;
-  // Pixels of full confidence that count as one measurement: errors of
-  // neighbors are correlated.
-  double full_weight = 40.0;
-  // The largest weight of a superpixel, in the same unit.
-  double max_weight = 40.0;
-  // The scale of the loss is half of the tolerance, as in DiscoverPlanes.
-  MeasurePlaneOptions planes = {2.0, 0.5};
-};
-
 // The measurement of each plane to which a superpixel of the view is assigned,
 // in the order of planes. assignment: per superpixel the index of its plane, or
-// -1.
+// -1; tolerance: of residuals, in relative depths of one pixel of disparity.
 std::vector<PlaneMeasurement> MeasureView(const ObservedView& view,
                                           const std::vector<int>& assignment,
-                                          const std::vector<WorldPlane>& planes,
-                                          const MeasureViewOptions& options);
+                                          const std::vector<ModelPlane>& planes,
+                                          double tolerance);
 
 }  // namespace tsar

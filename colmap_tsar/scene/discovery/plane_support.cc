@@ -21,6 +21,8 @@ namespace {
 // Stands for an unknown variance: its square root is far beyond every depth,
 // and its products with lengths stay finite.
 constexpr double kUnknownVariance = 1e30;
+// Observations of less confidence affect only the extent, not the variances.
+constexpr float kMinMeasuredConfidence = 0.5f;
 // Cells with this many times fewer observations than the median one hold noise.
 constexpr int kMinCellShare = 20;
 constexpr int kMinCellCount = 2;
@@ -35,7 +37,7 @@ struct PlaneObservations {
 void AddSuperpixel(const ObservedView& view,
                    size_t superpixel,
                    const WorldPlane& plane,
-                   const PlaneSupportOptions& options,
+                   double tolerance,
                    PlaneObservations* result) {
   const ViewEvidence& evidence = *view.evidence;
   const DepthResolution& resolution = evidence.resolution;
@@ -58,11 +60,11 @@ void AddSuperpixel(const ObservedView& view,
     depth.depth = sample.z;
     depth.sigma = sample.z * resolution.RelativeDepthError(sample.z) *
                   evidence.ErrorOf(i);
-    if (!(std::abs(NormalizedResidual(plane, depth)) < options.tolerance)) {
+    if (!(std::abs(NormalizedResidual(plane, depth)) < tolerance)) {
       continue;
     }
     result->points.push_back(FootPoint(plane, depth));
-    if (observation.confidence >= options.min_measured_confidence &&
+    if (observation.confidence >= kMinMeasuredConfidence &&
         !evidence.IsOfPrior(i)) {
       ++num_measured;
       confidence += observation.confidence;
@@ -75,7 +77,7 @@ void AddSuperpixel(const ObservedView& view,
   }
   mean.ray /= num_measured;
   mean.depth /= num_measured;
-  mean.sigma = options.error_share * options.tolerance * mean.depth *
+  mean.sigma = kErrorShare * tolerance * mean.depth *
                resolution.RelativeDepthError(static_cast<float>(mean.depth));
   double total = 0.0;
   for (int i = begin; i < end; ++i) {
@@ -83,28 +85,8 @@ void AddSuperpixel(const ObservedView& view,
   }
   mean.weight = std::min(
       1.0,
-      evidence.weights[superpixel] * confidence / total / options.full_weight);
+      evidence.weights[superpixel] * confidence / total / kMaxSuperpixelWeight);
   result->superpixels.push_back(mean);
-}
-
-std::vector<PlaneObservations> CollectObservations(
-    const std::vector<ObservedView>& views,
-    const DiscoveredPlanes& discovered,
-    const PlaneSupportOptions& options) {
-  std::vector<PlaneObservations> result(discovered.planes.size());
-  for (size_t i = 0; i < views.size(); ++i) {
-    for (size_t s = 0; s < discovered.assignment[i].size(); ++s) {
-      const int plane = discovered.assignment[i][s];
-      if (plane >= 0) {
-        AddSuperpixel(views[i],
-                      s,
-                      discovered.planes[plane].plane,
-                      options,
-                      &result[plane]);
-      }
-    }
-  }
-  return result;
 }
 
 // The frame of a plane, in the reference camera's frame.
@@ -181,34 +163,31 @@ void AddCells(const PlaneFrame& frame,
 
 }  // namespace
 
-std::vector<std::vector<DepthObservation>> MeasuredSuperpixels(
-    const std::vector<ObservedView>& views,
-    const DiscoveredPlanes& discovered,
-    const PlaneSupportOptions& options) {
-  std::vector<std::vector<DepthObservation>> result;
-  for (PlaneObservations& observations :
-       CollectObservations(views, discovered, options)) {
-    result.push_back(std::move(observations.superpixels));
-  }
-  return result;
-}
-
 PlaneSupport FindPlaneSupport(const std::vector<ObservedView>& views,
                               const DiscoveredPlanes& discovered,
-                              const PlaneSupportOptions& options) {
-  const std::vector<PlaneObservations> observations =
-      CollectObservations(views, discovered, options);
+                              double tolerance,
+                              int num_cells) {
+  std::vector<PlaneObservations> observations(discovered.planes.size());
+  for (size_t i = 0; i < views.size(); ++i) {
+    for (size_t s = 0; s < discovered.assignment[i].size(); ++s) {
+      const int plane = discovered.assignment[i][s];
+      if (plane >= 0) {
+        AddSuperpixel(views[i],
+                      s,
+                      discovered.planes[plane].plane,
+                      tolerance,
+                      &observations[plane]);
+      }
+    }
+  }
   PlaneSupport support;
   support.first_cell.push_back(0);
   for (size_t k = 0; k < observations.size(); ++k) {
     const Camera& reference = views[0].camera;
     support.frames.push_back(
         MakeFrame(discovered.planes[k].plane, observations[k], reference));
-    AddCells(support.frames.back(),
-             observations[k],
-             reference,
-             options.num_cells,
-             &support);
+    AddCells(
+        support.frames.back(), observations[k], reference, num_cells, &support);
     support.first_cell.push_back(static_cast<int>(support.cells.size()));
   }
   return support;

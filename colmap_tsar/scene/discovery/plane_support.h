@@ -43,19 +43,6 @@ struct PlaneFrame {
   }
 };
 
-struct PlaneSupportOptions {
-  // The tolerance of inliers, as in DiscoverPlanesOptions.
-  double tolerance = 1.0;
-  // Observations of less confidence affect only the extent, not the variances.
-  float min_measured_confidence = 0.5f;
-  // The expected error of one observation, as a share of the tolerance.
-  double error_share = 0.25;
-  // Pixels of full confidence that make a superpixel one whole measurement.
-  double full_weight = 40.0;
-  // Cells along the longer side of the area in which a plane was observed.
-  int num_cells = 64;
-};
-
 // The variances of the scene's planes, and where all views together observed
 // them.
 struct PlaneSupport {
@@ -68,16 +55,12 @@ struct PlaneSupport {
   std::vector<float> cell_sizes;
 };
 
-// The measurements of each plane in all views, in the world frame: one
-// observation, with an independent error, for each superpixel assigned to it.
-std::vector<std::vector<DepthObservation>> MeasuredSuperpixels(
-    const std::vector<ObservedView>& views,
-    const DiscoveredPlanes& discovered,
-    const PlaneSupportOptions& options);
-
-// views: the first is the reference.
+// views: the first is the reference. tolerance: of
+// inliers, as in DiscoverPlanesOptions. num_cells: along the
+// longer side of the area in which a plane was observed.
 PlaneSupport FindPlaneSupport(const std::vector<ObservedView>& views,
                               const DiscoveredPlanes& discovered,
-                              const PlaneSupportOptions& options);
+                              double tolerance,
+                              int num_cells = 64);
 
 }  // namespace tsar

@@ -8,9 +8,7 @@
 namespace tsar {
 
 SuperpixelObservations::SuperpixelObservations(
-    const std::vector<ObservedView>& views,
-    double max_weight,
-    ObservationsOf which) {
+    const std::vector<ObservedView>& views, ObservationsOf which) {
   slack_ = which == ObservationsOf::kPriors ? kSlackOfPrior : 0.0;
   const Camera& reference = views[0].camera;
   const Eigen::Vector3d origin = reference.Center();
@@ -47,7 +45,7 @@ SuperpixelObservations::SuperpixelObservations(
           {evidence.observations.data() + begin,
            evidence.errors.empty() ? nullptr : evidence.errors.data() + begin,
            end - begin,
-           std::min(weight, max_weight),
+           std::min(weight, kMaxSuperpixelWeight),
            confidences});
     }
   }

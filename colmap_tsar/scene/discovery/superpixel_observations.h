@@ -24,10 +24,10 @@ enum class ObservationsOf { kViews, kPriors };
 // pointers into the views' evidence.
 class SuperpixelObservations {
  public:
-  // The weight of a superpixel is at most max_weight.
-  SuperpixelObservations(const std::vector<ObservedView>& views,
-                         double max_weight,
-                         ObservationsOf which = ObservationsOf::kViews);
+  // The weight of a superpixel is at most kMaxSuperpixelWeight.
+  explicit SuperpixelObservations(
+      const std::vector<ObservedView>& views,
+      ObservationsOf which = ObservationsOf::kViews);
 
   int Count() const { return static_cast<int>(views_.size()); }
   // The index of each superpixel's view.

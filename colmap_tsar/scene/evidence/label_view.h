@@ -3,8 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/base/plane.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -60,7 +58,7 @@ struct LabelOptions {
   // trust: most of these are wrong on bare surfaces, but many together
   // distinguish a chest from the wall behind it.
   float confirmed_weight = 0.2f;
-  // The share of measured pixels at which LabeledView::strengths is half of its
+  // The share of measured pixels at which ViewLabels::strengths is half of its
   // value with many measurements.
   float strength_prior = 0.02f;
   // Costs per pixel without an observation: of no plane, and of a plane whose
@@ -111,24 +109,10 @@ struct ViewLabels {
   std::vector<LabelEvidence> evidence;
   // All 0 where there is no plane.
   std::vector<LabelQuality> qualities;
-};
-
-// The labels of a view that vote in its neighbors.
-struct VotingLabels {
-  std::vector<int> planes;       // As in ViewLabels.
-  std::vector<float> strengths;  // See LabeledView.
-};
-
-struct LabeledView {
-  // Planes of the scene, in the reference camera's frame.
-  std::vector<Plane> planes;
-  // Per superpixel of the reference: the index of its plane, or -1.
-  std::vector<int> labels;
-  std::vector<LabelEvidence> evidence;
-  std::vector<LabelQuality> qualities;  // See ViewLabels.
   // How strongly the superpixel's measurements support its plane, from 0 to 1
-  // (PlaneCost::strength).
-  std::vector<float> strengths;
+  // (PlaneCost::strength): the weight of its vote in other views. Empty once
+  // the scene is modeled.
+  std::vector<float> strengths = {};
 };
 
 }  // namespace tsar

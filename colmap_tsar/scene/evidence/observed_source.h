@@ -95,13 +95,9 @@ ObservedSource MakeObservedSource(const ObservedView& reference,
 ColorGain EstimateColorGain(const ObservedView& reference,
                             const ObservedView& source);
 
-// Votes of the other views on a surface of the reference: a view that measured
-// the same depth there confirms it. More views than kMaxVotes change nothing.
-constexpr int kMaxVotes = 2;
-
-// Whether the source confirms a point in the reference camera's frame. max_gap:
-// the largest distance from the source's depth, in relative depths of one pixel
-// of disparity.
+// Whether the source measured the same depth at a point in the reference
+// camera's frame. max_gap: the largest distance from the source's depth, in
+// relative depths of one pixel of disparity.
 TSAR_HD inline bool Confirms(const ObservedSource& source,
                              const Vec3f& point,
                              float max_gap) {
@@ -136,25 +132,5 @@ struct VoteSampling {
 
 // For the depths of other views on a plane.
 inline constexpr VoteSampling kPlaneSampling{9};
-
-// The votes on one superpixel. A pixel has at most kMaxVotes votes.
-struct SuperpixelVotes {
-  int num_confirmed = 0;
-  int num_tests = 0;
-  int num_impossible = 0;  // Tests where the surface has no depth.
-};
-
-// Adds the votes of several views on one point.
-TSAR_HD inline void AddVotes(const ObservedSource* sources,
-                             int num_sources,
-                             const Vec3f& point,
-                             float max_gap,
-                             SuperpixelVotes* sum) {
-  int num_confirmed = 0;
-  for (int j = 0; j < num_sources && num_confirmed < kMaxVotes; ++j) {
-    num_confirmed += Confirms(sources[j], point, max_gap) ? 1 : 0;
-  }
-  sum->num_confirmed += num_confirmed;
-}
 
 }  // namespace tsar

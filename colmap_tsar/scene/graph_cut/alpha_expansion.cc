@@ -4,14 +4,19 @@
 #include "colmap_tsar/scene/graph_cut/alpha_expansion.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/scene/graph_cut/minimum_cut.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <queue>
 #include <span>
 #include <utility>
+
+#include <boost/graph/boykov_kolmogorov_max_flow.hpp>
+#include <boost/graph/compressed_sparse_row_graph.hpp>
+#include <boost/property_map/property_map.hpp>
 
 namespace tsar {
 namespace {
@@ -30,10 +35,100 @@ void RequireFinite(double cost) {
   }
 }
 
-std::span<const float> UnaryOf(const LabelGraph& graph, int node) {
-  const auto num_labels = static_cast<size_t>(graph.num_labels);
-  return {&graph.unary[node * num_labels], num_labels};
-}
+// A minimum cut (Boykov and Kolmogorov, "An Experimental Comparison of
+// Min-Cut/Max-Flow Algorithms for Energy Minimization in Vision", PAMI 2004)
+// between nodes that stay and nodes that switch. No sum of costs may overflow.
+class MinimumCut {
+ public:
+  explicit MinimumCut(size_t num_nodes)
+      : source_(num_nodes), sink_(num_nodes + 1) {}
+
+  void AddCostOfSwitching(size_t node, int64_t cost) {
+    if (cost > 0) {
+      AddArc(source_, node, cost);
+    } else if (cost < 0) {
+      AddArc(node, sink_, -cost);
+    }
+  }
+
+  // The cost of the first node staying while the second one switches; not below
+  // 0.
+  void AddEdge(size_t first, size_t second, int64_t cost) {
+    if (cost > 0) {
+      AddArc(first, second, cost);
+    }
+  }
+
+  // Whether each node switches, so that the sum of costs is minimal; among
+  // minimum cuts, that with the smallest switching set.
+  std::vector<bool> Find() const {
+    const size_t num_arcs = ends_.size();
+    std::vector<size_t> indices(num_arcs);
+    std::iota(indices.begin(), indices.end(), size_t{0});
+    const Network network(boost::edges_are_unsorted_multi_pass,
+                          ends_.begin(),
+                          ends_.end(),
+                          indices.begin(),
+                          sink_ + 1);
+    const auto node_index = boost::get(boost::vertex_index, network);
+    const auto of_arcs = [&](auto& values) {
+      return boost::make_iterator_property_map(
+          values.begin(), boost::get(boost::edge_index, network));
+    };
+    const auto of_nodes = [&](auto& values) {
+      return boost::make_iterator_property_map(values.begin(), node_index);
+    };
+    std::vector<Arc> arcs(num_arcs);
+    const auto [begin, end] = boost::edges(network);
+    for (auto arc = begin; arc != end; ++arc) {
+      arcs[network[*arc]] = *arc;
+    }
+    std::vector<Arc> reverses(num_arcs);
+    std::vector<int64_t> capacities(num_arcs);
+    for (size_t i = 0; i < num_arcs; ++i) {
+      of_arcs(reverses)[arcs[i]] = arcs[i ^ 1];
+      of_arcs(capacities)[arcs[i]] = capacities_[i];
+    }
+    std::vector<int64_t> residuals(num_arcs);
+    std::vector<Arc> predecessors(sink_ + 1);
+    std::vector<boost::default_color_type> colors(sink_ + 1);
+    std::vector<int> distances(sink_ + 1);
+    boost::boykov_kolmogorov_max_flow(network,
+                                      of_arcs(capacities),
+                                      of_arcs(residuals),
+                                      of_arcs(reverses),
+                                      of_nodes(predecessors),
+                                      of_nodes(colors),
+                                      of_nodes(distances),
+                                      node_index,
+                                      source_,
+                                      sink_);
+    // The white nodes are those from which the sink can still be reached: the
+    // smallest set of all minimum cuts.
+    std::vector<bool> switches;
+    for (size_t node = 0; node < source_; ++node) {
+      switches.push_back(colors[node] == boost::white_color);
+    }
+    return switches;
+  }
+
+ private:
+  // The property of an arc is its index before arcs were sorted by origin.
+  using Network = boost::
+      compressed_sparse_row_graph<boost::directedS, boost::no_property, size_t>;
+  using Arc = boost::graph_traits<Network>::edge_descriptor;
+
+  void AddArc(size_t from, size_t to, int64_t capacity) {
+    ends_.insert(ends_.end(), {{from, to}, {to, from}});
+    capacities_.insert(capacities_.end(), {capacity, 0});
+  }
+
+  size_t source_;
+  size_t sink_;
+  // Arcs, each followed by its reverse, whose capacity is 0.
+  std::vector<std::pair<size_t, size_t>> ends_;
+  std::vector<int64_t> capacities_;
+};
 
 // The expansion moves of one graph, each from the labels that the move before
 // left. A move is restricted to the subgraph of nodes that may take the label:
@@ -53,9 +148,9 @@ std::span<const float> UnaryOf(const LabelGraph& graph, int node) {
 class ExpansionMoves {
  public:
   // Keeps a reference to the graph.
-  ExpansionMoves(const LabelGraph& graph, std::vector<int> labels)
+  explicit ExpansionMoves(const LabelGraph& graph)
       : graph_(graph),
-        labels_(std::move(labels)),
+        labels_(graph.num_nodes),
         edges_of_(labels_.size()),
         present_(graph.edges.size()),
         saving_(labels_.size()),
@@ -67,6 +162,11 @@ class ExpansionMoves {
         positions_(labels_.size()),
         positions_of_(labels_.size(), 0) {
     std::ranges::for_each(graph.unary, RequireFinite);
+    for (int node = 0; node < graph.num_nodes; ++node) {
+      const std::span<const float> unary = UnaryOf(node);
+      labels_[node] =
+          static_cast<int>(std::ranges::min_element(unary) - unary.begin());
+    }
     for (size_t i = 0; i < present_.size(); ++i) {
       const auto edge = static_cast<int>(i);
       const auto [first, second] = graph.edges[i];
@@ -128,9 +228,12 @@ class ExpansionMoves {
     bool operator>(const Reached& other) const { return raised > other.raised; }
   };
 
-  float Unary(int node, int label) const {
-    return UnaryOf(graph_, node)[label];
+  std::span<const float> UnaryOf(int node) const {
+    const auto num_labels = static_cast<size_t>(graph_.num_labels);
+    return {&graph_.unary[node * num_labels], num_labels};
   }
+
+  float Unary(int node, int label) const { return UnaryOf(node)[label]; }
 
   // Sums the costs of the node's edges with the present labels.
   void SumPresentCosts(int node) {
@@ -284,7 +387,7 @@ class ExpansionMoves {
       to_switch.push_back(to_units(Unary(node, label)) -
                           to_units(Unary(node, labels_[node])));
     }
-    std::vector<CutEdge> cut_edges;
+    MinimumCut cut(part.size());
     for (const int node : part) {
       for (const int edge : edges_of_[node]) {
         const auto [first, second] = graph_.edges[edge];
@@ -304,18 +407,20 @@ class ExpansionMoves {
         }
         if (has_first && has_second) {
           to_switch[positions_[second]] += both - one;
-          cut_edges.push_back({positions_[first],
-                               positions_[second],
-                               one + other - none - both});
+          cut.AddEdge(
+              positions_[first], positions_[second], one + other - none - both);
         } else if (has_second) {
           to_switch[positions_[second]] += other - none;
         }
       }
     }
-    const std::vector<uint8_t> switches = FindMinimumCut(to_switch, cut_edges);
+    for (size_t i = 0; i < to_switch.size(); ++i) {
+      cut.AddCostOfSwitching(i, to_switch[i]);
+    }
+    const std::vector<bool> switches = cut.Find();
     std::vector<int> switching;
     std::ranges::copy_if(part, std::back_inserter(switching), [&](int node) {
-      return switches[positions_[node]] != 0;
+      return switches[positions_[node]];
     });
     return switching;
   }
@@ -339,23 +444,10 @@ class ExpansionMoves {
   std::vector<int> positions_of_;
 };
 
-std::vector<int> CheapestLabels(const LabelGraph& graph) {
-  std::vector<int> labels;
-  for (int node = 0; node < graph.num_nodes; ++node) {
-    const std::span<const float> unary = UnaryOf(graph, node);
-    labels.push_back(
-        static_cast<int>(std::ranges::min_element(unary) - unary.begin()));
-  }
-  return labels;
-}
-
 }  // namespace
 
-std::vector<int> MinimizeByExpansion(const LabelGraph& graph,
-                                     int max_sweeps,
-                                     std::vector<int> initial) {
-  ExpansionMoves moves(
-      graph, initial.empty() ? CheapestLabels(graph) : std::move(initial));
+std::vector<int> MinimizeByExpansion(const LabelGraph& graph, int max_sweeps) {
+  ExpansionMoves moves(graph);
   int num_unchanged = 0;  // Consecutive labels that no node took.
   for (int sweep = 0; sweep < max_sweeps; ++sweep) {
     for (int label = 0; label < graph.num_labels; ++label) {

@@ -36,11 +36,9 @@ struct LabelGraph {
 // improve the result of enough sweeps. With two labels and submodular costs it
 // is the global minimum. Other costs are allowed: a move may then not be
 // optimal, but none raises the energy. max_sweeps: the largest number of rounds
-// through all labels; they end early at convergence. initial: the initial
-// labels; empty for the cheapest of each node. Throws Error(kUnsupported) where
-// costs are not finite.
+// through all labels, which begin with the cheapest of each node; they end
+// early at convergence. Throws Error(kUnsupported) where costs are not finite.
 std::vector<int> MinimizeByExpansion(const LabelGraph& graph,
-                                     int max_sweeps = 4,
-                                     std::vector<int> initial = {});
+                                     int max_sweeps = 4);
 
 }  // namespace tsar

@@ -13,7 +13,6 @@
 #include <iterator>
 #include <limits>
 #include <span>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -103,17 +102,16 @@ LabelQuality ScoreLabel(const PlaneCost& cost,
 
 }  // namespace
 
-LabeledView ChooseLabels(const ObservedView& view,
-                         std::vector<Plane> planes,
-                         const Image<PlaneCost>& costs,
-                         const Image<float>& votes,
-                         const LabelOptions& options) {
+ViewLabels ChooseLabels(const ObservedView& view,
+                        const std::vector<Plane>& planes,
+                        const Image<PlaneCost>& costs,
+                        const Image<float>& votes,
+                        const LabelOptions& options) {
   const ViewEvidence& evidence = *view.evidence;
   const int num_superpixels = evidence.NumSuperpixels();
   const int num_planes = static_cast<int>(planes.size());
-  LabeledView result;
-  result.planes = std::move(planes);
-  result.labels.assign(num_superpixels, kNoPlane);
+  ViewLabels result;
+  result.planes.assign(num_superpixels, kNoPlane);
   result.evidence.assign(num_superpixels, LabelEvidence::kNone);
   result.qualities.resize(num_superpixels);
   result.strengths.assign(num_superpixels, 0.f);
@@ -135,7 +133,7 @@ LabeledView ChooseLabels(const ObservedView& view,
   for (const SuperpixelBorder& border : evidence.borders) {
     graph.edges.push_back({border.first, border.second});
   }
-  graph.pairwise = BorderCosts(view, result.planes, options.crease_reach);
+  graph.pairwise = BorderCosts(view, planes, options.crease_reach);
   graph.min_pairwise = 0.f;
   const std::vector<int> labels = MinimizeByExpansion(graph);
   const auto num_labels = static_cast<size_t>(graph.num_labels);
@@ -145,7 +143,7 @@ LabeledView ChooseLabels(const ObservedView& view,
       continue;
     }
     const PlaneCost& cost = costs(k, s);
-    result.labels[s] = k;
+    result.planes[s] = k;
     result.qualities[s] = ScoreLabel(
         cost, {&graph.unary[s * num_labels], num_labels}, k, num_pixels[s]);
     result.strengths[s] = cost.strength;

@@ -23,10 +23,10 @@ namespace tsar {
 //   intersect the change is free.
 // planes: in the view's frame; costs: see ComputePlaneCosts; votes: see
 // ComputeLabelVotes, empty where other views have not been labeled.
-LabeledView ChooseLabels(const ObservedView& view,
-                         std::vector<Plane> planes,
-                         const Image<PlaneCost>& costs,
-                         const Image<float>& votes,
-                         const LabelOptions& options);
+ViewLabels ChooseLabels(const ObservedView& view,
+                        const std::vector<Plane>& planes,
+                        const Image<PlaneCost>& costs,
+                        const Image<float>& votes,
+                        const LabelOptions& options);
 
 }  // namespace tsar

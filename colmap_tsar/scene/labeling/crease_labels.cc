@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -31,43 +32,56 @@ constexpr float kReach = 8.f;
 constexpr float kMaxGap = 0.1f;
 constexpr float kWeightAtCrease = 0.05f;
 
-// The depth along each ray of the plane that begins at a crease, where the ray
-// lies beyond that: it intersects the crease's limit before the plane that ends
-// there. 0 elsewhere, and where the camera does not see the limit.
-std::vector<float> DepthsBeyond(const BoundingCrease& crease,
-                                const std::vector<ModelPlane>& planes,
-                                const std::vector<Vec3f>& rays,
-                                const Camera& camera) {
-  std::vector<float> depths(rays.size(), 0.f);
-  if (!(crease.limit.Height(camera.Center()) > 0.0)) {
+// A crease in the camera's frame.
+struct CreaseInView {
+  CreaseInView(const BoundingCrease& crease,
+               const std::vector<ModelPlane>& planes,
+               const Camera& camera)
+      : is_seen(crease.limit.Height(camera.Center()) > 0.0),
+        ending(ToCameraPlane(planes[crease.plane].plane, camera)),
+        limit(ToCameraPlane(crease.limit, camera)),
+        beginning(ToCameraPlane(planes[crease.beyond].plane, camera)) {}
+
+  // The depth along each ray of the plane that begins at the crease, where the
+  // ray lies beyond that: it intersects the crease's limit before the plane
+  // that ends there. 0 elsewhere, and where the camera does not see the limit.
+  std::vector<float> DepthsBeyond(const std::vector<Vec3f>& rays) const {
+    std::vector<float> depths(rays.size(), 0.f);
+    for (size_t i = 0; is_seen && i < rays.size(); ++i) {
+      const float depth = limit.Depth(rays[i]);
+      depths[i] = depth > 0.f && depth < ending.Depth(rays[i])
+                      ? std::max(depth, beginning.Depth(rays[i]))
+                      : 0.f;
+    }
     return depths;
   }
-  const Plane ending = ToCameraPlane(planes[crease.plane].plane, camera);
-  const Plane limit = ToCameraPlane(crease.limit, camera);
-  const Plane beginning = ToCameraPlane(planes[crease.beyond].plane, camera);
-  std::ranges::transform(rays, depths.begin(), [&](const Vec3f& ray) {
-    const float depth = limit.Depth(ray);
-    return depth > 0.f && depth < ending.Depth(ray)
-               ? std::max(depth, beginning.Depth(ray))
-               : 0.f;
-  });
-  return depths;
-}
+
+  // Whether a depth was measured next to the crease.
+  bool IsNear(const RayDepth& sample, const Intrinsics& intrinsics) const {
+    const Vec3f ray = {sample.x, sample.y, 1.f};
+    const float depth = ending.Depth(ray);
+    return DistanceToCrease(ToInverseDepth(ending),
+                            ToInverseDepth(beginning),
+                            ray,
+                            intrinsics) < kReach &&
+           std::abs(sample.z - depth) < kMaxGap * depth;
+  }
+
+  bool is_seen;
+  Plane ending;
+  Plane limit;
+  Plane beginning;
+};
 
 // By superpixel, beyond which creases its middle lies: equal numbers stand for
 // equal sides of all.
 std::vector<int> FindSides(const ObservedView& view,
-                           const std::vector<ModelPlane>& planes,
-                           const std::vector<BoundingCrease>& creases) {
+                           const std::vector<CreaseInView>& creases) {
   const std::vector<Vec3f> rays =
       MiddleRays(*view.evidence, view.camera.GetIntrinsics());
   std::vector<int> sides(rays.size(), 0);
-  for (const BoundingCrease& crease : creases) {
-    if (!crease.is_new) {
-      continue;
-    }
-    const std::vector<float> depths =
-        DepthsBeyond(crease, planes, rays, view.camera);
+  for (const CreaseInView& crease : creases) {
+    const std::vector<float> depths = crease.DepthsBeyond(rays);
     std::map<std::pair<int, bool>, int> indices;
     for (size_t s = 0; s < rays.size(); ++s) {
       const auto index = static_cast<int>(indices.size());
@@ -78,57 +92,26 @@ std::vector<int> FindSides(const ObservedView& view,
   return sides;
 }
 
-// The creases in one view at which new planes begin.
-class CreasesInView {
- public:
-  CreasesInView(const ObservedView& view,
-                const std::vector<ModelPlane>& planes,
-                const std::vector<BoundingCrease>& creases)
-      : intrinsics_(view.camera.GetIntrinsics()) {
-    for (const BoundingCrease& crease : creases) {
-      if (crease.is_new && crease.limit.Height(view.camera.Center()) > 0.0) {
-        const Plane ending =
-            ToCameraPlane(planes[crease.plane].plane, view.camera);
-        const Plane beginning =
-            ToCameraPlane(planes[crease.beyond].plane, view.camera);
-        creases_.push_back(
-            {ending, ToInverseDepth(ending), ToInverseDepth(beginning)});
-      }
-    }
-  }
-
-  // Whether a depth was measured next to a crease.
-  bool AreNear(const RayDepth& sample) const {
-    const Vec3f ray = {sample.x, sample.y, 1.f};
-    return std::ranges::any_of(creases_, [&](const CreaseInView& crease) {
-      const float depth = crease.ending.Depth(ray);
-      return DistanceToCrease(crease.inverse_ending,
-                              crease.inverse_beginning,
-                              ray,
-                              intrinsics_) < kReach &&
-             std::abs(sample.z - depth) < kMaxGap * depth;
-    });
-  }
-
- private:
-  struct CreaseInView {
-    Plane ending;
-    InverseDepthPlane inverse_ending;
-    InverseDepthPlane inverse_beginning;
-  };
-
-  const Intrinsics intrinsics_;
-  std::vector<CreaseInView> creases_;
-};
-
 }  // namespace
 
 ViewEvidence CutAtCreases(const ObservedView& view,
                           const std::vector<ModelPlane>& planes,
                           const std::vector<BoundingCrease>& creases) {
+  std::vector<CreaseInView> in_view;  // Of those at which new planes begin.
+  for (const BoundingCrease& crease : creases) {
+    const CreaseInView of_view(crease, planes, view.camera);
+    if (crease.is_new && of_view.is_seen) {
+      in_view.push_back(of_view);
+    }
+  }
+  const Intrinsics intrinsics = view.camera.GetIntrinsics();
+  const auto is_near = [&](const RayDepth& sample) {
+    return std::ranges::any_of(in_view, [&](const CreaseInView& crease) {
+      return crease.IsNear(sample, intrinsics);
+    });
+  };
   ViewEvidence evidence = *view.evidence;
-  evidence.sides = FindSides(view, planes, creases);
-  const CreasesInView in_view(view, planes, creases);
+  evidence.sides = FindSides(view, in_view);
   for (size_t s = 0; s < evidence.weights.size(); ++s) {
     float before = 0.f;
     float after = 0.f;
@@ -138,7 +121,7 @@ ViewEvidence CutAtCreases(const ObservedView& view,
       Observation& observation = evidence.observations[i];
       before += observation.confidence;
       observation.confidence *=
-          in_view.AreNear(observation.sample) ? kWeightAtCrease : 1.f;
+          is_near(observation.sample) ? kWeightAtCrease : 1.f;
       after += observation.confidence;
     }
     evidence.weights[s] *= before > 0.f ? after / before : 1.f;
@@ -149,10 +132,7 @@ ViewEvidence CutAtCreases(const ObservedView& view,
     const auto last =
         evidence.confirmed.begin() + evidence.first_confirmed[s + 1];
     if (first != last) {
-      const auto num_far =
-          std::count_if(first, last, [&](const RayDepth& sample) {
-            return !in_view.AreNear(sample);
-          });
+      const auto num_far = std::count_if(first, last, std::not_fn(is_near));
       evidence.confirmed_pixels[s] = static_cast<int>(
           evidence.confirmed_pixels[s] * num_far / (last - first));
     }
@@ -178,7 +158,7 @@ void AddCreaseVotes(const ObservedView& view,
   std::map<int, std::vector<uint8_t>> may_begin;
   for (const BoundingCrease& crease : creases) {
     const std::vector<float> depths =
-        DepthsBeyond(crease, planes, rays, view.camera);
+        CreaseInView(crease, planes, view.camera).DepthsBeyond(rays);
     const auto column = std::ranges::lower_bound(indices, crease.beyond);
     std::vector<uint8_t>* may_be =
         crease.is_new ? &may_begin[static_cast<int>(column - indices.begin())]

@@ -31,7 +31,7 @@ constexpr float kFullGap = 0.5f;
 constexpr float kCostOfHiding = 0.1f;
 constexpr float kCostOfHidden = 0.2f;
 // The weight of a label without measurements in its own view. One that all
-// measurements agree on has weight 1 (LabeledView::strengths).
+// measurements agree on has weight 1 (ViewLabels::strengths).
 constexpr float kGuessedWeight = 0.2f;
 // Upper limits of the weight that gains, and of the cost of a pixel.
 constexpr float kMaxSame = 3.f;
@@ -143,7 +143,7 @@ struct LabelVoteKernel {
   }
 };
 
-std::vector<SourceLabel> MakeSourceLabels(const VotingLabels& labels) {
+std::vector<SourceLabel> MakeSourceLabels(const ViewLabels& labels) {
   std::vector<SourceLabel> result;
   for (size_t s = 0; s < labels.planes.size(); ++s) {
     result.push_back(
@@ -165,7 +165,7 @@ std::vector<Plane> MovePlanes(const std::vector<Plane>& planes,
 }
 
 // Planes by superpixel; invalid where the label is not strong.
-std::vector<Plane> FirmPlanes(const VotingLabels& labels,
+std::vector<Plane> FirmPlanes(const ViewLabels& labels,
                               const std::vector<Plane>& planes) {
   std::vector<Plane> result;
   for (size_t s = 0; s < labels.planes.size(); ++s) {
@@ -180,7 +180,7 @@ std::vector<Plane> FirmPlanes(const VotingLabels& labels,
 
 Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                                const std::vector<Plane>& planes,
-                               const std::vector<VotingLabels>& labels,
+                               const std::vector<ViewLabels>& labels,
                                Device& device) {
   const std::vector<ObservedView>& views = inputs.Views();
   const ViewEvidence& evidence = *views[0].evidence;

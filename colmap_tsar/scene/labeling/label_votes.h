@@ -23,7 +23,7 @@ namespace tsar {
 // planes.
 Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                                const std::vector<Plane>& planes,
-                               const std::vector<VotingLabels>& labels,
+                               const std::vector<ViewLabels>& labels,
                                Device& device);
 
 }  // namespace tsar

@@ -9,7 +9,6 @@
 #include "colmap_tsar/scene/evidence/observed_source.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/scene/labeling/color_costs.h"
-#include "colmap_tsar/scene/labeling/direction_sectors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +26,11 @@ constexpr float kDepthMargin = 0.5f;
 constexpr double kDepthQuantile = 0.005;
 // The cost of a pixel on a plane without a possible depth there.
 constexpr float kCostOfImpossible = 2.f;
-// Up to this many of eight directions with observations around a point, a plane
-// is fully unknown there.
+// More views than this that confirm a pixel change nothing.
+constexpr int kMaxVotes = 2;
+// Of the eight sectors of directions around a point, a plane is known from this
+// number with observations on, and fully unknown up to that one.
+constexpr int kSectorsKnown = 7;
 constexpr int kSectorsUnknown = 3;
 // Lower bound of the slope of a ray to a plane, which bounds the error of the
 // depth.
@@ -194,25 +196,30 @@ struct CostKernel {
     if (num_pixels == 0) {
       return;
     }
-    SuperpixelVotes sum;
-    sum.num_tests = sampling.NumTests(num_pixels);
-    for (int i = 0; i < sum.num_tests; ++i) {
+    const int num_tests = sampling.NumTests(num_pixels);
+    int num_confirmed = 0;
+    int num_impossible = 0;
+    for (int i = 0; i < num_tests; ++i) {
       const int pixel = pixels.Pixel(
-          superpixel, VoteSampling::Pixel(i, sum.num_tests, num_pixels));
+          superpixel, VoteSampling::Pixel(i, num_tests, num_pixels));
       const Vec3f ray =
           intrinsics.Ray(pixel % raster_width, pixel / raster_width);
       const float depth = plane.Depth(ray);
       if (!IsPossible(depth)) {
-        ++sum.num_impossible;
+        ++num_impossible;
         continue;
       }
-      AddVotes(sources, num_sources, ray * depth, max_confirmed_gap, &sum);
+      int num_votes = 0;
+      for (int j = 0; j < num_sources && num_votes < kMaxVotes; ++j) {
+        num_votes +=
+            Confirms(sources[j], ray * depth, max_confirmed_gap) ? 1 : 0;
+      }
+      num_confirmed += num_votes;
     }
-    const float pixels_per_test =
-        static_cast<float>(num_pixels) / sum.num_tests;
-    result->cost += kCostOfImpossible * pixels_per_test * sum.num_impossible;
+    const float pixels_per_test = static_cast<float>(num_pixels) / num_tests;
+    result->cost += kCostOfImpossible * pixels_per_test * num_impossible;
     result->confirmed =
-        static_cast<float>(sum.num_confirmed) / (sum.num_tests * kMaxVotes);
+        static_cast<float>(num_confirmed) / (num_tests * kMaxVotes);
   }
 
   // The uncertainty of the plane's depth there, from 0 to 1.
@@ -238,18 +245,22 @@ struct CostKernel {
     if (plane.num_cells == 0) {
       return 1.f;
     }
-    DirectionSectors sectors;
+    unsigned sectors = 0;  // With observations, one bit each.
     float nearest = INFINITY;
     for (int i = 0; i < plane.num_cells; ++i) {
       const PlanePoint& cell = cells[plane.first_cell + i];
       const float s = cell.s - point.s;
       const float t = cell.t - point.t;
-      sectors.Add(s, t);
+      sectors |= 1u << ((s > 0.f ? 1u : 0u) | (t > 0.f ? 2u : 0u) |
+                        (fabsf(s) > fabsf(t) ? 4u : 0u));
       nearest = fminf(nearest, s * s + t * t);
     }
-    const float openness =
-        static_cast<float>(DirectionSectors::kNumKnown - sectors.Count()) /
-        (DirectionSectors::kNumKnown - kSectorsUnknown);
+    int num_sectors = 0;
+    for (; sectors != 0; sectors &= sectors - 1) {
+      ++num_sectors;
+    }
+    const float openness = static_cast<float>(kSectorsKnown - num_sectors) /
+                           (kSectorsKnown - kSectorsUnknown);
     const float reach = options.extrapolation_reach * plane.cell_size *
                         sqrtf(static_cast<float>(plane.num_cells));
     return fminf(fmaxf(openness, 0.f), 1.f) *

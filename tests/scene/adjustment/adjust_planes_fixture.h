@@ -71,11 +71,11 @@ using Observations = std::vector<std::pair<int, std::vector<DepthObservation>>>;
 
 inline MeasurePlanes Measure(const Observations& observations,
                              const MeasurePlaneOptions& options = {}) {
-  return [&observations, options](const std::vector<WorldPlane>& planes) {
+  return [&observations, options](const std::vector<ModelPlane>& planes) {
     std::vector<PlaneMeasurement> measurements;
     for (const auto& [plane, of_view] : observations) {
       measurements.push_back(
-          MeasurePlane(plane, planes[plane], of_view, options));
+          MeasurePlane(plane, planes[plane].plane, of_view, options));
     }
     return measurements;
   };

@@ -18,6 +18,7 @@
 #include "tests/support/pixel_mean.h"
 #include "tests/support/scene_model_testing.h"
 #include "tests/support/synthetic_observations.h"
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -78,12 +79,8 @@ class DrawnWallTest : public testing::Test {
     evidence.height = kHeight;
     evidence.intrinsics = camera.GetIntrinsics();
     evidence.resolution.error_per_depth = 0.001f;
-    evidence.superpixels = Image<uint16_t>(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        evidence.superpixels(x, y) = static_cast<uint16_t>(SuperpixelAt(x, y));
-      }
-    }
+    evidence.superpixels =
+        SquareSuperpixels<uint16_t>(kWidth, kHeight, kSuperpixelSize);
     evidence.weights.resize(kNumSuperpixels, 0.f);
     evidence.first_observation.resize(kNumSuperpixels + 1, 0);
     evidence.color = Image<Rgb>(kWidth, kHeight, Rgb{100, 100, 100});

@@ -4,7 +4,6 @@
 // What views tell of lines, before any of them is a crease.
 
 #include "colmap_tsar/scene/creases/line_evidence.h"
-#include "colmap_tsar/scene/evidence/plane_indices.h"
 
 #include "tests/scene/creases/drawn_wall_fixture.h"
 
@@ -21,24 +20,10 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
         evidence_(BareEvidence(camera_)),
         labels_(AllOn(0)) {}
 
-  // Of one line.
-  static LineEvidence Sum(const std::vector<ViewLineEvidence>& of_view) {
-    LineEvidenceSum sum(1);
-    sum.Add(of_view);
-    return sum.Get()[0];
-  }
-
   LineEvidence Test() const {
-    SharedLine shared;
-    shared.line = {
-        0, 1, static_cast<float>(kLine), static_cast<float>(kPixel), 3.f};
-    shared.num_views = 3;
-    std::vector<int> copies;
-    for (size_t i = 0; i < model_.planes.size(); ++i) {
-      copies.push_back(static_cast<int>(i));
-    }
-    return Sum(TestPlaneLines(
-        {&evidence_, camera_}, Renumber(labels_, copies), {shared}, model_));
+    const PlaneLine line = {
+        0, 1, static_cast<float>(kLine), static_cast<float>(kPixel), 3.f, 3};
+    return TestPlaneLines({&evidence_, camera_}, labels_, {line}, model_)[0];
   }
 
   // These depths below the line and above it; 0: none.
@@ -133,15 +118,6 @@ TEST_F(PlaneLineEvidenceTest, CountsWhatIsSeenThroughWhatBeginsThere) {
   EXPECT_EQ(Test().sides[0].through, 0.0);
 }
 
-TEST_F(PlaneLineEvidenceTest, ACameraAboveTheCeilingDoesNotSeeIt) {
-  camera_ = CameraAt({0.2, -1.5, 0.0});
-  evidence_ = BareEvidence(camera_);
-  MeasureSides(1.3, 1.3);
-  const LineEvidence found = Test();
-  EXPECT_EQ(found.sides[0].num_views, 0);
-  EXPECT_EQ(found.sides[0].through, 0.0);
-}
-
 TEST_F(PlaneLineEvidenceTest, AreasOfOtherPlanesDoNotCount) {
   const int other = AddPlane({0.0, 1.0, 0.0}, {0.0, kLine, 4.0}, 1, 100.0);
   RelabelAbove(kLine + 0.5, camera_, other, &labels_);
@@ -154,61 +130,36 @@ TEST_F(PlaneLineEvidenceTest, AreasOfOtherPlanesDoNotCount) {
 }
 
 TEST_F(PlaneLineEvidenceTest, AViewWithoutThePlaneTellsNothing) {
+  MeasureSides(1.0, 1.0);
   labels_ = AllOn(-1);
-  EXPECT_TRUE(
-      TestPlaneLines(
-          {&evidence_, camera_}, Renumber(labels_, {0}), {SharedLine()}, model_)
-          .empty());
-  SharedLine of_other;
-  of_other.line.plane = 1;
-  EXPECT_TRUE(
-      TestPlaneLines({&evidence_, camera_}, AllOn(0), {of_other}, model_)
-          .empty());
-}
-
-TEST_F(PlaneLineEvidenceTest, CopiesShowThePlane) {
-  AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, kDistance + 0.01}, 2, 100.0);
-  const LineEvidence expected = Test();
-  labels_ = AllOn(1);
-  SharedLine shared;
-  shared.line = {
-      0, 1, static_cast<float>(kLine), static_cast<float>(kPixel), 3.f};
-  const LineEvidence found = Sum(TestPlaneLines(
-      {&evidence_, camera_}, Renumber(labels_, {0, 0}), {shared}, model_));
-  EXPECT_GT(found.sides[0].area, 0.0);
-  EXPECT_EQ(found.sides[0].area, expected.sides[0].area);
-}
-
-TEST(LineEvidenceSumTest, AddsUpOverViews) {
-  ViewLineEvidence view = {/*first=*/0, /*last=*/1, /*begin=*/0, {{}}, 22.0};
-  view.lines[0].sides[0] = {100.0, 2.0, 3.0, 1};
-  view.lines[0].sides[1] = {10.0, 20.0, 30.0, 0};
-  LineEvidenceSum sum(1);
-  sum.Add({view});
-  sum.Add({view});
-  const LineEvidence found = sum.Get()[0];
-  EXPECT_EQ(found.sides[0].area, 200.0);
-  EXPECT_EQ(found.sides[0].measured, 4.0);
-  EXPECT_EQ(found.sides[0].through, 6.0);
-  EXPECT_EQ(found.sides[0].num_views, 2);
-  EXPECT_EQ(found.sides[1].through, 60.0);
-  EXPECT_EQ(found.sides[1].num_views, 0);
-}
-
-TEST(LineEvidenceSumTest, ViewsThatDoNotShowALineTellWhatIsMeasuredBesideIt) {
-  // Lines 1 to 5 are of one plane; the view shows line 3.
-  const ViewLineEvidence view = {
-      /*first=*/1, /*last=*/6, /*begin=*/3, {{}}, 50.0};
-  LineEvidenceSum sum(7);
-  sum.Add({view});
-  const std::vector<LineEvidence> found = sum.Get();
-  const double above[] = {0.0, 50.0, 50.0, 0.0, 0.0, 0.0, 0.0};
-  const double below[] = {0.0, 0.0, 0.0, 0.0, 50.0, 50.0, 0.0};
-  for (size_t i = 0; i < found.size(); ++i) {
-    EXPECT_EQ(found[i].sides[0].measured, below[i]) << i;
-    EXPECT_EQ(found[i].sides[1].measured, above[i]) << i;
-    EXPECT_EQ(found[i].sides[0].num_views + found[i].sides[1].num_views, 0);
+  const LineEvidence found = Test();
+  for (const LineEvidence::Side& side : found.sides) {
+    EXPECT_EQ(side.area + side.measured + side.through, 0.0);
+    EXPECT_EQ(side.num_views, 0);
   }
+}
+
+// What is measured on the plane lies above the lines far below it, and below
+// those far above it.
+TEST_F(PlaneLineEvidenceTest, ViewsTellAboutLinesFarFromWhatTheyShow) {
+  MeasureSides(1.0, 1.0);
+  const auto pixel = static_cast<float>(kPixel);
+  const std::vector<PlaneLine> lines = {{0, 1, -50.f, pixel, 3.f, 3},
+                                        {0, 1, 0.f, pixel, 3.f, 3},
+                                        {0, 1, 50.f, pixel, 3.f, 3}};
+  const std::vector<LineEvidence> found =
+      TestPlaneLines({&evidence_, camera_}, labels_, lines, model_);
+  std::vector<LineEvidence> sum = found;
+  AddEvidence(found, &sum);
+  const double all = 0.5 * kWidth * kHeight;
+  EXPECT_NEAR(sum[0].sides[1].measured, 2.0 * all, 0.01 * all);
+  EXPECT_NEAR(sum[2].sides[0].measured, 2.0 * all, 0.01 * all);
+  for (const size_t i : {0, 2}) {
+    EXPECT_EQ(sum[i].sides[i / 2].measured, 0.0);
+    EXPECT_EQ(sum[i].sides[0].num_views + sum[i].sides[1].num_views, 0);
+  }
+  EXPECT_GT(sum[1].sides[0].measured, 0.2 * all);
+  EXPECT_EQ(sum[1].sides[0].area, 2.0 * found[1].sides[0].area);
 }
 
 }  // namespace

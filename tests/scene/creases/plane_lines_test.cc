@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/scene/creases/plane_lines.h"
 
-#include "colmap_tsar/scene/evidence/plane_indices.h"
-
 #include "tests/scene/creases/drawn_wall_fixture.h"
 
 namespace tsar {
@@ -70,14 +68,6 @@ TEST_F(PlaneLinesTest, FindsAStepAlongEitherAxisWithItsSign) {
   }
 }
 
-TEST_F(PlaneLinesTest, PlacesCountFromThePlanesCenter) {
-  PaintStep(1, 0.5, 6.0);
-  model_.planes[0].center.y() = 2.0;
-  const std::vector<PlaneLine> lines = Find();
-  ASSERT_EQ(lines.size(), 1u);
-  ExpectLine(lines[0], 1, -1.5, 6.0);
-}
-
 TEST_F(PlaneLinesTest, FindsTheLineInANoisyImageAndNoneInNoiseAlone) {
   AddNoise(2.0);
   EXPECT_TRUE(Find().empty());
@@ -93,25 +83,6 @@ TEST_F(PlaneLinesTest, AWallThatGetsDarkerHasNoLine) {
       camera_,
       [](const Eigen::Vector3d& point) { return 120.0 + 10.0 * point.y(); },
       &evidence_);
-  EXPECT_TRUE(Find().empty());
-}
-
-TEST_F(PlaneLinesTest, AStepBelowTheThresholdIsNone) {
-  // It rises at three of five pixels along the line.
-  const auto paint = [&](double step) {
-    Paint(
-        camera_,
-        [&](const Eigen::Vector3d& point) {
-          const double stripes = point.x() / (25.0 * kPixel);
-          const bool rises =
-              point.y() > 0.3 && stripes - std::floor(stripes) < 0.6;
-          return rises ? 100.0 + step : 100.0;
-        },
-        &evidence_);
-  };
-  paint(2.0);
-  EXPECT_EQ(Find().size(), 1u);
-  paint(1.0);
   EXPECT_TRUE(Find().empty());
 }
 
@@ -194,19 +165,6 @@ TEST_F(PlaneLinesTest, SmallPlanesAndThoseOfNoFrameHaveNone) {
   EXPECT_FALSE(Find().empty());
   model_.planes[0].axis = -1;
   EXPECT_TRUE(Find().empty());
-}
-
-TEST_F(PlaneLinesTest, LinesBelongToThePlaneThatIsNoCopy) {
-  PaintStep(1, 0.0, 6.0);
-  AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, kDistance + 0.01}, 2, 100.0);
-  // Each second superpixel.
-  for (size_t s = 0; s < labels_.size(); s += 2) {
-    labels_[s] = 1;
-  }
-  const std::vector<PlaneLine> lines =
-      FindPlaneLines({&evidence_, camera_}, Renumber(labels_, {0, 0}), model_);
-  ASSERT_EQ(lines.size(), 1u);
-  ExpectLine(lines[0], 1, 0.0, 6.0);
 }
 
 class PlaneCopiesTest : public DrawnWallTest {

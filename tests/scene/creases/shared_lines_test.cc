@@ -21,17 +21,17 @@ PlaneLine LineAt(float place,
 }
 
 TEST(JoinPlaneLines, ThreeViewsMakeALineAndTwoDoNot) {
-  const std::vector<SharedLine> lines =
+  const std::vector<PlaneLine> lines =
       JoinPlaneLines({{LineAt(-1.f, 1.f), LineAt(0.5f)},
                       {LineAt(-1.02f, 2.f), LineAt(0.5f)},
                       {LineAt(-0.95f, 6.f)}});
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_EQ(lines[0].num_views, 3);
-  EXPECT_EQ(lines[0].line.plane, 0);
-  EXPECT_EQ(lines[0].line.axis, 1);
-  EXPECT_NEAR(lines[0].line.position, -0.99f, 1e-6f);
-  EXPECT_EQ(lines[0].line.pixel, kPixel);
-  EXPECT_NEAR(lines[0].line.step, 3.f, 1e-6f);
+  EXPECT_EQ(lines[0].plane, 0);
+  EXPECT_EQ(lines[0].axis, 1);
+  EXPECT_NEAR(lines[0].position, -0.99f, 1e-6f);
+  EXPECT_EQ(lines[0].pixel, kPixel);
+  EXPECT_NEAR(lines[0].step, 3.f, 1e-6f);
 }
 
 TEST(JoinPlaneLines, LinesOfOneViewAreOneView) {
@@ -49,31 +49,27 @@ TEST(JoinPlaneLines, LinesAreAtOnePlaceToAPixelAndAHalf) {
 }
 
 TEST(JoinPlaneLines, OtherSignsPlanesAndAxesAreOtherLines) {
-  EXPECT_TRUE(
-      JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, -2.f)}})
-          .empty());
-  EXPECT_TRUE(
-      JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, 2.f, 1)}})
-          .empty());
-  EXPECT_TRUE(
-      JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {LineAt(0.f, 2.f, 0, 0)}})
-          .empty());
+  for (const PlaneLine& other :
+       {LineAt(0.f, -2.f), LineAt(0.f, 2.f, 1), LineAt(0.f, 2.f, 0, 0)}) {
+    EXPECT_TRUE(
+        JoinPlaneLines({{LineAt(0.f)}, {LineAt(0.f)}, {other}}).empty());
+  }
 }
 
 TEST(JoinPlaneLines, WhatIsSeenFromNearCountsMore) {
-  const std::vector<SharedLine> lines =
+  const std::vector<PlaneLine> lines =
       JoinPlaneLines({{LineAt(0.f, 2.f, 0, 1, 0.02f)},
                       {LineAt(0.05f, 2.f, 0, 1, 0.04f)},
                       {LineAt(0.05f, 2.f, 0, 1, 0.04f)}});
   ASSERT_EQ(lines.size(), 1u);
   // Weights 4, 1 and 1.
-  EXPECT_NEAR(lines[0].line.position, 0.05f * 2.f / 6.f, 1e-6f);
-  EXPECT_EQ(lines[0].line.pixel, 0.04f);
+  EXPECT_NEAR(lines[0].position, 0.05f * 2.f / 6.f, 1e-6f);
+  EXPECT_EQ(lines[0].pixel, 0.04f);
 }
 
 TEST(JoinPlaneLines, MostViewsComeFirstAndNoLineCountsTwice) {
   // Four views at 0; two of the three at 0.1 are among these.
-  const std::vector<SharedLine> lines =
+  const std::vector<PlaneLine> lines =
       JoinPlaneLines({{LineAt(0.f)},
                       {LineAt(0.f)},
                       {LineAt(0.f), LineAt(0.17f)},
@@ -95,22 +91,17 @@ TEST(JoinPlaneLines, AreSortedByPlaneInAnyOrderOfTheLines) {
   for (std::vector<PlaneLine>& of_view : backward) {
     std::reverse(of_view.begin(), of_view.end());
   }
-  const std::vector<SharedLine> a = JoinPlaneLines(forward);
-  const std::vector<SharedLine> b = JoinPlaneLines(backward);
+  const std::vector<PlaneLine> a = JoinPlaneLines(forward);
+  const std::vector<PlaneLine> b = JoinPlaneLines(backward);
   ASSERT_EQ(a.size(), 6u);
   ASSERT_EQ(b.size(), 6u);
   for (size_t i = 0; i < a.size(); ++i) {
-    EXPECT_EQ(a[i].line.plane, b[i].line.plane);
-    EXPECT_EQ(a[i].line.axis, b[i].line.axis);
-    EXPECT_EQ(a[i].line.position, b[i].line.position);
-    EXPECT_EQ(a[i].line.step, b[i].line.step);
-    EXPECT_TRUE(i == 0 || a[i - 1].line.plane <= a[i].line.plane);
+    EXPECT_EQ(a[i].plane, b[i].plane);
+    EXPECT_EQ(a[i].axis, b[i].axis);
+    EXPECT_EQ(a[i].position, b[i].position);
+    EXPECT_EQ(a[i].step, b[i].step);
+    EXPECT_TRUE(i == 0 || a[i - 1].plane <= a[i].plane);
   }
-}
-
-TEST(JoinPlaneLines, NoViewsNoLines) {
-  EXPECT_TRUE(JoinPlaneLines({}).empty());
-  EXPECT_TRUE(JoinPlaneLines({{}, {}, {}}).empty());
 }
 
 }  // namespace

@@ -96,8 +96,7 @@ inline void ExpectAssigned(const SyntheticRoom& room,
 // maximum.
 inline double SupportOf(int plane,
                         const DiscoveredPlanes& found,
-                        const std::vector<ObservedView>& views,
-                        double max_weight) {
+                        const std::vector<ObservedView>& views) {
   double support = 0.0;
   for (size_t view = 0; view < views.size(); ++view) {
     const ViewEvidence& evidence = *views[view].evidence;
@@ -124,7 +123,7 @@ inline double SupportOf(int plane,
         scores += confidence * std::max(1.0 - residual * residual, 0.0);
         confidences += confidence;
       }
-      support += max_weight * scores / confidences;
+      support += kMaxSuperpixelWeight * scores / confidences;
     }
   }
   return support;

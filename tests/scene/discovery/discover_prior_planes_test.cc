@@ -42,38 +42,12 @@ void MakePrior(const Choice& is_chosen, float bias, SyntheticRoom* room) {
 // They have none.
 void Forget(const Choice& is_chosen, SyntheticRoom* room) {
   for (size_t view = 0; view < room->evidence.size(); ++view) {
-    ViewEvidence& evidence = room->evidence[view];
-    ViewEvidence kept = evidence;
-    kept.observations.clear();
-    kept.sources.clear();
-    for (int k = 0; k < evidence.NumSuperpixels(); ++k) {
-      kept.first_observation[k] = static_cast<int>(kept.observations.size());
-      if (is_chosen(view, k)) {
-        kept.weights[k] = 0.f;
-        continue;
-      }
-      for (int i = evidence.first_observation[k];
-           i < evidence.first_observation[k + 1];
-           ++i) {
-        kept.observations.push_back(evidence.observations[i]);
-        kept.sources.push_back(evidence.sources[i]);
-      }
-    }
-    kept.first_observation.back() = static_cast<int>(kept.observations.size());
-    evidence = std::move(kept);
+    Forget([&](int k, int) { return is_chosen(view, k); },
+           &room->evidence[view]);
   }
 }
 
-class DiscoverPriorPlanesTest : public DiscoverPlanesTest {
- protected:
-  // Whether all that a superpixel sees is on this surface.
-  static Choice IsOn(int surface) {
-    return [surface](size_t view, int superpixel) {
-      static const SyntheticRoom room;
-      return room.seen[view][superpixel] == surface;
-    };
-  }
-};
+using DiscoverPriorPlanesTest = DiscoverPlanesTest;
 
 TEST_F(DiscoverPriorPlanesTest, FindsAPlaneThatOnlyPriorsKnow) {
   SyntheticRoom without;
@@ -134,21 +108,6 @@ TEST_F(DiscoverPriorPlanesTest, DoesNotMoveOrDoubleAMeasuredPlane) {
       EXPECT_EQ(found.planes[i].plane.offset, expected.planes[i].plane.offset);
     }
   }
-}
-
-TEST_F(DiscoverPriorPlanesTest, PriorsThatAgreeWithNothingChangeNothing) {
-  SyntheticRoom room;
-  const DiscoveredPlanes expected = Discover(room);
-  MakePrior([](size_t, int) { return false; }, 0.f, &room);
-  ExpectSameBits(Discover(room), expected);
-}
-
-TEST_F(DiscoverPriorPlanesTest, GivesTheSameBitsWithMoreThreads) {
-  SyntheticRoom room;
-  MakePrior(IsOn(kFloor), 0.3f, &room);
-  const DiscoveredPlanes expected = Discover(room);
-  device_ = Device::CreateCpu(3);
-  ExpectSameBits(Discover(room), expected);
 }
 
 }  // namespace

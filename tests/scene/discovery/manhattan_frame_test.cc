@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/scene/adjustment/adjust_planes_fixture.h"
 #include "tests/support/synthetic_observations.h"
 #include <gtest/gtest.h>
 
@@ -16,24 +17,10 @@ constexpr double kError = 0.01;  // Of the samples.
 
 bool AcceptAll(int, const WorldPlane&) { return true; }
 
-double Radians(double degrees) { return degrees * M_PI / 180.0; }
-
 void ExpectSame(const WorldPlane& a, const WorldPlane& b) {
   EXPECT_EQ(a.normal, b.normal);
   EXPECT_EQ(a.offset, b.offset);
 }
-
-// What there is of a plane: a rectangle, given by its middle and by the vectors
-// from there to the middles of two sides.
-struct Rectangle {
-  Eigen::Vector3d middle;
-  Eigen::Vector3d half_length;
-  Eigen::Vector3d half_width;
-
-  WorldPlane Plane() const {
-    return PlaneThrough(half_length.cross(half_width), middle);
-  }
-};
 
 // A room that stands askew in the world.
 class ManhattanFrameTest : public testing::Test {
@@ -41,7 +28,7 @@ class ManhattanFrameTest : public testing::Test {
   // Measures a surface whose plane was found turned about the line through the
   // rectangle's middle along its length, and about its normal's cross product
   // with that.
-  MeasuredPlane Measure(const Rectangle& surface,
+  MeasuredPlane Measure(const Patch& surface,
                         double lean_degrees,
                         double other_degrees = 0.0) {
     constexpr int kCount = 20;
@@ -79,18 +66,17 @@ class ManhattanFrameTest : public testing::Test {
       Eigen::AngleAxisd(0.7, Eigen::Vector3d(1.0, -2.0, 0.5).normalized())
           .toRotationMatrix();
   const Eigen::Vector3d camera_ = At(0.1, 0.2, -0.3);
-  const Rectangle floor_ = {
+  const Patch floor_ = {
       At(0.0, -1.5, 3.0), At(2.0, 0.0, 0.0), At(0.0, 0.0, 2.0)};
   // Only a narrow band of the walls is measured.
-  const Rectangle back_ = {
-      At(0.0, 0.4, 5.0), At(2.0, 0.0, 0.0), At(0.0, 0.1, 0.0)};
-  const Rectangle before_ = {
+  const Patch back_ = {At(0.0, 0.4, 5.0), At(2.0, 0.0, 0.0), At(0.0, 0.1, 0.0)};
+  const Patch before_ = {
       At(1.0, 0.6, 4.0), At(0.8, 0.0, 0.0), At(0.0, 0.1, 0.0)};
-  const Rectangle left_ = {
+  const Patch left_ = {
       At(-2.0, 0.3, 3.0), At(0.0, 0.0, 1.5), At(0.0, 0.1, 0.0)};
   Philox random_{3, 0, 0};
   // What leaning walls and the floor were measured as.
-  const std::vector<Rectangle> surfaces_ = {back_, floor_, before_, left_};
+  const std::vector<Patch> surfaces_ = {back_, floor_, before_, left_};
   const std::vector<MeasuredPlane> planes_ = {Measure(back_, 1.0),
                                               Measure(floor_, 0.03, -0.02),
                                               Measure(before_, -0.7, 0.4),
@@ -157,9 +143,9 @@ TEST_F(ManhattanFrameTest, ObliquePlanesStayAsTheyAre) {
 }
 
 TEST_F(ManhattanFrameTest, APillarsFaceBecomesVertical) {
-  const Rectangle face = {At(0.5, 0.0, 3.0),
-                          At(0.0, 0.8, 0.0),
-                          At(std::sqrt(0.5), 0.0, std::sqrt(0.5)) * 0.6};
+  const Patch face = {At(0.5, 0.0, 3.0),
+                      At(0.0, 0.8, 0.0),
+                      At(std::sqrt(0.5), 0.0, std::sqrt(0.5)) * 0.6};
   // Leans by 1 degree, and is turned by 1 about the vertical.
   std::vector<MeasuredPlane> planes = planes_;
   planes.push_back(Measure(face, 1.0, 1.0));
@@ -175,46 +161,17 @@ TEST_F(ManhattanFrameTest, APillarsFaceBecomesVertical) {
   ExpectSame(refused[4], planes[4].plane);
 }
 
-// A wall that does stand askew.
-class AskewWallTest : public ManhattanFrameTest {
- protected:
-  std::vector<MeasuredPlane> WithAskewWalls(int count) {
-    std::vector<MeasuredPlane> planes = planes_;
-    for (int i = 0; i < count; ++i) {
-      Rectangle askew = {At(0.0, 0.0, 4.5 + 0.1 * i),
-                         At(1.5, 0.0, 0.0),
-                         At(0.0, 1.5, 1.5 * std::tan(Radians(3.0)))};
-      planes.push_back(Measure(askew, 0.0));
-      planes.back().support = 50.0;
-    }
-    return planes;
-  }
-
-  void ExpectPullNothing(const std::vector<WorldPlane>& regular) const {
-    const std::vector<WorldPlane> without =
-        AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
-    for (size_t i = 0; i < planes_.size(); ++i) {
-      ExpectSame(regular[i], without[i]);
-    }
-  }
-};
-
-TEST_F(AskewWallTest, PullsNothingWhereItIsRefused) {
-  const std::vector<MeasuredPlane> planes = WithAskewWalls(1);
-  const std::vector<WorldPlane> regular = AlignToManhattanFrame(
-      planes, kLossScale, [](int p, const WorldPlane&) { return p != 4; });
-  ExpectSame(regular[4], planes[4].plane);
-  ExpectPullNothing(regular);
-  // Where it may, it does.
-  const std::vector<WorldPlane> pulled =
-      AlignToManhattanFrame(planes, kLossScale, AcceptAll);
-  EXPECT_LT(pulled[4].normal.cross(pulled[0].normal).norm(), 1e-9);
-  EXPECT_GT(AngleBetween(pulled[1], regular[1]), 0.1);
-}
-
-TEST_F(AskewWallTest, PullsNothingWhereEachIsRefusedAfterAnother) {
+// Walls that do stand askew.
+TEST_F(ManhattanFrameTest, PlanesThatAreRefusedOneAfterAnotherPullNothing) {
   constexpr int kCount = 4;
-  const std::vector<MeasuredPlane> planes = WithAskewWalls(kCount);
+  std::vector<MeasuredPlane> planes = planes_;
+  for (int i = 0; i < kCount; ++i) {
+    planes.push_back(Measure({At(0.0, 0.0, 4.5 + 0.1 * i),
+                              At(1.5, 0.0, 0.0),
+                              At(0.0, 1.5, 1.5 * std::tan(Radians(3.0)))},
+                             0.0));
+    planes.back().support = 50.0;
+  }
   // As if each became too bad once the one before it does not count anymore.
   std::vector<int> num_asked(planes.size(), 0);
   const std::vector<WorldPlane> regular =
@@ -224,32 +181,15 @@ TEST_F(AskewWallTest, PullsNothingWhereEachIsRefusedAfterAnother) {
   for (int p = 4; p < 4 + kCount; ++p) {
     ExpectSame(regular[p], planes[p].plane);
   }
-  ExpectPullNothing(regular);
-}
-
-TEST_F(ManhattanFrameTest, WhatMayNotChangeStays) {
-  std::vector<MeasuredPlane> planes = planes_;
-  const std::vector<WorldPlane> regular = AlignToManhattanFrame(
-      planes, kLossScale, [](int, const WorldPlane&) { return false; });
-  for (size_t i = 0; i < planes.size(); ++i) {
-    ExpectSame(regular[i], planes[i].plane);
-  }
-}
-
-TEST_F(ManhattanFrameTest, AsksAboutWhatItReturns) {
-  std::vector<WorldPlane> last(planes_.size());
-  const std::vector<WorldPlane> regular = AlignToManhattanFrame(
-      planes_, kLossScale, [&](int p, const WorldPlane& plane) {
-        last[p] = plane;
-        return true;
-      });
+  const std::vector<WorldPlane> without =
+      AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
   for (size_t i = 0; i < planes_.size(); ++i) {
-    ExpectSame(regular[i], last[i]);
+    ExpectSame(regular[i], without[i]);
   }
 }
 
 TEST_F(ManhattanFrameTest, NothingChangesWithoutAnOrthogonalPair) {
-  const Rectangle at_60 = {
+  const Patch at_60 = {
       At(0.0, 0.0, 4.0), At(1.0, 0.0, 0.0), At(0.0, 0.5, std::sqrt(0.75))};
   const std::vector<MeasuredPlane> planes = {
       planes_[0], Measure(at_60, 0.0), planes_[2]};
@@ -261,28 +201,17 @@ TEST_F(ManhattanFrameTest, NothingChangesWithoutAnOrthogonalPair) {
   }
 }
 
-TEST_F(ManhattanFrameTest, NothingComesOfNothing) {
-  EXPECT_TRUE(AlignToManhattanFrame({}, kLossScale, AcceptAll).empty());
-  const std::vector<WorldPlane> one =
-      AlignToManhattanFrame({planes_[0]}, kLossScale, AcceptAll);
-  ASSERT_EQ(one.size(), 1u);
-  ExpectSame(one[0], planes_[0].plane);
-}
-
 TEST_F(ManhattanFrameTest, TakesNormalsOfEitherDirection) {
   const std::vector<WorldPlane> regular =
       AlignToManhattanFrame(planes_, kLossScale, AcceptAll);
-  for (int signs = 1; signs < 16; ++signs) {
+  for (int turned = 0; turned < 4; ++turned) {
     std::vector<MeasuredPlane> planes = planes_;
-    for (int i = 0; i < 4; ++i) {
-      if (signs >> i & 1) {
-        planes[i].plane = {-planes[i].plane.normal, -planes[i].plane.offset};
-      }
-    }
+    WorldPlane& plane = planes[turned].plane;
+    plane = {-plane.normal, -plane.offset};
     const std::vector<WorldPlane> result =
         AlignToManhattanFrame(planes, kLossScale, AcceptAll);
     for (int i = 0; i < 4; ++i) {
-      const double sign = signs >> i & 1 ? -1.0 : 1.0;
+      const double sign = i == turned ? -1.0 : 1.0;
       EXPECT_LT((result[i].normal - sign * regular[i].normal).norm(), 1e-6);
       EXPECT_NEAR(result[i].offset, sign * regular[i].offset, 1e-6);
     }
@@ -294,8 +223,8 @@ TEST_F(ManhattanFrameTest, TheDirectionsOfMostSupportWin) {
   const Eigen::Matrix3d turn =
       Eigen::AngleAxisd(Radians(30.0), At(1.0, 1.0, 1.0).normalized())
           .toRotationMatrix();
-  const auto turned = [&](const Rectangle& surface) {
-    return Rectangle{
+  const auto turned = [&](const Patch& surface) {
+    return Patch{
         surface.middle, turn * surface.half_length, turn * surface.half_width};
   };
   std::vector<MeasuredPlane> planes = planes_;
@@ -313,26 +242,6 @@ TEST_F(ManhattanFrameTest, TheDirectionsOfMostSupportWin) {
     const int first = other_room ? 4 : 0;
     EXPECT_LT(std::abs(regular[first].normal.dot(regular[first + 1].normal)),
               1e-9);
-  }
-}
-
-TEST_F(ManhattanFrameTest, IsNotDrawnByOutliers) {
-  std::vector<MeasuredPlane> planes = planes_;
-  for (MeasuredPlane& plane : planes) {
-    for (int i = 0; i < 40; ++i) {
-      DepthObservation outlier;
-      outlier.center = camera_;
-      outlier.ray = plane.samples.Middle() - camera_;
-      outlier.depth = 1e4;
-      outlier.sigma = 0.01;
-      plane.samples.Add(outlier);
-    }
-  }
-  const std::vector<WorldPlane> regular =
-      AlignToManhattanFrame(planes, kLossScale, AcceptAll);
-  for (size_t i = 0; i < planes.size(); ++i) {
-    EXPECT_LT(AngleBetween(regular[i], surfaces_[i].Plane()), 0.1) << i;
-    EXPECT_NEAR(regular[i].Height(surfaces_[i].middle), 0.0, 0.003) << i;
   }
 }
 

@@ -4,8 +4,6 @@
 #include "colmap_tsar/scene/discovery/plane_measurement.h"
 
 #include <cmath>
-#include <limits>
-#include <stdexcept>
 #include <vector>
 
 #include "tests/scene/adjustment/adjust_planes_fixture.h"
@@ -49,13 +47,6 @@ TEST(MeasurePlane, FormIsTheSumOfSquaredErrors) {
     }
     EXPECT_NEAR(Cost(measurement, plane), sum, 1e-9 * sum);
   }
-}
-
-TEST(MeasurePlane, FootLiesAmidThePatch) {
-  const PlaneMeasurement measurement = MeasurePlane(
-      0, kPatch.Plane(), ObservePatch(kPatch, kCenter, 7), kSquares);
-  EXPECT_LT((measurement.foot - kPatch.middle).norm(), 0.2);
-  EXPECT_NEAR(kPatch.Plane().Height(measurement.foot), 0.0, 1e-9);
 }
 
 TEST(MeasurePlane, ManyObservationsWithACommonErrorInformAsFew) {
@@ -128,37 +119,20 @@ TEST(MeasurePlane, NothingWhereNothingIsSeen) {
   EXPECT_EQ(MeasurePlane(0, kPatch.Plane(), observations).information, 0.0);
 }
 
-TEST(MeasurePlane, RefusesWhatIsOutOfRange) {
-  const auto observations = ObservePatch(kPatch, kCenter, 3);
-  const auto expect_refused = [&](const auto& change) {
-    auto changed = observations;
-    change(&changed[4]);
-    EXPECT_THROW(MeasurePlane(0, kPatch.Plane(), changed),
-                 std::invalid_argument);
-  };
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  expect_refused([](DepthObservation* o) { o->depth = 0.0; });
-  expect_refused([](DepthObservation* o) { o->sigma = kNan; });
-  expect_refused([](DepthObservation* o) { o->sigma = 0.0; });
-  expect_refused([](DepthObservation* o) { o->weight = -1.0; });
-  expect_refused([](DepthObservation* o) { o->ray.y() = kNan; });
-}
-
 class MeasureViewTest : public testing::Test {
  protected:
   // What a view of the room measured of its surfaces, each superpixel on the
   // surface that it shows.
   std::vector<PlaneMeasurement> Measure(int view,
                                         const std::vector<int>& assignment) {
-    std::vector<WorldPlane> planes;
+    std::vector<ModelPlane> planes;
     for (const DrawnSurface& surface : room_.surfaces) {
-      planes.push_back(surface.plane);
+      planes.emplace_back().plane = surface.plane;
     }
-    return MeasureView(room_.Views()[view], assignment, planes, options_);
+    return MeasureView(room_.Views()[view], assignment, planes, 1.0);
   }
 
   SyntheticRoom room_;
-  MeasureViewOptions options_;
 };
 
 TEST_F(MeasureViewTest, MeasuresThePlanesThatTheViewShows) {
@@ -188,18 +162,6 @@ TEST_F(MeasureViewTest, SuperpixelsWithoutAPlaneTellNothing) {
   EXPECT_EQ(measurements[0].form, Measure(0, room_.seen[0])[1].form);
   std::fill(assignment.begin(), assignment.end(), -1);
   EXPECT_TRUE(Measure(0, assignment).empty());
-}
-
-TEST_F(MeasureViewTest, ErrorsThatGoTogetherLimitWhatOneViewTells) {
-  options_.planes.common_deviation = 0.0;
-  const double alone = Measure(0, room_.seen[0])[0].information;
-  options_.planes.common_deviation = 0.5;
-  const double together = Measure(0, room_.seen[0])[0].information;
-  EXPECT_LT(together, 0.3 * alone);
-  options_.error_share = 0.5;
-  options_.planes.common_deviation = 0.0;
-  // Half as exact, and further inside of the loss.
-  EXPECT_LT(Measure(0, room_.seen[0])[0].information, 0.3 * alone);
 }
 
 }  // namespace

@@ -32,10 +32,25 @@ std::vector<ModelPlane> PlanesAlong(const Eigen::Matrix3d& frame) {
   return planes;
 }
 
+// A block of views with planes of these axes and supports.
+PlaneBlock Block(int component,
+                 const std::optional<Eigen::Matrix3d>& frame,
+                 const std::vector<std::pair<int, double>>& planes) {
+  PlaneBlock block;
+  block.component = component;
+  block.frame = frame;
+  for (const auto& [axis, support] : planes) {
+    block.planes.push_back({{{}, support, axis}, {}});
+  }
+  return block;
+}
+
 TEST(FindSceneFramesTest, OneFrameIsKeptWithItsPlanes) {
   std::vector<ModelPlane> planes = PlanesAlong(Turned(20.0));
-  const std::vector<Eigen::Matrix3d> frames = FindSceneFrames(
-      {{0, Turned(20.0), {2, -1, 0}, {5.0, 5.0, 5.0}, {2, 1, 0}}}, &planes);
+  const std::vector<Eigen::Matrix3d> frames =
+      FindSceneFrames({Block(0, Turned(20.0), {{2, 5.0}, {-1, 5.0}, {0, 5.0}})},
+                      {{2, 1, 0}},
+                      &planes);
   ASSERT_EQ(frames.size(), 1u);
   EXPECT_EQ(frames[0], Turned(20.0));
   EXPECT_EQ(planes[0].axis, 0);
@@ -48,8 +63,9 @@ TEST(FindSceneFramesTest, OneFrameIsKeptWithItsPlanes) {
 TEST(FindSceneFramesTest, FramesOfBlocksBecomeOneWhateverTheirColumns) {
   std::vector<ModelPlane> planes = PlanesAlong(Turned(20.0));
   const std::vector<Eigen::Matrix3d> frames =
-      FindSceneFrames({{0, Permuted(Turned(21.0)), {2, 0}, {1.0, 1.0}, {0, 1}},
-                       {0, Turned(20.0), {2}, {9.0}, {2}}},
+      FindSceneFrames({Block(0, Permuted(Turned(21.0)), {{2, 1.0}, {0, 1.0}}),
+                       Block(0, Turned(20.0), {{2, 9.0}})},
+                      {{0, 1}, {2}},
                       &planes);
   ASSERT_EQ(frames.size(), 1u);
   EXPECT_EQ(frames[0], Turned(20.0));  // It measured most.
@@ -64,8 +80,9 @@ TEST(FindSceneFramesTest, FramesThatDifferOrShareNoViewsStayApart) {
     std::vector<ModelPlane> planes = PlanesAlong(Turned(0.0));
     planes[1].plane.normal = Turned(component == 0 ? 5.0 : 1.0).col(1);
     const std::vector<Eigen::Matrix3d> frames = FindSceneFrames(
-        {{0, Turned(0.0), {0}, {9.0}, {0}},
-         {component, Turned(component == 0 ? 5.0 : 1.0), {1}, {8.0}, {1}}},
+        {Block(0, Turned(0.0), {{0, 9.0}}),
+         Block(component, Turned(component == 0 ? 5.0 : 1.0), {{1, 8.0}})},
+        {{0}, {1}},
         &planes);
     ASSERT_EQ(frames.size(), 2u);
     EXPECT_EQ(planes[0].frame, 0);
@@ -80,17 +97,13 @@ TEST(FindSceneFramesTest, MostOfWhatWasMeasuredDecides) {
   // not; the second plane has left its axis since; so nothing has a frame.
   planes[1].plane.normal = Turned(4.0).col(1);
   const std::vector<Eigen::Matrix3d> frames =
-      FindSceneFrames({{0, Turned(0.0), {0, 1}, {2.0, 9.0}, {0, 1}},
-                       {0, std::nullopt, {-1}, {3.0}, {0}}},
+      FindSceneFrames({Block(0, Turned(0.0), {{0, 2.0}, {1, 9.0}}),
+                       Block(0, std::nullopt, {{-1, 3.0}})},
+                      {{0, 1}, {0}},
                       &planes);
   EXPECT_TRUE(frames.empty());
   EXPECT_EQ(planes[0].axis, -1);
   EXPECT_EQ(planes[1].axis, -1);
-}
-
-TEST(FindSceneFramesTest, NothingGivesNothing) {
-  std::vector<ModelPlane> planes;
-  EXPECT_TRUE(FindSceneFrames({}, &planes).empty());
 }
 
 }  // namespace

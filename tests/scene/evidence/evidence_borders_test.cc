@@ -47,22 +47,6 @@ TEST_F(GatherEvidenceTest, BordersAreSortedAndHoldEachPairOnce) {
   }
 }
 
-TEST_F(GatherEvidenceTest, BordersOfOneWithManyAreSorted) {
-  // Superpixel 0 is a row above all others, which are columns of it.
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      inputs_.superpixels(x, y) = y == 0 ? 0 : 1 + x * 7 % kWidth;
-    }
-  }
-  inputs_.num_superpixels = kWidth + 1;
-  inputs_.superpixel_planes.assign(kWidth + 1, plane_);
-  const ViewEvidence evidence = Gather();
-  for (int k = 1; k <= kWidth; ++k) {
-    EXPECT_EQ(evidence.borders[k - 1].first, 0);
-    EXPECT_EQ(evidence.borders[k - 1].second, k);
-  }
-}
-
 TEST_F(GatherEvidenceTest, BordersKeepPixelsOnTheSideOfTheFirst) {
   const std::array<int, 4> spaced = {1, 3, 6, 8};
   const ViewEvidence evidence = Gather();

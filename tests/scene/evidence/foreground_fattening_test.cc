@@ -74,10 +74,6 @@ TEST(ForegroundFatteningTest, IsOneWhereNothingVaries) {
   ExpectOnes(own);
 }
 
-TEST(ForegroundFatteningTest, IsOneWhereAllIsTextured) {
-  ExpectOnes(FatteningWeight(Draw<float>(Checkerboard)));
-}
-
 TEST(ForegroundFatteningTest, IsLowOnAWallBesideAPicture) {
   const Image<float> own = FatteningWeight(PictureOnAWall());
   for (int y = 0; y < kHeight; ++y) {
@@ -164,33 +160,6 @@ TEST(ForegroundFatteningTest, AThinLineBelongsToItsPixels) {
         EXPECT_EQ(own(x, y), distance > kNear && distance <= kRadius ? 0 : 1)
             << column << ", " << x;
       }
-    }
-  }
-}
-
-TEST(ForegroundFatteningTest, LeavesOutSuperpixelsWithoutPixels) {
-  const Image<float> gray = PictureOnAWall();
-  const Image<float> contrast = Contrast(gray);
-  const Image<float> own = FatteningWeight(gray);
-  // The right one has number 3 of 5.
-  const Image<float> other = ComputeFatteningWeight(
-      gray,
-      contrast,
-      Draw<int>([](int x, int) { return x >= kBorder ? 3 : 0; }),
-      5,
-      kRadius);
-  EXPECT_TRUE(std::equal(own.begin(), own.end(), other.begin()));
-}
-
-TEST(ForegroundFatteningTest, SmallPatchesHaveARimAroundThePixelsNeighbors) {
-  for (const int radius : {0, 1, 2}) {
-    const Image<float> own = FatteningWeight(PictureOnAWall(), radius);
-    for (int y = 0; y < kHeight; ++y) {
-      EXPECT_EQ(own(kBorder, y), 1.f);
-      EXPECT_GT(own(kBorder - 1, y), 0.f);
-      EXPECT_LT(own(kBorder - 1, y), 0.1f);
-      EXPECT_EQ(own(kBorder - 2, y), 0.f);
-      EXPECT_EQ(own(kBorder - 3, y), 1.f);
     }
   }
 }

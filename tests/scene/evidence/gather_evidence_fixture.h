@@ -32,12 +32,7 @@ class GatherEvidenceTest : public testing::Test {
   GatherEvidenceTest()
       : camera_(SyntheticCamera(kWidth, kHeight, 40.0)),
         plane_(DrawnPlane({0.2f, 0.1f, -1.f}, 5.f)) {
-    inputs_.superpixels = Image<int>(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        inputs_.superpixels(x, y) = y / kSize * kNumColumns + x / kSize;
-      }
-    }
+    inputs_.superpixels = SquareSuperpixels<int>(kWidth, kHeight, kSize);
     inputs_.num_superpixels = kNumSuperpixels;
     inputs_.superpixel_planes.assign(kNumSuperpixels, plane_);
     inputs_.samples = ToSamples(DrawDepth(plane_, camera_), camera_);

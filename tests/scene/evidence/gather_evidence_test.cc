@@ -123,22 +123,6 @@ TEST_F(GatherEvidenceTest, FillsCountByTheMeasurementsThatLieOnThem) {
   }
 }
 
-TEST_F(GatherEvidenceTest, MeasurementsSayNothingOfFillsElsewhere) {
-  // In another superpixel, or off the region.
-  const Plane far = DrawnPlane({0.f, 0.f, -1.f}, 20.f);
-  DrawRegionPlane(0, far);
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = 0; x < kSize; ++x) {
-      if (x < kSize / 2) {
-        inputs_.region_planes(x, y) = {};
-      } else {
-        inputs_.samples(x, y) = {};
-      }
-    }
-  }
-  EXPECT_NEAR(Gather().weights[0], kNumPixels / 2, 1e-3f);
-}
-
 TEST_F(GatherEvidenceTest, TellsMeasurementsFromDepthsOfTheRegionsPlane) {
   DrawRegionPlane(3, plane_);
   RayDepth* samples = inputs_.samples.Data();
@@ -183,12 +167,6 @@ TEST_F(GatherEvidenceTest, KeepsConfirmedDepthsThatWereNotTrusted) {
   }
   // They are no observations.
   EXPECT_TRUE(ObservationsOf(evidence, 2).empty());
-}
-
-TEST_F(GatherEvidenceTest, WithoutConfirmationsThereAreNone) {
-  const ViewEvidence evidence = Gather();
-  EXPECT_TRUE(evidence.confirmed.empty());
-  EXPECT_EQ(evidence.confirmed_pixels, std::vector<int>(kNumSuperpixels, 0));
 }
 
 TEST_F(GatherEvidenceTest, SpreadsObservationsOverTheSuperpixel) {
@@ -255,18 +233,6 @@ TEST_F(GatherEvidenceTest, NoiseIsTheSpreadAboutTheSuperpixelsPlanes) {
   EXPECT_NEAR(Gather().noise, 0.9f, 0.1f);
 }
 
-TEST_F(GatherEvidenceTest, NoiseLeavesOutSuperpixelsWithoutPlanes) {
-  for (int k = 1; k < kNumSuperpixels; ++k) {
-    inputs_.superpixel_planes[k] = Plane{};
-    Fill(&inputs_.samples, k, RayDepth{0.1f, 0.1f, 30.f});
-  }
-  EXPECT_NEAR(Gather().noise, 0.f, 1e-3f);
-  inputs_.superpixel_planes[0] = Plane{};
-  const ViewEvidence evidence = Gather();
-  EXPECT_EQ(evidence.noise, 0.f);
-  EXPECT_TRUE(evidence.candidates.empty());
-}
-
 TEST_F(GatherEvidenceTest, CandidatesArePlanesOfRegionsThenOfSuperpixels) {
   const Plane first = DrawnPlane({0.f, 0.1f, -1.f}, 7.f);
   const Plane second = DrawnPlane({0.1f, 0.f, -1.f}, 8.f);
@@ -298,57 +264,6 @@ TEST_F(GatherEvidenceTest, CandidatesArePlanesOfRegionsThenOfSuperpixels) {
   EXPECT_EQ(with_small.num_region_planes, 3);
   ASSERT_EQ(with_small.evidence.candidates.size(), 5u);
   EXPECT_EQ(with_small.evidence.candidates[1].offset, small.offset);
-}
-
-TEST_F(GatherEvidenceTest, FillsPixelsByThePlaneOfTheirOwnRegion) {
-  const Plane first = DrawnPlane({0.f, 0.1f, -1.f}, 7.f);
-  const Plane second = DrawnPlane({0.1f, 0.f, -1.f}, 8.f);
-  const Plane small = DrawnPlane({0.f, 0.f, -1.f}, 9.f);
-  DrawRegionPlane(0, first);
-  DrawRegionPlane(2, second);
-  DrawRegionPlane(7, first);
-  // In superpixel 1, one pixel less than a candidate needs.
-  for (int i = 0; i < 29; ++i) {
-    inputs_.region_planes(10 + i % 10, i / 10) = small;
-  }
-  // The upper left pixel of each superpixel is measured, on its region's plane.
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const Plane& plane = inputs_.region_planes(x, y);
-      const Vec3f ray = inputs_.intrinsics.Ray(x, y);
-      const bool is_measured =
-          x % kSize == 0 && y % kSize == 0 && plane.Valid();
-      inputs_.samples(x, y) =
-          is_measured ? RayDepth{ray.x, ray.y, plane.Depth(ray)} : RayDepth{};
-    }
-  }
-  const auto expect_fills = [&](int superpixel, int count, const Plane& plane) {
-    SCOPED_TRACE(superpixel);
-    const ViewEvidence evidence = Gather();
-    EXPECT_NEAR(evidence.weights[superpixel], 1.f + 0.3f * count, 1e-3f);
-    const std::vector<Observation> observations =
-        ObservationsOf(evidence, superpixel);
-    EXPECT_EQ(observations.size(),
-              std::min(static_cast<size_t>(1 + count), size_t{32}));
-    for (const Observation& observation : observations) {
-      EXPECT_NEAR(RelativeDistance(plane, observation.sample), 0.f, 1e-5f);
-    }
-  };
-  expect_fills(0, kNumPixels - 1, first);
-  expect_fills(1, 0, small);
-  expect_fills(2, kNumPixels - 1, second);
-  expect_fills(7, kNumPixels - 1, first);
-  EXPECT_EQ(Gather().weights[3], 0.f);
-  inputs_.region_planes(19, 2) = small;
-  expect_fills(1, 29, small);
-  expect_fills(2, kNumPixels - 1, second);
-}
-
-TEST_F(GatherEvidenceTest, SmallRegionPlanesAreNoObservations) {
-  Fill(&inputs_.samples, 0, RayDepth{});
-  inputs_.region_planes = Image<Plane>(kWidth, kHeight);
-  inputs_.region_planes(3, 3) = plane_;
-  EXPECT_EQ(Gather().weights[0], 0.f);
 }
 
 TEST_F(GatherEvidenceTest, OnlyTexturedDepthsAreConfident) {
@@ -385,18 +300,6 @@ TEST_F(GatherEvidenceTest, PlanesThatAreNotFiniteAreNone) {
   EXPECT_EQ(evidence.weights[0], 0.f);
   EXPECT_EQ(evidence.weights[1], 0.f);
   EXPECT_NEAR(evidence.noise, 0.f, 1e-3f);
-}
-
-TEST_F(GatherEvidenceTest, TakesViewsWithoutSamples) {
-  std::fill(inputs_.samples.begin(), inputs_.samples.end(), RayDepth{});
-  const GatheredEvidence gathered = GatherAll();
-  const ViewEvidence& evidence = gathered.evidence;
-  EXPECT_TRUE(evidence.observations.empty());
-  EXPECT_EQ(evidence.first_observation,
-            std::vector<int>(kNumSuperpixels + 1, 0));
-  EXPECT_EQ(evidence.noise, 0.f);
-  EXPECT_EQ(gathered.num_region_planes, 0);
-  EXPECT_EQ(evidence.candidates.size(), size_t{kNumSuperpixels});
 }
 
 TEST_F(GatherEvidenceTest, TakesOneSuperpixelAndNone) {

@@ -5,7 +5,6 @@
 #include "colmap_tsar/scene/evidence/gather_evidence.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "tests/scene/evidence/gather_evidence_fixture.h"
@@ -182,31 +181,6 @@ TEST_F(PriorEvidenceTest, ThePlaneOfARegionTellsMoreUnlessAPriorContradictsIt) {
   for (const float sigma : {0.1f, 0.5f}) {
     Fill(&inputs_.prior.sigma, 2, sigma);
     EXPECT_EQ(Count(SourcesOf(Gather(), 2), ObservationSource::kPrior), 0);
-  }
-}
-
-TEST_F(PriorEvidenceTest, WithoutAPriorEverythingIsAsBefore) {
-  Fill(&inputs_.samples, 3, RayDepth{});
-  const ViewEvidence with = Gather();
-  inputs_.prior = {};
-  const ViewEvidence without = Gather();
-  EXPECT_TRUE(without.errors.empty());
-  EXPECT_TRUE(without.prior.Empty());
-  EXPECT_EQ(Count(without.sources, ObservationSource::kPrior), 0);
-  EXPECT_EQ(without.weights[3], 0.f);
-  EXPECT_EQ(without.candidates.size(), size_t{kNumSuperpixels});
-  // The prior adds, and changes nothing else.
-  EXPECT_EQ(with.observations.size(), without.observations.size() + 12);
-  EXPECT_EQ(with.noise, without.noise);
-  for (const int k : {0, 2, 4, 11}) {
-    EXPECT_EQ(with.weights[k], without.weights[k]);
-    const std::vector<Observation> a = ObservationsOf(with, k);
-    const std::vector<Observation> b = ObservationsOf(without, k);
-    ASSERT_EQ(a.size(), b.size());
-    for (size_t i = 0; i < a.size(); ++i) {
-      EXPECT_EQ(a[i].sample.z, b[i].sample.z);
-      EXPECT_EQ(a[i].confidence, b[i].confidence);
-    }
   }
 }
 

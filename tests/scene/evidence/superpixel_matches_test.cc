@@ -83,27 +83,5 @@ TEST(SuperpixelMatchesTest, AreNoneOfOtherSurfaces) {
   }
 }
 
-TEST(SuperpixelMatchesTest, AreNoneWithoutObservationsViewsOrRasters) {
-  SyntheticRoom room;
-  EXPECT_TRUE(SuperpixelMatches({room.Views()[0]}).Of(50).empty());
-  ASSERT_FALSE(SuperpixelMatches(room.Views()).Of(kCount + 51).empty());
-  ViewEvidence& evidence = room.evidence[1];
-  const int count =
-      evidence.first_observation[51] - evidence.first_observation[50];
-  for (int k = 51; k <= kCount; ++k) {
-    evidence.first_observation[k] -= count;
-  }
-  const auto begin =
-      evidence.observations.begin() + evidence.first_observation[50];
-  evidence.observations.erase(begin, begin + count);
-  const SuperpixelMatches matches(room.Views());
-  EXPECT_TRUE(matches.Of(kCount + 50).empty());
-  EXPECT_FALSE(matches.Of(kCount + 51).empty());
-  for (ViewEvidence& of_view : room.evidence) {
-    of_view.superpixels = {};
-  }
-  EXPECT_TRUE(SuperpixelMatches(room.Views()).Of(kCount + 51).empty());
-}
-
 }  // namespace
 }  // namespace tsar

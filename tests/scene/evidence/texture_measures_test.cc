@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 
-#include "colmap_tsar/base/random.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -81,22 +79,6 @@ TEST_F(TextureMeasuresTest, SpansSevenPixelsOrThoseInTheImage) {
   EXPECT_NEAR(downwards(10, kHeight - 1), std::sqrt(1.25f), 1e-4f);
 }
 
-TEST_F(TextureMeasuresTest, SeesFaintTextureOnBrightGround) {
-  const Image<float> texture = Texture(
-      Draw([](int x, int y) { return (x + y) % 2 == 0 ? 250.f : 250.01f; }));
-  EXPECT_NEAR(texture(10, 7), 0.005f, 2e-4f);
-}
-
-TEST_F(TextureMeasuresTest, ContrastIsTheStepNextToIt) {
-  const Image<float> contrast =
-      Contrast(Draw([](int x, int) { return x < 5 ? 10.f : 40.f; }));
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      EXPECT_EQ(contrast(x, y), x == 4 || x == 5 ? 30.f : 0.f);
-    }
-  }
-}
-
 TEST_F(TextureMeasuresTest, ContrastReachesOnePixelInAllDirections) {
   for (const float level : {20.f, 90.f}) {
     const Image<float> contrast = Contrast(
@@ -121,22 +103,6 @@ TEST_F(TextureMeasuresTest, TakesTinyImages) {
   EXPECT_EQ(Contrast(row)(1, 0), 2.f);
   EXPECT_TRUE(Texture({}).Empty());
   EXPECT_TRUE(Contrast({}).Empty());
-}
-
-TEST_F(TextureMeasuresTest, DoesNotDependOnTheThreads) {
-  Philox random(1, 0, 0);
-  const Image<float> gray =
-      Draw([&](int, int) { return 255.f * random.NextFloat(); });
-  const Image<float> texture = Texture(gray);
-  const Image<float> contrast = Contrast(gray);
-  for (const int num_threads : {1, 4}) {
-    device_ = Device::CreateCpu(num_threads);
-    const Image<float> again = Texture(gray);
-    EXPECT_TRUE(std::equal(texture.begin(), texture.end(), again.begin()));
-    const Image<float> contrast_again = Contrast(gray);
-    EXPECT_TRUE(
-        std::equal(contrast.begin(), contrast.end(), contrast_again.begin()));
-  }
 }
 
 }  // namespace

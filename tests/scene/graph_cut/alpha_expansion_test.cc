@@ -111,14 +111,6 @@ Table DrawAnyTable(int num_labels, Philox* random) {
   return table;
 }
 
-Labels DrawLabels(const LabelGraph& graph, Philox* random) {
-  Labels labels(graph.num_nodes);
-  for (int& label : labels) {
-    label = random->NextBelow(graph.num_labels);
-  }
-  return labels;
-}
-
 // The least energy of all labelings, by trying them.
 double LeastEnergy(const LabelGraph& graph) {
   Labels labels(graph.num_nodes, 0);
@@ -151,20 +143,6 @@ double LeastEnergyOfMoves(const LabelGraph& graph, const Labels& labels) {
   return least;
 }
 
-TEST(EnergyTest, AddsTheCostsOfNodesAndEdges) {
-  LabelGraph graph;
-  graph.num_nodes = 3;
-  graph.num_labels = 2;
-  graph.unary = {1.f, 2.f, 4.f, 8.f, 16.f, 32.f};
-  graph.edges = {{0, 1}, {2, 1}};
-  graph.pairwise = [](int edge, int a, int b) {
-    return 100.f * (1 + edge) + 1000.f * a + 10000.f * b;
-  };
-  EXPECT_EQ(Energy(graph, {0, 0, 0}), 1 + 4 + 16 + 100 + 200);
-  EXPECT_EQ(Energy(graph, {1, 0, 0}), 2 + 4 + 16 + 1100 + 200);
-  EXPECT_EQ(Energy(graph, {0, 1, 1}), 1 + 8 + 32 + 10100 + 11200);
-}
-
 TEST(AlphaExpansionTest, FindsTheBestOfTwoLabels) {
   Philox random(1, 0, 0);
   for (int trial = 0; trial < 300; ++trial) {
@@ -176,9 +154,6 @@ TEST(AlphaExpansionTest, FindsTheBestOfTwoLabels) {
         &graph);
     const double least = LeastEnergy(graph);
     EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph)), least);
-    const Labels drawn = DrawLabels(graph, &random);
-    EXPECT_EQ(Energy(graph, MinimizeByExpansion(graph, kUntilRest, drawn)),
-              least);
   }
 }
 
@@ -213,102 +188,31 @@ TEST(AlphaExpansionTest, LeavesNoMoveThatImprovesAMetric) {
         [&] { return DrawMetricTable(3, &random); },
         &random,
         &graph);
-    const Labels initial = DrawLabels(graph, &random);
-    const Labels labels = MinimizeByExpansion(graph, kUntilRest, initial);
+    const Labels labels = MinimizeByExpansion(graph, kUntilRest);
     const double energy = Energy(graph, labels);
     EXPECT_EQ(energy, LeastEnergyOfMoves(graph, labels));
-    EXPECT_LE(energy, Energy(graph, initial));
     // Twice the ratio of the largest to the smallest cost of unequal labels.
     EXPECT_LE(energy, 2.0 * 2.0 * LeastEnergy(graph));
   }
 }
 
-TEST(AlphaExpansionTest, NeverRaisesTheEnergyWhateverTheCosts) {
+TEST(AlphaExpansionTest, NoSweepRaisesTheEnergyWhateverTheCosts) {
   Philox random(4, 0, 0);
+  int num_lowered = 0;
   for (int trial = 0; trial < 200; ++trial) {
     LabelGraph graph = DrawNodes(20, 4, &random);
     AddEdges(
         50, [&] { return DrawAnyTable(4, &random); }, &random, &graph);
-    Labels labels = DrawLabels(graph, &random);
-    double energy = Energy(graph, labels);
-    while (true) {
-      Labels next = MinimizeByExpansion(graph, /*max_sweeps=*/1, labels);
-      if (next == labels) {
-        break;
+    for (int num_sweeps = 0; num_sweeps < 4; ++num_sweeps) {
+      const Labels before = MinimizeByExpansion(graph, num_sweeps);
+      const Labels after = MinimizeByExpansion(graph, num_sweeps + 1);
+      if (after != before) {
+        ASSERT_LT(Energy(graph, after), Energy(graph, before));
+        ++num_lowered;
       }
-      const double lowered = Energy(graph, next);
-      ASSERT_LT(lowered, energy);
-      energy = lowered;
-      labels = std::move(next);
     }
   }
-}
-
-// Where the tables are no metric, moves are still good ones.
-TEST(AlphaExpansionTest, ComesNearTheLeastEnergyWhateverTheCosts) {
-  Philox random(5, 0, 0);
-  double excess = 0.0;
-  double excess_of_initial = 0.0;
-  for (int trial = 0; trial < 50; ++trial) {
-    LabelGraph graph = DrawNodes(6, 3, &random);
-    AddEdges(
-        12, [&] { return DrawAnyTable(3, &random); }, &random, &graph);
-    const double least = LeastEnergy(graph);
-    excess += Energy(graph, MinimizeByExpansion(graph)) - least;
-    excess_of_initial +=
-        Energy(graph, MinimizeByExpansion(graph, /*max_sweeps=*/0)) - least;
-  }
-  EXPECT_LT(excess, 0.5 * excess_of_initial);
-}
-
-TEST(AlphaExpansionTest, TellsTheFirstNodeOfAnEdgeFromTheSecond) {
-  LabelGraph graph;
-  graph.num_nodes = 2;
-  graph.num_labels = 3;
-  graph.unary.assign(6, 0.f);
-  graph.edges = {{1, 0}};
-  graph.pairwise = [](int, int a, int b) {
-    return a == 2 && b == 1 ? -1.f : 1.f;
-  };
-  EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest, {1, 1}), (Labels{1, 2}));
-  EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest, {2, 2}), (Labels{1, 2}));
-}
-
-TEST(AlphaExpansionTest, StartsFromTheCheapestLabels) {
-  LabelGraph graph;
-  graph.num_nodes = 3;
-  graph.num_labels = 3;
-  graph.unary = {3.f, 1.f, 2.f, -1.f, 0.f, 5.f, 7.f, 4.f, 4.f};
-  EXPECT_EQ(MinimizeByExpansion(graph, /*max_sweeps=*/0), (Labels{1, 0, 1}));
-}
-
-TEST(AlphaExpansionTest, SweepsAsOftenAsTold) {
-  Philox random(6, 0, 0);
-  LabelGraph graph = DrawNodes(200, 8, &random);
-  AddEdges(
-      600, [&] { return DrawMetricTable(8, &random); }, &random, &graph);
-  const Labels initial(200, 7);
-  EXPECT_EQ(MinimizeByExpansion(graph, /*max_sweeps=*/0, initial), initial);
-  const Labels once = MinimizeByExpansion(graph, /*max_sweeps=*/1, initial);
-  const Labels twice = MinimizeByExpansion(graph, /*max_sweeps=*/2, initial);
-  EXPECT_LT(Energy(graph, twice), Energy(graph, once));
-  EXPECT_EQ(twice, MinimizeByExpansion(graph, /*max_sweeps=*/1, once));
-}
-
-TEST(AlphaExpansionTest, StopsWhereNothingChanges) {
-  Philox random(10, 0, 0);
-  LabelGraph graph = DrawNodes(50, 4, &random);
-  AddEdges(
-      150, [&] { return DrawMetricTable(4, &random); }, &random, &graph);
-  int64_t num_asked = 0;
-  graph.pairwise = [&, costs = graph.pairwise](int edge, int a, int b) {
-    ++num_asked;
-    return costs(edge, a, b);
-  };
-  MinimizeByExpansion(graph, /*max_sweeps=*/50);
-  const int64_t num_asked_in_50 = std::exchange(num_asked, 0);
-  MinimizeByExpansion(graph, /*max_sweeps=*/100);
-  EXPECT_EQ(num_asked, num_asked_in_50);
+  EXPECT_GT(num_lowered, 200);
 }
 
 // Numbers of which few sums are equal.
@@ -337,25 +241,24 @@ TEST(AlphaExpansionTest, LooksAtFewerEdgesWhereTheirLeastCostIsKnown) {
       ++num_asked;
       return costs(edge, a, b);
     };
-    const Labels initial = DrawLabels(graph, &random);
-    const Labels labels = MinimizeByExpansion(graph, kUntilRest, initial);
+    const Labels labels = MinimizeByExpansion(graph, kUntilRest);
     num_asked_by[0] += std::exchange(num_asked, 0);
     graph.min_pairwise = trial % 2 == 0 ? 0.f : -3.f;
-    EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest, initial), labels);
+    EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest), labels);
     num_asked_by[1] += std::exchange(num_asked, 0);
   }
   EXPECT_LT(3 * num_asked_by[1], 2 * num_asked_by[0]);
 }
 
+// The smallest set of nodes takes a label.
 TEST(AlphaExpansionTest, KeepsLabelsThatAreAsGood) {
   LabelGraph graph;
   graph.num_nodes = 4;
-  graph.num_labels = 3;
-  graph.unary.assign(12, 0.1f);
-  graph.edges = {{0, 1}, {1, 2}, {2, 3}};
-  graph.pairwise = [](int, int, int) { return 0.3f; };
-  const Labels initial = {2, 0, 1, 2};
-  EXPECT_EQ(MinimizeByExpansion(graph, kUntilRest, initial), initial);
+  graph.num_labels = 2;
+  graph.unary = {0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f};
+  graph.edges = {{0, 1}, {2, 3}};
+  graph.pairwise = [](int, int a, int b) { return a == b ? 0.f : 1.f; };
+  EXPECT_EQ(MinimizeByExpansion(graph), (Labels{0, 1, 0, 1}));
 }
 
 TEST(AlphaExpansionTest, WorksOnTheSmallestGraphs) {
@@ -367,7 +270,6 @@ TEST(AlphaExpansionTest, WorksOnTheSmallestGraphs) {
   one_node.num_labels = 3;
   one_node.unary = {0.f, -2.f, 1.f};
   EXPECT_EQ(MinimizeByExpansion(one_node), Labels{1});
-  EXPECT_EQ(MinimizeByExpansion(one_node, kUntilRest, {2}), Labels{1});
 
   LabelGraph one_label;
   one_label.num_nodes = 2;

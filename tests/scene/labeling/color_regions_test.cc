@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -25,12 +26,10 @@ ViewEvidence Draw(const std::function<int(int x, int y)>& gray) {
   evidence.width = kWidth;
   evidence.height = kHeight;
   evidence.weights.assign(kNumColumns * kNumRows, 0.f);
-  evidence.superpixels = Image<uint16_t>(kWidth, kHeight);
+  evidence.superpixels = SquareSuperpixels<uint16_t>(kWidth, kHeight, kSize);
   evidence.color = Image<Rgb>(kWidth, kHeight);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      evidence.superpixels(x, y) =
-          static_cast<uint16_t>(y / kSize * kNumColumns + x / kSize);
       const auto level = static_cast<uint8_t>(gray(x, y));
       evidence.color(x, y) = {level, level, level};
     }

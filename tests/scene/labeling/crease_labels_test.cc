@@ -123,52 +123,19 @@ TEST_F(CreaseLabelsTest, WhatStandsBeforeTheCeilingStays) {
   EXPECT_GT(num_before, 10);
 }
 
-TEST_F(CreaseLabelsTest, WhatWasMeasuredOfThePlaneBeyondNeedsNoHelp) {
+// Where the plane beyond was measured, and from above the ceiling.
+TEST_F(CreaseLabelsTest, PlanesBeyondAreHelpedOnlyWhereTheyAreNewAndSeen) {
   creases_[0].is_new = false;
-  const Image<float> votes = Votes();
+  Image<float> votes = Votes();
   for (int s = 0; s < kNumSuperpixels; ++s) {
     EXPECT_EQ(votes(1, s), 0.f) << s;
     EXPECT_EQ(costs_(1, s).uncertainty, 1.f) << s;
     EXPECT_FLOAT_EQ(votes(0, s), CostOfHidden(s, 1.0)) << s;
   }
-}
-
-TEST_F(CreaseLabelsTest, APlaneThatIsAlmostTheOneBeyondIsNotHidden) {
-  const auto votes_on = [&](double height) {
-    const int plane = AddPlane({0.0, 1.0, 0.0}, {0.0, height, 4.0}, -1, 500.0);
-    Image<float> votes;
-    AddVotes({ceiling_, plane}, &votes);
-    return votes;
-  };
-  ASSERT_TRUE(IsBeyond(0));
-  EXPECT_EQ(votes_on(kCrease - 0.01)(1, 0), 0.f);
-  EXPECT_FLOAT_EQ(votes_on(kCrease - 0.1)(1, 0), 0.3f * kPixels);
-}
-
-TEST_F(CreaseLabelsTest, TwoCreasesOfOnePlaneCountOnce) {
-  const Image<float> alone = Votes();
-  creases_.push_back(creases_[0]);
-  creases_[1].plane = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, 4.98}, 2, 100.0);
-  const Image<float> both = Votes();
-  for (int s = 0; s < kNumSuperpixels; ++s) {
-    EXPECT_EQ(both(0, s), alone(0, s)) << s;
-    EXPECT_LE(both(1, s), alone(1, s)) << s;
-  }
-}
-
-TEST_F(CreaseLabelsTest, VotesOfOtherViewsStay) {
-  Image<float> votes(3, kNumSuperpixels, 7.f);
-  AddVotes({0, ceiling_, other_}, &votes);
-  const Image<float> alone = Votes();
-  for (size_t i = 0; i < votes.NumPixels(); ++i) {
-    EXPECT_FLOAT_EQ(votes.Data()[i], alone.Data()[i] + 7.f);
-  }
-}
-
-TEST_F(CreaseLabelsTest, ACameraAboveTheCeilingSeesNothingBeyond) {
+  creases_[0].is_new = true;
   camera_ = CameraAt({0.2, -1.5, 0.0});
   evidence_ = BareEvidence(camera_);
-  const Image<float> votes = Votes();
+  votes = Votes();
   for (int s = 0; s < kNumSuperpixels; ++s) {
     EXPECT_EQ(votes(0, s), 0.f) << s;
     EXPECT_FLOAT_EQ(votes(1, s), kPixels) << s;

@@ -7,7 +7,6 @@
 
 #include "colmap_tsar/scene/evidence/gather_evidence.h"
 
-#include <algorithm>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -15,7 +14,6 @@
 
 #include "tests/support/label_view.h"
 #include "tests/support/synthetic_scene.h"
-#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -36,12 +34,7 @@ inline Plane WallAt(float depth) { return DrawnPlane({0.f, 0.f, -1.f}, depth); }
 class LabelViewTest : public testing::Test {
  protected:
   LabelViewTest() : camera_(SyntheticCamera(kWidth, kHeight, 80.0)) {
-    inputs_.superpixels = Image<int>(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        inputs_.superpixels(x, y) = y / kSize * kNumColumns + x / kSize;
-      }
-    }
+    inputs_.superpixels = SquareSuperpixels<int>(kWidth, kHeight, kSize);
     inputs_.num_superpixels = kNumSuperpixels;
     inputs_.superpixel_planes.resize(kNumSuperpixels);
     inputs_.samples = Image<RayDepth>(kWidth, kHeight);
@@ -62,6 +55,15 @@ class LabelViewTest : public testing::Test {
     }
   }
 
+  template <typename Function>
+  void ForSamplesOf(int superpixel, const Function& function) {
+    for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
+      if (inputs_.superpixels.Data()[i] == superpixel) {
+        function(&inputs_.samples.Data()[i]);
+      }
+    }
+  }
+
   void DrawEdgeLeftOf(int column) {
     for (int y = 0; y < kHeight; ++y) {
       inputs_.contrast(column * kSize - 1, y) = kStrongEdge;
@@ -71,23 +73,6 @@ class LabelViewTest : public testing::Test {
 
   void DrawEdgesEverywhere() {
     inputs_.contrast = Image<float>(kWidth, kHeight, kStrongEdge);
-  }
-
-  // A second view, 1 to the right, of which this is known for certain. A point
-  // at depth 3 lies 80 / 3 pixels further left in it.
-  void AddSource(const std::function<float(int x, int y)>& confident_depth) {
-    source_.resolution.error_per_depth = inputs_.resolution.error_per_depth;
-    source_.width = kWidth;
-    source_.height = kHeight;
-    source_.first_observation = {0};
-    source_.confident_depth = Image<float>(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        source_.confident_depth(x, y) = confident_depth(x, y);
-      }
-    }
-    source_.color = Image<Rgb>(kWidth, kHeight, kGray);
-    has_source_ = true;
   }
 
   // A view this far to the right in which nothing was measured, with this
@@ -103,9 +88,21 @@ class LabelViewTest : public testing::Test {
     evidence.color = std::move(color);
   }
 
+  // A second view, 1 to the right, of which this is known for certain. A point
+  // at depth 3 lies 80 / 3 pixels further left in it.
+  void AddSource(const std::function<float(int x, int y)>& confident_depth) {
+    AddPicture(1.0, Image<Rgb>(kWidth, kHeight, kGray));
+    Image<float>& depths = pictures_.back().second.confident_depth;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        depths(x, y) = confident_depth(x, y);
+      }
+    }
+  }
+
   // Each superpixel is assigned to the first plane that explains its first
   // observation.
-  LabeledView Label(const std::vector<Plane>& planes) const {
+  ViewLabels Label(const std::vector<Plane>& planes) const {
     ViewEvidence evidence = GatherEvidence(inputs_).evidence;
     evidence.color = color_;
     DiscoveredPlanes discovered;
@@ -127,12 +124,6 @@ class LabelViewTest : public testing::Test {
       }
       discovered.assignment[0].push_back(assignment);
     }
-    if (has_source_) {
-      Camera camera = camera_;
-      camera.translation.x() -= 1.0;
-      views.push_back({&source_, camera});
-      discovered.assignment.emplace_back();
-    }
     for (const auto& [right, of_picture] : pictures_) {
       Camera camera = camera_;
       camera.translation.x() -= right;
@@ -140,26 +131,24 @@ class LabelViewTest : public testing::Test {
       discovered.assignment.emplace_back();
     }
     // Several observations to each cell, as in rasters of usual size.
-    PlaneSupportOptions support_options;
-    support_options.num_cells = 16;
     return LabelView(views,
                      discovered,
-                     FindPlaneSupport(views, discovered, support_options),
+                     FindPlaneSupport(views, discovered, 1.0, /*num_cells=*/16),
                      options_,
                      *device_);
   }
 
   // Columns have these labels from top to bottom.
-  static void ExpectColumns(const LabeledView& view,
+  static void ExpectColumns(const ViewLabels& view,
                             const std::vector<int>& expected) {
-    ASSERT_EQ(view.labels.size(), static_cast<size_t>(kNumSuperpixels));
+    ASSERT_EQ(view.planes.size(), static_cast<size_t>(kNumSuperpixels));
     for (int s = 0; s < kNumSuperpixels; ++s) {
-      EXPECT_EQ(view.labels[s], expected[s % kNumColumns])
+      EXPECT_EQ(view.planes[s], expected[s % kNumColumns])
           << "column " << s % kNumColumns << ", row " << s / kNumColumns;
     }
   }
 
-  static void ExpectEvidence(const LabeledView& view,
+  static void ExpectEvidence(const ViewLabels& view,
                              const std::vector<LabelEvidence>& expected) {
     for (int s = 0; s < kNumSuperpixels; ++s) {
       EXPECT_EQ(view.evidence[s], expected[s % kNumColumns])
@@ -171,9 +160,7 @@ class LabelViewTest : public testing::Test {
   Camera camera_;
   EvidenceInputs inputs_;
   Image<Rgb> color_{kWidth, kHeight, kGray};
-  ViewEvidence source_;
   std::vector<std::pair<double, ViewEvidence>> pictures_;
-  bool has_source_ = false;
   LabelOptions options_;
 };
 

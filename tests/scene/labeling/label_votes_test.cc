@@ -37,13 +37,7 @@ class LabelVotesTest : public testing::Test {
     evidence_.height = kHeight;
     evidence_.resolution.error_per_depth = 0.001f;
     evidence_.weights.assign(kNumSuperpixels, 0.f);
-    evidence_.superpixels = Image<uint16_t>(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        evidence_.superpixels(x, y) =
-            static_cast<uint16_t>(y / kSize * kNumColumns + x / kSize);
-      }
-    }
+    evidence_.superpixels = SquareSuperpixels<uint16_t>(kWidth, kHeight, kSize);
     camera_ = SyntheticCamera(kWidth, kHeight, 40.0);
     views_.push_back({&evidence_, camera_});
   }
@@ -53,13 +47,14 @@ class LabelVotesTest : public testing::Test {
     Camera camera = camera_;
     camera.translation.x() -= shift;
     views_.push_back({&evidence_, camera});
-    labels_.push_back({std::vector<int>(kNumSuperpixels, label),
-                       std::vector<float>(kNumSuperpixels, strength)});
+    ViewLabels& labels = labels_.emplace_back();
+    labels.planes.assign(kNumSuperpixels, label);
+    labels.strengths.assign(kNumSuperpixels, strength);
   }
 
   // The vote on each pixel of a superpixel.
-  float Vote(int plane, int superpixel = 5, int num_threads = 1) const {
-    const std::unique_ptr<Device> device = Device::CreateCpu(num_threads);
+  float Vote(int plane, int superpixel = 5) const {
+    const std::unique_ptr<Device> device = Device::CreateCpu(2);
     const LabelInputs inputs(
         views_, {/*confident_depth=*/false, /*superpixels=*/true}, *device);
     return ComputeLabelVotes(inputs, planes_, labels_, *device)(plane,
@@ -70,7 +65,7 @@ class LabelVotesTest : public testing::Test {
   ViewEvidence evidence_;
   Camera camera_;
   std::vector<ObservedView> views_;
-  std::vector<VotingLabels> labels_;
+  std::vector<ViewLabels> labels_;
   // The third is near the first, the others are far in front and behind.
   std::vector<Plane> planes_ = {WallAt(kDepth),
                                 WallAt(3.f),
@@ -143,16 +138,6 @@ TEST_F(LabelVotesTest, LooksAtThePlaceWhereTheSourceSeesThePoint) {
   }
   EXPECT_NEAR(Vote(0, kNumColumns + 2), -kGain, 1e-5f);
   EXPECT_NEAR(Vote(0, kNumColumns + 3), kCostOfHiding, 1e-5f);
-}
-
-TEST_F(LabelVotesTest, DoesNotDependOnTheNumberOfThreads) {
-  AddSource(0, 1.f, 0.3);
-  AddSource(2, 0.f, -0.4);
-  for (int superpixel = 0; superpixel < kNumSuperpixels; ++superpixel) {
-    for (int plane = 0; plane < 5; ++plane) {
-      EXPECT_EQ(Vote(plane, superpixel, 3), Vote(plane, superpixel, 1));
-    }
-  }
 }
 
 }  // namespace

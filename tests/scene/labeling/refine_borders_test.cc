@@ -3,16 +3,15 @@
 
 #include "colmap_tsar/scene/labeling/refine_borders.h"
 
-#include "colmap_tsar/base/random.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 
 #include <algorithm>
 #include <functional>
 #include <memory>
-#include <utility>
 #include <vector>
 
+#include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -38,42 +37,36 @@ class RefineBordersTest : public testing::Test {
     for (int s = 0; s < kNumSuperpixels; ++s) {
       labels_.push_back(s % kNumColumns < 2 ? kBox : kWall);
     }
+  }
+
+  template <typename Function>
+  static void ForPixels(const Mask& where, const Function& function) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
-        superpixels_(x, y) = static_cast<uint16_t>(
-            y / kSuperpixelSize * kNumColumns + x / kSuperpixelSize);
+        if (where(x, y)) {
+          function(x, y);
+        }
       }
     }
   }
 
   void Paint(const Mask& is_bright) {
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        lab_(x, y) = {is_bright(x, y) ? 80.f : 40.f, 0.f, 0.f};
-      }
-    }
+    lab_ = Image<Vec3f>(kWidth, kHeight, {40.f, 0.f, 0.f});
+    ForPixels(is_bright, [&](int x, int y) { lab_(x, y).x = 80.f; });
   }
 
   // Texture that hides no edge.
   void Roughen(const Mask& is_textured) {
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        if (is_textured(x, y)) {
-          lab_(x, y).x += (x + y) % 2 == 0 ? 6.f : -6.f;
-        }
-      }
-    }
+    ForPixels(is_textured, [&](int x, int y) {
+      lab_(x, y).x += (x + y) % 2 == 0 ? 6.f : -6.f;
+    });
   }
 
   void Measure(float depth, const Mask& where) {
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        if (where(x, y)) {
-          depth_(x, y) = depth;
-          ratings_(x, y) = 255;
-        }
-      }
-    }
+    ForPixels(where, [&](int x, int y) {
+      depth_(x, y) = depth;
+      ratings_(x, y) = 255;
+    });
   }
 
   struct Refined {
@@ -123,7 +116,8 @@ class RefineBordersTest : public testing::Test {
   }
 
   std::unique_ptr<Device> device_ = Device::CreateCpu(2);
-  Image<uint16_t> superpixels_{kWidth, kHeight};
+  Image<uint16_t> superpixels_ =
+      SquareSuperpixels<uint16_t>(kWidth, kHeight, kSuperpixelSize);
   Image<Vec3f> lab_{kWidth, kHeight, {40.f, 0.f, 0.f}};
   Image<float> depth_{kWidth, kHeight};
   Image<uint8_t> ratings_{kWidth, kHeight};
@@ -140,12 +134,6 @@ TEST_F(RefineBordersTest, BorderMovesToTheEdgeOfTheImage) {
     Paint(is_box);
     EXPECT_EQ(CountWrong(is_box), 0) << "edge at " << edge;
   }
-}
-
-TEST_F(RefineBordersTest, BorderFollowsASlantedEdge) {
-  const Mask is_box = [](int x, int y) { return 6 * (x - 40) < y - 30; };
-  Paint(is_box);
-  EXPECT_EQ(CountWrong(is_box), 0);
 }
 
 TEST_F(RefineBordersTest, BorderStaysWithoutAnEdge) { ExpectUnchanged(); }
@@ -256,26 +244,6 @@ TEST_F(RefineBordersTest, DistrustFattenedCoversTheMap) {
                     ? MeasurementFlags::WithoutTrust(before)
                     : before);
     }
-  }
-}
-
-TEST_F(RefineBordersTest, DoesNotDependOnTheThreads) {
-  Philox random(1, 0, 0);
-  for (Vec3f& color : lab_) {
-    color.x = 100.f * random.NextFloat();
-  }
-  Measure(kBoxDepth, [](int x, int y) { return (x * y) % 3 == 0; });
-  const Refined first = Refine();
-  EXPECT_FALSE(std::equal(
-      superpixels_.begin(), superpixels_.end(), first.superpixels.begin()));
-  for (const int num_threads : {1, 4}) {
-    device_ = Device::CreateCpu(num_threads);
-    const Refined again = Refine();
-    EXPECT_TRUE(std::equal(first.superpixels.begin(),
-                           first.superpixels.end(),
-                           again.superpixels.begin()));
-    EXPECT_TRUE(std::equal(
-        first.fattened.begin(), first.fattened.end(), again.fattened.begin()));
   }
 }
 
