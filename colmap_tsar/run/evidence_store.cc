@@ -8,8 +8,8 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/run/store/evidence_file.h"
 
+#include <optional>
 #include <utility>
-#include <vector>
 
 namespace tsar {
 namespace {
@@ -24,25 +24,24 @@ bool NeedsEvidence(const RefineOptions& options) {
 }
 
 EvidenceStore::EvidenceStore(const Workspace& workspace,
-                             const InputFingerprints& inputs,
-                             std::string options_hash,
+                             std::string key,
                              size_t max_num_views)
     : workspace_(workspace),
-      inputs_(inputs),
-      options_hash_(std::move(options_hash)),
-      views_(max_num_views) {}
+      key_(std::move(key)),
+      is_reference_(workspace.Model().images.size()),
+      views_(max_num_views) {
+  for (const StereoProblem& problem : workspace.Problems()) {
+    is_reference_[problem.reference] = true;
+  }
+}
 
 bool EvidenceStore::IsObserved(int image) {
-  if (inputs_.Problem(image) == nullptr) {
-    return false;
-  }
   const std::optional<std::string> key = ReadEvidenceKey(Path(image));
-  const std::string current = Fingerprint();
-  return key == current || key == current + kNothing;
+  return is_reference_[image] && (key == key_ || key == key_ + kNothing);
 }
 
 void EvidenceStore::RequireObserved(int image) {
-  if (inputs_.Problem(image) != nullptr && !IsObserved(image)) {
+  if (is_reference_[image] && !IsObserved(image)) {
     throw Error::File(
         ErrorCode::kNotFound,
         Path(image).string(),
@@ -54,16 +53,15 @@ void EvidenceStore::RequireObserved(int image) {
 }
 
 bool EvidenceStore::IsCurrent(int image) {
-  return inputs_.Problem(image) != nullptr &&
-         ReadEvidenceKey(Path(image)) == Fingerprint();
+  return is_reference_[image] && ReadEvidenceKey(Path(image)) == key_;
 }
 
 void EvidenceStore::Write(int image, const ViewEvidence& evidence) {
-  WriteEvidence(Path(image), Fingerprint(), evidence);
+  WriteEvidence(Path(image), key_, evidence);
 }
 
 void EvidenceStore::WriteNothing(int image) {
-  WriteEvidence(Path(image), Fingerprint() + kNothing, {});
+  WriteEvidence(Path(image), key_ + kNothing, {});
 }
 
 void EvidenceStore::RemoveUnlikePriors() {
@@ -118,10 +116,6 @@ void EvidenceStore::Clear(const Workspace& workspace) {
 ContainedPath EvidenceStore::Path(int image) const {
   return GetEvidencePath(
       workspace_.Root(), workspace_.Name(image), workspace_.Type());
-}
-
-std::string EvidenceStore::Fingerprint() const {
-  return options_hash_ + " " + inputs_.OfRun();
 }
 
 }  // namespace tsar

@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/shared_cache.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
@@ -13,6 +12,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tsar {
 
@@ -28,15 +28,17 @@ class EvidenceStore {
  public:
   using Evidence = std::shared_ptr<const ViewEvidence>;
 
-  // workspace and inputs must outlive this object. options_hash: evidence of
-  // other options does not count. max_num_views: how many are kept in memory.
+  // workspace must outlive this object. key: a fingerprint of the options and
+  // inputs; evidence of others does not count. max_num_views: how many are kept
+  // in memory.
   EvidenceStore(const Workspace& workspace,
-                const InputFingerprints& inputs,
-                std::string options_hash,
+                std::string key,
                 size_t max_num_views);
 
-  // Whether the image was observed with these options, from the inputs of this
-  // run. Always false for an image that is no reference: nobody would renew its
+  const std::string& Key() const { return key_; }
+
+  // Whether the image was observed with these options, from these inputs.
+  // Always false for an image that is no reference: nobody would renew its
   // evidence.
   bool IsObserved(int image);
   // Throws kNotFound, naming the file, for a reference that was not.
@@ -68,12 +70,9 @@ class EvidenceStore {
  private:
   ContainedPath Path(int image) const;
 
-  // A fingerprint of the inputs and options of the evidence.
-  std::string Fingerprint() const;
-
   const Workspace& workspace_;
-  const InputFingerprints& inputs_;
-  const std::string options_hash_;
+  const std::string key_;
+  std::vector<bool> is_reference_;  // By image.
   SharedCache<ViewEvidence> views_;
 };
 

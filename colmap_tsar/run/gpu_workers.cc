@@ -77,23 +77,18 @@ int NumGpuWorkers(int64_t image_bytes,
   return num_workers;
 }
 
-// A GPU with one device, and the largest number that its memory allows.
-struct Gpu {
-  GpuWorkers workers;
-  int64_t free_bytes = 0;
-  int max_num_workers = 0;
-};
-
-Gpu OpenGpu(int index, std::unique_ptr<Device> device, int64_t image_bytes) {
-  Gpu gpu;
-  gpu.workers.index = index;
-  gpu.workers.name =
-      "GPU " + std::to_string(index) + " (" + device->Name() + ")";
-  gpu.free_bytes = static_cast<int64_t>(
+// A GPU with one device.
+GpuWorkers OpenGpu(int index,
+                   std::unique_ptr<Device> device,
+                   int64_t image_bytes) {
+  GpuWorkers gpu;
+  gpu.index = index;
+  gpu.name = "GPU " + std::to_string(index) + " (" + device->Name() + ")";
+  gpu.bytes_per_device = static_cast<int64_t>(
       std::min(device->FreeMemory(), static_cast<size_t>(INT64_MAX)));
-  gpu.max_num_workers =
-      NumGpuWorkers(image_bytes, gpu.free_bytes, gpu.workers.name);
-  gpu.workers.devices.push_back(std::move(device));
+  gpu.max_num_devices =
+      NumGpuWorkers(image_bytes, gpu.bytes_per_device, gpu.name);
+  gpu.devices.push_back(std::move(device));
   return gpu;
 }
 
@@ -101,13 +96,13 @@ Gpu OpenGpu(int index, std::unique_ptr<Device> device, int64_t image_bytes) {
 // used instead. The failure of a GPU that the user named is an error. GPUs with
 // too little memory are one also with device "auto": the CPU would take a
 // hundred times as long.
-std::vector<Gpu> OpenWithOneDevice(const std::vector<int>& wanted,
-                                   bool are_named,
-                                   bool is_auto,
-                                   int64_t image_bytes,
-                                   int num_images,
-                                   const GpuSystem& gpus) {
-  std::vector<Gpu> opened;
+std::vector<GpuWorkers> OpenWithOneDevice(const std::vector<int>& wanted,
+                                          bool are_named,
+                                          bool is_auto,
+                                          int64_t image_bytes,
+                                          int num_images,
+                                          const GpuSystem& gpus) {
+  std::vector<GpuWorkers> opened;
   std::optional<Error> not_opened;
   std::optional<Error> too_small;
   std::vector<std::string> warnings;
@@ -146,21 +141,20 @@ std::vector<Gpu> OpenWithOneDevice(const std::vector<int>& wanted,
 // Gives GPUs further devices, one after the other, as long as images are left.
 void AddDevices(int num_images,
                 const GpuSystem& gpus,
-                std::vector<Gpu>* opened) {
+                std::vector<GpuWorkers>* opened) {
   int num_left = num_images - static_cast<int>(opened->size());
   for (int round = 1; round < kMaxGpuWorkers; ++round) {
-    for (Gpu& gpu : *opened) {
-      if (num_left <= 0 || gpu.max_num_workers <= round) {
+    for (GpuWorkers& gpu : *opened) {
+      if (num_left <= 0 || gpu.max_num_devices <= round) {
         continue;
       }
-      GpuWorkers& workers = gpu.workers;
       try {
-        workers.devices.push_back(gpus.create(workers.index));
+        gpu.devices.push_back(gpus.create(gpu.index));
         --num_left;
       } catch (const Error& error) {
-        Warn(error.what() + ("; " + workers.name) + " works on " +
-             std::to_string(workers.devices.size()) + " image at a time");
-        gpu.max_num_workers = round;
+        Warn(error.what() + ("; " + gpu.name) + " works on " +
+             std::to_string(gpu.devices.size()) + " image at a time");
+        gpu.max_num_devices = round;
       }
     }
   }
@@ -188,7 +182,7 @@ std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
     // Throws the reason.
     gpus.create(named.empty() ? 0 : named[0]);
   }
-  std::vector<Gpu> opened;
+  std::vector<GpuWorkers> opened;
   if (num_gpus > 0) {
     const std::vector<int> wanted = WantedGpus(named, num_gpus);
     if (static_cast<int>(wanted.size()) <= num_images) {
@@ -202,14 +196,12 @@ std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
          "there is no GPU that can be used; going on with the CPU");
   }
   AddDevices(num_images, gpus, &opened);
-  std::vector<GpuWorkers> workers;
-  for (Gpu& gpu : opened) {
-    gpu.workers.bytes_per_device =
-        gpu.free_bytes / static_cast<int64_t>(gpu.workers.devices.size()) -
+  for (GpuWorkers& gpu : opened) {
+    gpu.bytes_per_device =
+        gpu.bytes_per_device / static_cast<int64_t>(gpu.devices.size()) -
         kDriverBytes;
-    workers.push_back(std::move(gpu.workers));
   }
-  return workers;
+  return opened;
 }
 
 }  // namespace tsar

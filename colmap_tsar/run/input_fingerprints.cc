@@ -39,13 +39,17 @@ std::string FingerprintOfPrior(const Workspace& workspace, int image) {
                        " " + ToString(workspace.Priors().Type()));
 }
 
-InputFingerprints::InputFingerprints(const Workspace& workspace)
-    : problems_(workspace.Model().images.size()) {
+InputFingerprints::InputFingerprints(const Workspace& workspace) {
   std::set<int> images;
   for (const StereoProblem& problem : workspace.Problems()) {
-    problems_[problem.reference] = &problem;
     images.insert(problem.reference);
     images.insert(problem.sources.begin(), problem.sources.end());
+    std::string names;
+    for (const int source : problem.sources) {
+      names += workspace.Name(source) + "\n";  // Names have no line breaks.
+    }
+    states_["the list of sources of " + workspace.Name(problem.reference)] =
+        FingerprintOf(names);
   }
   for (const int image : images) {
     AddView(workspace, image);
@@ -53,7 +57,7 @@ InputFingerprints::InputFingerprints(const Workspace& workspace)
   std::string text =
       std::string(TSAR_VERSION) + " " + ToString(workspace.Type()) + "\n";
   for (const auto& [input, state] : states_) {
-    text += input + " " + state + "\n";  // Names have no line breaks.
+    text += input + " " + state + "\n";
   }
   fingerprint_ = FingerprintOf(text);
 }
@@ -62,13 +66,6 @@ void InputFingerprints::AddView(const Workspace& workspace, int image) {
   const auto add = [&](const std::string& what, const std::string& state) {
     states_["the " + what + " of " + workspace.Name(image)] = state;
   };
-  if (problems_[image] != nullptr) {
-    std::string names;
-    for (const int source : problems_[image]->sources) {
-      names += workspace.Name(source) + "\n";
-    }
-    add("list of sources", FingerprintOf(names));
-  }
   const OriginalMaps to_refine =
       FindOriginals(workspace.Paths(image, workspace.Type()));
   if (to_refine.depth.path.empty() || to_refine.normal.path.empty()) {

@@ -9,7 +9,6 @@
 
 #include <map>
 #include <string>
-#include <vector>
 
 namespace tsar {
 
@@ -33,9 +32,6 @@ class InputFingerprints {
   // throws.
   explicit InputFingerprints(const Workspace& workspace);
 
-  // Null where the image is no reference.
-  const StereoProblem* Problem(int image) const { return problems_[image]; }
-
   // The states of the inputs by what they are: "the photo of a.png".
   const std::map<std::string, std::string>& States() const { return states_; }
   // One fingerprint of them, of the program's version and of the type of maps.
@@ -49,8 +45,6 @@ class InputFingerprints {
  private:
   void AddView(const Workspace& workspace, int image);
 
-  // By image.
-  std::vector<const StereoProblem*> problems_;
   std::map<std::string, std::string> states_;
   std::string fingerprint_;
 };

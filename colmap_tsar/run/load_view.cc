@@ -275,18 +275,6 @@ ViewData MakeMaps(int width, int height, bool has_costs) {
   return view;
 }
 
-// The depth map to refine.
-Image<float> ReadOriginalDepth(const Workspace& workspace, int image) {
-  DepthMapReader reader =
-      workspace.OpenOriginalMaps(image, workspace.Type()).depth;
-  auto depth =
-      Image<float>::Uninitialized(reader.Size().width, reader.Size().height);
-  ForEachPiece(depth.NumPixels(), [&](size_t first, size_t count) {
-    reader.Read(first, {depth.Data() + first, count});
-  });
-  return depth;
-}
-
 }  // namespace
 
 std::shared_ptr<const DepthPrior> LoadPrior(const Workspace& workspace,
@@ -354,7 +342,8 @@ bool IsMaskedAway(const Workspace& workspace, int image) {
   if (!workspace.HasMask(image)) {
     return false;
   }
-  Image<float> depth = ReadOriginalDepth(workspace, image);
+  Image<float> depth =
+      workspace.ReadOriginalMaps(image, workspace.Type()).depth;
   if (!HasDepth(depth)) {
     return false;
   }

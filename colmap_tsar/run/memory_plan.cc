@@ -136,10 +136,11 @@ ImagesAtWork FitIntoMainMemory(const MemoryPlan& plan,
   if (on_cpu) {
     fit.num_workers = NumThatFit(budget, needed, wanted.num_workers);
   }
-  fit.num_bytes = std::max<int64_t>(budget - fit.num_workers * computing, 0);
-  fit.num_threads = NumThatFit(fit.num_bytes, plan.main, wanted.num_threads);
-  fit.view_bytes = std::max<int64_t>(
-      fit.num_bytes - fit.num_threads * (plan.main - plan.views), 0);
+  const int64_t left =
+      std::max<int64_t>(budget - fit.num_workers * computing, 0);
+  fit.num_threads = NumThatFit(left, plan.main, wanted.num_threads);
+  fit.view_bytes =
+      std::max<int64_t>(left - fit.num_threads * (plan.main - plan.views), 0);
   return fit;
 }
 

@@ -62,10 +62,7 @@ int64_t MainMemoryBudget(double cache_size, int64_t machine_bytes);
 struct ImagesAtWork {
   int num_threads = 1;  // Each of which reads, computes and writes one image.
   int num_workers = 1;  // Those that compute.
-  // Main memory for all but what workers on the CPU take, and the part of it
-  // for views.
-  int64_t num_bytes = 0;
-  int64_t view_bytes = 0;
+  int64_t view_bytes = 0;  // Main memory for views.
 
   // The number of views of this size that are kept.
   size_t MaxNumViews(int64_t num_pixels) const {

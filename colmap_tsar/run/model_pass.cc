@@ -4,10 +4,13 @@
 #include "colmap_tsar/run/model_pass.h"
 
 #include "colmap_tsar/run/neighbor_order.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/scene/model_scene.h"
 
 #include <cstddef>
 #include <map>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -15,21 +18,21 @@ namespace tsar {
 namespace {
 
 // The views with current evidence, in the order of neighbors.
-std::vector<SceneView> FindViews(const ModelPassInputs& inputs) {
+std::vector<SceneView> FindViews(const RefineRun& run) {
   std::vector<size_t> indices;
   std::map<int, size_t> places;  // By image: its index in the result.
-  for (const size_t index : OrderByNeighbors(inputs.workspace)) {
-    const int image = inputs.plan.Reference(index);
-    if (inputs.plan.CanRefine(index) && inputs.evidence.IsCurrent(image)) {
+  for (const size_t index : OrderByNeighbors(run.workspace)) {
+    const int image = run.plan.Reference(index);
+    if (run.plan.CanRefine(index) && run.evidence.IsCurrent(image)) {
       places[image] = indices.size();
       indices.push_back(index);
     }
   }
   std::vector<SceneView> views;
   for (const size_t index : indices) {
-    const int image = inputs.plan.Reference(index);
-    SceneView view{image, inputs.workspace.CameraOf(image), {}};
-    for (const int source : inputs.plan.Sources(index)) {
+    const int image = run.plan.Reference(index);
+    SceneView view{image, run.workspace.CameraOf(image), {}};
+    for (const int source : run.plan.Sources(index)) {
       if (source != image && places.contains(source)) {
         view.sources.push_back(places[source]);
       }
@@ -41,29 +44,33 @@ std::vector<SceneView> FindViews(const ModelPassInputs& inputs) {
 
 }  // namespace
 
-bool ModelWorkspace(const ModelPassInputs& inputs,
-                    const ModelResources& resources,
-                    const std::string& pass,
-                    Progress& progress,
-                    const std::function<bool()>& should_stop) {
-  inputs.evidence.RemoveUnlikePriors();
-  const std::vector<SceneView> views = FindViews(inputs);
+bool RefineRun::HasCurrentPlanes() const {
+  return ReadSceneModelKey(GetSceneModelPath(workspace.Root())) ==
+         evidence.Key();
+}
+
+bool ModelWorkspace(const RefineRun& run) {
+  run.evidence.RemoveUnlikePriors();
+  const std::vector<SceneView> views = FindViews(run);
   const SceneEvidence evidence = {
-      [&](size_t view) { return inputs.evidence.Get(views[view].image); },
-      [&](size_t view) { return inputs.evidence.ReadAll(views[view].image); }};
+      [&](size_t view) { return run.evidence.Get(views[view].image); },
+      [&](size_t view) { return run.evidence.ReadAll(views[view].image); }};
   ModelSceneOptions options;
-  options.progress_prefix = pass;
+  options.progress_prefix = run.options.pass == RefinePass::kModel
+                                ? "Scene model,"
+                                : "Pass 2 of 3, scene model,";
   const std::optional<SceneModel> model = ModelScene({views,
                                                       evidence,
-                                                      inputs.options,
+                                                      run.refine_options,
                                                       options,
-                                                      resources,
-                                                      progress,
-                                                      should_stop});
+                                                      run.devices.model,
+                                                      run.progress,
+                                                      run.should_stop});
   if (!model) {
     return false;
   }
-  inputs.store.Write(*model);
+  WriteSceneModel(
+      GetSceneModelPath(run.workspace.Root()), run.evidence.Key(), *model);
   return true;
 }
 

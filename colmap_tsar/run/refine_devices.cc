@@ -55,6 +55,29 @@ int NumThreads(int wanted) {
                         static_cast<int>(std::thread::hardware_concurrency()));
 }
 
+// The threads of the pass that finds the planes of the scene, as many as memory
+// allows, the evidence that they may keep, and the GPUs, which must outlive it.
+ModelResources PlanModelPass(const DeviceOptions& options,
+                             const MemoryPlan& plan,
+                             const std::vector<GpuWorkers>& gpus,
+                             int64_t machine_bytes) {
+  const int64_t budget = MainMemoryBudget(options.cache_size, machine_bytes);
+  ModelResources resources;
+  resources.num_threads = NumThreads(options.num_threads);
+  resources.num_blocks =
+      NumThatFit(budget, plan.model_block, resources.num_threads);
+  resources.num_views =
+      NumThatFit(budget, plan.label_view, resources.num_threads);
+  resources.max_kept_bytes =
+      std::max<int64_t>(budget - resources.num_views * plan.label_view, 0);
+  for (const GpuWorkers& gpu : gpus) {
+    for (const std::unique_ptr<Device>& device : gpu.devices) {
+      resources.gpus.push_back({gpu.name, device.get()});
+    }
+  }
+  return resources;
+}
+
 }  // namespace
 
 UploadedViews::Pointer RefineWorker::Upload(int image,
@@ -107,27 +130,6 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
     result.finds_scenes_ahead = true;
   }
   return result;
-}
-
-ModelResources PlanModelPass(const DeviceOptions& options,
-                             const MemoryPlan& plan,
-                             const std::vector<GpuWorkers>& gpus,
-                             int64_t machine_bytes) {
-  const int64_t budget = MainMemoryBudget(options.cache_size, machine_bytes);
-  ModelResources resources;
-  resources.num_threads = NumThreads(options.num_threads);
-  resources.num_blocks =
-      NumThatFit(budget, plan.model_block, resources.num_threads);
-  resources.num_views =
-      NumThatFit(budget, plan.label_view, resources.num_threads);
-  resources.max_kept_bytes =
-      std::max<int64_t>(budget - resources.num_views * plan.label_view, 0);
-  for (const GpuWorkers& gpu : gpus) {
-    for (const std::unique_ptr<Device>& device : gpu.devices) {
-      resources.gpus.push_back({gpu.name, device.get()});
-    }
-  }
-  return resources;
 }
 
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {

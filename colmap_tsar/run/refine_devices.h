@@ -80,13 +80,6 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const GpuSystem& gpus = GpuSystem::Cuda(),
                                   int64_t machine_bytes = MainMemoryBytes());
 
-// The threads of the pass that finds the planes of the scene, as many as memory
-// allows, the evidence that they may keep, and the GPUs, which must outlive it.
-ModelResources PlanModelPass(const DeviceOptions& options,
-                             const MemoryPlan& plan,
-                             const std::vector<GpuWorkers>& gpus,
-                             int64_t machine_bytes = MainMemoryBytes());
-
 // The peak memory of each GPU; nothing for the CPU.
 std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);
 

@@ -5,12 +5,14 @@
 
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/run/load_view.h"
+#include "colmap_tsar/run/result_writer.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/view/reduce_view.h"
 
@@ -20,6 +22,18 @@
 
 namespace tsar {
 namespace {
+
+SceneModel ReadCurrentModel(const RefineRun& run) {
+  const ContainedPath path = GetSceneModelPath(run.workspace.Root());
+  if (!run.HasCurrentPlanes()) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        path.string(),
+        "holds no planes that were found in these views with these options",
+        "run " + OptionName("pass") + " model first");
+  }
+  return ReadSceneModel(path);
+}
 
 // The model's labels of the image. Throws kMismatch where none fit.
 const ViewLabels& LabelsOf(const RefineRun& run,
@@ -154,7 +168,12 @@ RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
 
 ObservePass::ObservePass(const RefineRun& run,
                          std::vector<StageSeconds>& seconds)
-    : run_(run), seconds_(seconds), has_model_(run.model.IsCurrent()) {}
+    : run_(run), seconds_(seconds), has_model_(run.HasCurrentPlanes()) {}
+
+std::shared_ptr<const ViewData> ObservePass::Load(int image) const {
+  return std::make_shared<const ViewData>(
+      LoadReducedView(run_.workspace, image));
+}
 
 ImageReport ObservePass::Begin(size_t index) {
   ImageReport report;
@@ -201,15 +220,23 @@ ComposePass::ComposePass(const RefineRun& run,
                          std::vector<StageSeconds> seconds)
     : run_(run),
       seconds_(std::move(seconds)),
-      writer_(run),
-      model_(run.HasScenePlanes() && run.IsAnyNeeded() ? run.model.Read()
+      record_(CurrentRecord(run.workspace, run.refine_options, run.inputs)),
+      model_(run.HasScenePlanes() && run.IsAnyNeeded() ? ReadCurrentModel(run)
                                                        : SceneModel()),
       scenes_(run.plan.NumImages()) {}
+
+std::shared_ptr<const ViewData> ComposePass::Load(int image) const {
+  return std::make_shared<const ViewData>(LoadView(run_.workspace, image));
+}
 
 ImageReport ComposePass::Begin(size_t index) {
   ImageReport report = run_.plan.Begin(index);
   if (report.outcome == ImageReport::Outcome::kKept) {
-    writer_.Keep(run_.plan.Reference(index), report.reason, &report);
+    KeepOriginals(run_.workspace,
+                  run_.plan.Reference(index),
+                  report.reason,
+                  record_.options_hash,
+                  &report);
   } else if (report.outcome == ImageReport::Outcome::kNotDone) {
     report.seconds = seconds_[index];
   }
@@ -272,12 +299,16 @@ void ComposePass::Write(size_t index,
                         ImageReport* report) {
   const int image = run_.plan.Reference(index);
   if (!result.reason_to_keep.empty()) {
-    writer_.Keep(image, result.reason_to_keep, report);
+    KeepOriginals(run_.workspace,
+                  image,
+                  result.reason_to_keep,
+                  record_.options_hash,
+                  report);
     return;
   }
   AddSeconds(result.seconds, &report->seconds);
   report->prior = result.prior;
-  writer_.Write(image, std::move(result.maps), report);
+  WriteResult(run_.workspace, image, std::move(result.maps), record_, report);
 }
 
 RefineResult ComposePass::Compose(size_t index,

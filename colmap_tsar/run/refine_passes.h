@@ -8,7 +8,7 @@
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/refine_run.h"
-#include "colmap_tsar/run/result_writer.h"
+#include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/scene/find_scene.h"
 
@@ -44,9 +44,8 @@ class ObservePass : public ImageTasks<RefineResult> {
   std::vector<int> Views(size_t index) const override {
     return run_.plan.SourcesAndReference(index);
   }
-  std::shared_ptr<const ViewData> Load(int image) const override {
-    return run_.loader.LoadReduced(image);
-  }
+  // The view reduced to the size at which depths are judged.
+  std::shared_ptr<const ViewData> Load(int image) const override;
   RefineResult Compute(size_t index,
                        size_t worker,
                        LoadedViews* views,
@@ -71,9 +70,7 @@ class ComposePass : public ImageTasks<RefineResult> {
 
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override;
-  std::shared_ptr<const ViewData> Load(int image) const override {
-    return run_.loader.Load(image);
-  }
+  std::shared_ptr<const ViewData> Load(int image) const override;
   // Finds the scene of the image where the workers are GPUs, which would
   // otherwise wait for the CPU meanwhile.
   void Prepare(size_t index, const LoadedViews& views) override;
@@ -91,7 +88,7 @@ class ComposePass : public ImageTasks<RefineResult> {
 
   const RefineRun& run_;
   const std::vector<StageSeconds> seconds_;
-  ResultWriter writer_;
+  const ImageRecord record_;  // See CurrentRecord.
   const SceneModel model_;
   // The scenes that Prepare() found for Compute(), by image of the run.
   std::vector<std::unique_ptr<ImageScene>> scenes_;

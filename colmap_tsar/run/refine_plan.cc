@@ -8,28 +8,18 @@
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/image_lists.h"
+#include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/run/store/manifest.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/run/store/write_back.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <algorithm>
 #include <iterator>
 #include <optional>
-#include <unordered_map>
 #include <utility>
 
 namespace tsar {
-namespace {
-
-// The record of the image's last refinement; nothing where it was kept or not
-// begun.
-std::optional<ImageRecord> ReadRecordOfDone(const Workspace& workspace,
-                                            int image) {
-  std::optional<ImageRecord> record =
-      ReadRecord(workspace.Paths(image, workspace.Type()).record);
-  return record && record->status == ImageStatus::kDone ? record : std::nullopt;
-}
-
-}  // namespace
 
 std::vector<bool> FindListedImages(const Workspace& workspace,
                                    const std::filesystem::path& list) {
@@ -37,15 +27,12 @@ std::vector<bool> FindListedImages(const Workspace& workspace,
   if (list.empty()) {
     return std::vector<bool>(problems.size(), true);
   }
-  std::unordered_map<int, size_t> places;
-  for (size_t i = 0; i < problems.size(); ++i) {
-    places.emplace(problems[i].reference, i);
-  }
   std::vector<bool> is_listed(problems.size());
   for (const ListedImage& listed :
        ReadImageList(list, workspace.Model(), OptionName("image_list_path"))) {
-    const auto place = places.find(listed.image);
-    if (place == places.end()) {
+    const auto problem =
+        std::ranges::find(problems, listed.image, &StereoProblem::reference);
+    if (problem == problems.end()) {
       throw Error::File(ErrorCode::kMismatch,
                         list.string(),
                         "line " + std::to_string(listed.line) + " names " +
@@ -53,24 +40,35 @@ std::vector<bool> FindListedImages(const Workspace& workspace,
                             ", which stereo/patch-match.cfg gives no sources",
                         "correct the line");
     }
-    is_listed[place->second] = true;
+    is_listed[problem - problems.begin()] = true;
   }
   return is_listed;
+}
+
+ImageRecord CurrentRecord(const Workspace& workspace,
+                          const RefineOptions& options,
+                          const InputFingerprints& inputs) {
+  ImageRecord record;
+  record.options_hash = HashRefineOptions(options);
+  record.inputs = inputs.OfRun();
+  if (NeedsEvidence(options)) {
+    const std::optional<uint64_t> planes =
+        ReadScenePlanesFingerprint(GetSceneModelPath(workspace.Root()));
+    record.planes = planes ? std::to_string(*planes) : "";
+  }
+  return record;
 }
 
 RefinePlan::RefinePlan(const Workspace& workspace,
                        const InputFingerprints& inputs,
                        std::vector<bool> has_maps,
                        std::vector<bool> is_listed,
-                       std::string options_hash,
-                       std::string planes)
+                       const ImageRecord& expected)
     : workspace_(workspace),
       inputs_(inputs),
       has_maps_(std::move(has_maps)),
       is_listed_(std::move(is_listed)),
-      options_hash_(std::move(options_hash)),
-      planes_(std::move(planes)),
-      is_done_(workspace.Problems().size()),
+      options_hash_(expected.options_hash),
       users_(workspace.Model().images.size()) {
   for (size_t index = 0; index < NumImages(); ++index) {
     if (CanRefine(index)) {
@@ -78,7 +76,13 @@ RefinePlan::RefinePlan(const Workspace& workspace,
         users_[view].push_back(index);
       }
     }
-    is_done_[index] = IsCurrent(Reference(index));
+    const int image = Reference(index);
+    is_done_.push_back(IsDone(workspace, image, expected));
+    records_.push_back(
+        ReadRecord(workspace.Paths(image, workspace.Type()).record));
+    if (records_.back() && records_.back()->status != ImageStatus::kDone) {
+      records_.back() = std::nullopt;
+    }
     is_any_needed_ = is_any_needed_ || IsToBeRefined(index);
   }
 }
@@ -105,14 +109,6 @@ size_t RefinePlan::NumListed() const {
   return static_cast<size_t>(std::ranges::count(is_listed_, true));
 }
 
-bool RefinePlan::IsCurrent(int image) const {
-  ImageRecord expected;
-  expected.options_hash = options_hash_;
-  expected.inputs = inputs_.OfRun();
-  expected.planes = planes_;
-  return IsDone(workspace_, image, expected);
-}
-
 bool RefinePlan::IsToBeRefined(size_t index) const {
   return IsListed(index) && CanRefine(index) && !HasBeenRefined(index);
 }
@@ -125,9 +121,8 @@ bool RefinePlan::IsNeeded(size_t index) const {
 
 void RefinePlan::RequireOthersFit(const std::filesystem::path& list) const {
   for (size_t index = 0; index < NumImages(); ++index) {
-    if (!IsListed(index) && IsAnyNeeded() &&
-        ReadRecordOfDone(workspace_, Reference(index)) &&
-        !IsCurrent(Reference(index))) {
+    if (!IsListed(index) && IsAnyNeeded() && records_[index] &&
+        !is_done_[index]) {
       throw Error::File(
           ErrorCode::kUnsupported,
           list.string(),
@@ -144,12 +139,8 @@ void RefinePlan::WarnOfChanges() const {
   std::string first;
   int num_again = 0;
   for (size_t index = 0; index < NumImages(); ++index) {
-    if (!IsToBeRefined(index)) {
-      continue;
-    }
-    const std::optional<ImageRecord> record =
-        ReadRecordOfDone(workspace_, Reference(index));
-    if (record && record->options_hash == options_hash_) {
+    if (IsToBeRefined(index) && records_[index] &&
+        records_[index]->options_hash == options_hash_) {
       first = num_again == 0 ? Name(index) : first;
       ++num_again;
     }
@@ -190,7 +181,7 @@ ImageReport RefinePlan::Begin(size_t index) const {
   } else if (HasBeenRefined(index)) {
     report.outcome = ImageReport::Outcome::kSkipped;
     // The counts of the run that refined it.
-    report.counts = ReadRecordOfDone(workspace_, image)->counts;
+    report.counts = records_[index]->counts;
   }
   if (!CanRefine(index)) {
     report.outcome = ImageReport::Outcome::kKept;

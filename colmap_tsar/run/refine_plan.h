@@ -5,10 +5,13 @@
 
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/run_summary.h"
+#include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/view/refine_options.h"
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +24,13 @@ namespace tsar {
 std::vector<bool> FindListedImages(const Workspace& workspace,
                                    const std::filesystem::path& list);
 
+// What the records of images that are refined with these options tell of what
+// they are made from: the options, the inputs and, where images share them, the
+// planes of the scene as they are now.
+ImageRecord CurrentRecord(const Workspace& workspace,
+                          const RefineOptions& options,
+                          const InputFingerprints& inputs);
+
 // What a run is to do for which image: the images by their indices in
 // Workspace::Problems(), the maps that they have, and whether they are to be
 // refined. Images of the sparse model, which may also be sources alone, are
@@ -30,16 +40,13 @@ class RefinePlan {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
   // is_listed: the images that are to be refined; the others stay as they are
-  // and serve as sources alone. options_hash: the hash of the options that the
-  // images are refined with. planes: a fingerprint of the current planes of the
-  // scene, where images share them; images that were refined with others are
-  // refined again. Throws what ReadRecord throws.
+  // and serve as sources alone. expected: see CurrentRecord; images with other
+  // records are refined again. Throws what ReadRecord throws.
   RefinePlan(const Workspace& workspace,
              const InputFingerprints& inputs,
              std::vector<bool> has_maps,
              std::vector<bool> is_listed,
-             std::string options_hash,
-             std::string planes);
+             const ImageRecord& expected);
 
   size_t NumImages() const { return workspace_.Problems().size(); }
   const StereoProblem& Problem(size_t index) const {
@@ -85,16 +92,15 @@ class RefinePlan {
   ImageReport Begin(size_t index) const;
 
  private:
-  bool IsCurrent(int image) const;
-
   const Workspace& workspace_;
   const InputFingerprints& inputs_;
   const std::vector<bool> has_maps_;
-  const std::vector<bool> is_listed_;  // By image of the run.
-  const std::string options_hash_;
-  const std::string planes_;
-  // By image of the run: whether it had been refined before the run.
+  // By image of the run, as before the run.
+  const std::vector<bool> is_listed_;
   std::vector<bool> is_done_;
+  // The records of refined images, whatever they were made from.
+  std::vector<std::optional<ImageRecord>> records_;
+  const std::string options_hash_;
   bool is_any_needed_ = false;
   // By image of the sparse model: the images of the run that need it as their
   // reference or as a source.

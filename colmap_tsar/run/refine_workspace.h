@@ -59,10 +59,10 @@ struct WorkspaceRefineOptions {
 // an image throw. After any error, images that were done stay done, and the
 // same call resumes from there.
 //
-// kObserve and kCompose write no account. Before kCompose, the images of the
-// shard and their sources must have been observed with these options, and the
-// planes of the scene must have been found, else kNotFound; kModel: see
-// ModelShards, kMerge: see MergeShards.
+// kObserve, kModel and kCompose write no account. Before kModel, all images
+// must have been observed with these options, before kCompose, the images of
+// the shard and their sources, and the planes of the scene must have been
+// found, else kNotFound. kMerge: see MergeShards.
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
                            Progress& progress,

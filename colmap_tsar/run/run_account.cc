@@ -4,9 +4,14 @@
 #include "colmap_tsar/run/run_account.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/run/store/manifest.h"
-#include "colmap_tsar/view/refine_option_list.h"
+#include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <cstddef>
 #include <map>
@@ -53,16 +58,25 @@ void RequireComplete(const PipelineOutcome& outcome, size_t num_wanted) {
 }
 
 Manifest Build(const RefineRun& run) {
-  Manifest manifest = BuildManifest(run.workspace,
-                                    RefineOptionsText(run.refine_options),
-                                    HashRefineOptions(run.refine_options));
-  manifest.runtime = RuntimeText(run.options.devices, run.devices);
-  manifest.inputs = run.inputs.States();
+  Manifest manifest =
+      BuildManifest(run.workspace, run.refine_options, run.inputs.States());
+  manifest.runtime.merge(RuntimeText(run.options.devices, run.devices));
   if (!run.options.image_list_path.empty()) {
     manifest.runtime["listed_images"] = std::to_string(run.plan.NumListed());
   }
-  NoteMasksAndPriors(run.NumMasks(), run.NumPriors(), &manifest);
   return manifest;
+}
+
+// Removes what only an unfinished run needs. The evidence may also be that of a
+// run with other options.
+void Finish(const Workspace& workspace, const RefineOptions& options) {
+  EvidenceStore::Clear(workspace);
+  const ContainedPath model = GetSceneModelPath(workspace.Root());
+  if (NeedsEvidence(options)) {
+    DropSceneLabels(model);
+  } else {
+    RemoveFile(model);
+  }
 }
 
 void MarkFailures(const RefineRun& run,
@@ -72,7 +86,7 @@ void MarkFailures(const RefineRun& run,
     if (!outcome.failures[i]) {
       continue;
     }
-    Manifest::Entry& entry = manifest->images[i];
+    ImageRecord& entry = manifest->images[i];
     entry.note = FailureText(outcome.failures[i]);
     if (run.plan.HasBeenRefined(i)) {
       // The image was only to be observed, and its maps are as valid as before.
@@ -83,17 +97,45 @@ void MarkFailures(const RefineRun& run,
   }
 }
 
+// Throws where an image that can be refined has not been, as it is now.
+void RequireAllDone(const Workspace& workspace,
+                    const Manifest& manifest,
+                    const ImageRecord& expected) {
+  std::string first;
+  size_t num_missing = 0;
+  for (size_t i = 0; i < manifest.images.size(); ++i) {
+    const int image = workspace.Problems()[i].reference;
+    if (manifest.images[i].status != ImageStatus::kKept &&
+        !IsDone(workspace, image, expected)) {
+      first = num_missing++ == 0 ? manifest.images[i].image : first;
+    }
+  }
+  if (num_missing > 0) {
+    throw Error::File(
+        ErrorCode::kNotFound,
+        workspace.Root().string(),
+        std::to_string(num_missing) + " of " +
+            std::to_string(manifest.images.size()) +
+            " images have not been refined with these options from what is "
+            "there now, the first of them " +
+            first,
+        "run " + OptionName("pass") +
+            " observe of all shards, model, and compose of all shards; what "
+            "is done is skipped");
+  }
+}
+
 }  // namespace
 
 void BeginAccount(const RefineRun& run) {
-  if (!run.IsShard()) {
+  if (run.options.pass == RefinePass::kAll) {
     WriteManifest(run.workspace, Build(run));
   }
 }
 
 void EndAccount(const RefineRun& run, const PipelineOutcome& outcome) {
-  if (run.IsShard()) {
-    RequireComplete(outcome, run.Images().size());
+  if (run.options.pass != RefinePass::kAll) {
+    RequireComplete(outcome, run.images.size());
     return;
   }
   Manifest manifest = Build(run);
@@ -106,13 +148,41 @@ void EndAccount(const RefineRun& run, const PipelineOutcome& outcome) {
     throw;
   }
   RequireComplete(outcome, run.plan.NumListed());
-  // The evidence may also be that of a run with other options.
-  EvidenceStore::Clear(run.workspace);
-  if (run.HasScenePlanes()) {
-    SceneModelStore::DropLabels(run.workspace);
-  } else {
-    SceneModelStore::Remove(run.workspace);
+  Finish(run.workspace, run.refine_options);
+}
+
+RunSummary MergeShards(const WorkspaceRefineOptions& options,
+                       const RefineOptions& refine_options) {
+  const Stopwatch stopwatch;
+  const Workspace workspace = OpenWorkspace(options);
+  const WorkspaceLock lock(workspace.Root());
+  const InputFingerprints inputs(workspace);
+  const Manifest manifest =
+      BuildManifest(workspace, refine_options, inputs.States());
+  RequireAllDone(
+      workspace, manifest, CurrentRecord(workspace, refine_options, inputs));
+  WriteManifest(workspace, manifest);
+  Finish(workspace, refine_options);
+
+  RunSummary summary;
+  summary.workspace_path = workspace.Root();
+  summary.model_folder = workspace.ModelFolder();
+  summary.type = workspace.Type();
+  summary.pass = RefinePass::kMerge;
+  summary.num_images = static_cast<int>(manifest.images.size());
+  summary.num_refined = manifest.NumImages(ImageStatus::kDone);
+  const std::vector<int> references = workspace.References();
+  summary.num_masks = workspace.CountMasks(references);
+  summary.num_priors = workspace.Priors().Count(references);
+  for (const ImageRecord& record : manifest.images) {
+    if (record.status == ImageStatus::kKept) {
+      summary.kept.push_back({record.image, record.note});
+    }
   }
+  summary.counts = manifest.counts;
+  summary.seconds = manifest.seconds;
+  summary.wall_seconds = stopwatch.Seconds();
+  return summary;
 }
 
 }  // namespace tsar

@@ -19,4 +19,12 @@ void BeginAccount(const RefineRun& run);
 // an unfinished run needs are removed.
 void EndAccount(const RefineRun& run, const PipelineOutcome& outcome);
 
+// Ends the work of shards: writes the account of all images and removes the
+// evidence. Opens no map. Once more, it changes nothing. Throws Error, and
+// changes nothing: kNotFound, naming one, where images have not been composed
+// with these options from what is there now; what WorkspaceLock throws, for
+// example while a shard is at work.
+RunSummary MergeShards(const WorkspaceRefineOptions& options,
+                       const RefineOptions& refine_options);
+
 }  // namespace tsar

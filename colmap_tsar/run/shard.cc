@@ -10,12 +10,9 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
+#include <cstdio>
 #include <numeric>
-#include <optional>
-#include <string_view>
-#include <system_error>
 #include <utility>
 
 namespace tsar {
@@ -30,17 +27,6 @@ constexpr std::array kPassNames = {
     std::pair(RefinePass::kCompose, "compose"),
     std::pair(RefinePass::kMerge, "merge"),
 };
-
-std::optional<int> ParseCount(std::string_view text) {
-  int value = 0;
-  const auto result =
-      std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc() || result.ptr != text.data() + text.size() ||
-      value < 0) {
-    return std::nullopt;
-  }
-  return value;
-}
 
 Error Refused(const std::string& what) {
   return Error(ErrorCode::kBadOption,
@@ -70,16 +56,11 @@ Shard ParseShard(const std::string& text) {
   if (text.empty()) {
     return {};
   }
-  const std::string_view view = text;
-  const size_t slash = view.find('/');
-  const std::optional<int> index = ParseCount(view.substr(0, slash));
-  const std::optional<int> count = slash == std::string_view::npos
-                                       ? std::nullopt
-                                       : ParseCount(view.substr(slash + 1));
-  if (!index || !count) {
+  Shard shard;
+  std::sscanf(text.c_str(), "%9d/%9d", &shard.index, &shard.count);
+  if (text != std::to_string(shard.index) + "/" + std::to_string(shard.count)) {
     throw Refused("'" + text + "' is not a part of the images");
   }
-  const Shard shard = {*index, *count};
   shard.Check();
   return shard;
 }

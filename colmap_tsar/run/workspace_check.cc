@@ -116,7 +116,6 @@ bool CheckImage(const Workspace& workspace,
   }
   CheckTargets(workspace.Paths(image, type));
   CheckPhotoFile(workspace.ImagePath(image));
-  overview->num_with_alpha += HasAlpha(workspace.ImagePath(image)) ? 1 : 0;
   workspace.CheckMask(image, *size);
   workspace.CheckPrior(image);
   overview->has_priors =
@@ -235,8 +234,18 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
   overview.map_sides.resize(workspace.Model().images.size());
+  int num_with_alpha = 0;
   for (const int image : images) {
     overview.has_maps[image] = CheckImage(workspace, image, &overview);
+    num_with_alpha +=
+        overview.has_maps[image] && HasAlpha(workspace.ImagePath(image)) ? 1
+                                                                         : 0;
+  }
+  if (num_with_alpha > 0) {
+    Warn(std::to_string(num_with_alpha) +
+         " images have an alpha channel, which is ignored; give what is "
+         "transparent as black in masks, " +
+         OptionName("mask_path"));
   }
   bool any_reference = false;
   for (const StereoProblem& problem : workspace.Problems()) {

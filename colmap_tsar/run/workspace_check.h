@@ -21,7 +21,6 @@ struct WorkspaceOverview {
   int64_t max_num_pixels = 0;        // Of the largest map.
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
   int max_num_sources = 0;  // Of the image that uses most views with maps.
-  int num_with_alpha = 0;   // Images with an alpha channel.
   bool has_priors = false;  // Whether some image has a depth prior.
 };
 
@@ -32,7 +31,7 @@ struct WorkspaceOverview {
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is
 // not of its image's shape), and what FindOriginals, Workspace::CheckMask and
-// CheckPrior throw. Depth priors are read.
+// CheckPrior throw. Depth priors are read. Warns of alpha channels.
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
 // Opens the workspace with the requested type of maps, or the type that it has.

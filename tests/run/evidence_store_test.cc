@@ -3,16 +3,13 @@
 
 #include "colmap_tsar/run/evidence_store.h"
 
-#include <chrono>
-
 #include "tests/support/external_writers.h"
 #include "tests/support/test_workspace.h"
-#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {
 
-constexpr const char* kOptions = "0123456789abcdef";
+constexpr const char* kKey = "options inputs";
 
 // The smallest that a file takes, with a number to tell it by.
 ViewEvidence EvidenceOf(int image) {
@@ -37,20 +34,16 @@ class EvidenceStoreTest : public testing::Test {
  protected:
   void SetUp() override { MakeTestWorkspace(root_); }
 
-  Workspace Open(MapType type = MapType::kGeometric) const {
-    return Workspace(root_, type);
-  }
   // As a later run would see it.
   bool IsCurrent(int image,
-                 const std::string& options = kOptions,
+                 const std::string& key = kKey,
                  MapType type = MapType::kGeometric) const {
-    const Workspace workspace = Open(type);
-    InputFingerprints inputs(workspace);
-    EvidenceStore store(workspace, inputs, options, 4);
+    const Workspace workspace(root_, type);
+    EvidenceStore store(workspace, key, 4);
     const bool is_current = store.IsCurrent(image);
     EXPECT_EQ(store.IsObserved(image), is_current);
-    if (is_current || inputs.Problem(image) == nullptr) {
-      EXPECT_EQ(store.Get(image) != nullptr, is_current);
+    if (is_current) {
+      EXPECT_NE(store.Get(image), nullptr);
     } else {
       ExpectError(ErrorCode::kNotFound,
                   {workspace.Name(image) + ".", "observe of all shards again"},
@@ -58,23 +51,8 @@ class EvidenceStoreTest : public testing::Test {
     }
     return is_current;
   }
-  void Write(int image) const {
-    const Workspace workspace = Open();
-    InputFingerprints inputs(workspace);
-    EvidenceStore(workspace, inputs, kOptions, 4)
-        .Write(image, EvidenceOf(image));
-  }
-  std::filesystem::path File(const std::string& image) const {
-    return Folder() / (image + ".geometric.bin");
-  }
   std::filesystem::path Folder() const {
     return root_ / "stereo/tsar/evidence";
-  }
-
-  // What a program that writes a file anew does to its time.
-  static void Touch(const std::filesystem::path& path) {
-    std::filesystem::last_write_time(
-        path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
   }
 
   TemporaryFolder folder_;
@@ -82,14 +60,12 @@ class EvidenceStoreTest : public testing::Test {
 };
 
 TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
-  const Workspace workspace = Open();
-  InputFingerprints inputs(workspace);
-  EvidenceStore store(workspace, inputs, kOptions, 4);
+  const Workspace workspace(root_, MapType::kGeometric);
+  EvidenceStore store(workspace, kKey, 4);
   EXPECT_FALSE(store.IsCurrent(1));
   store.Write(1, EvidenceOf(1));
   EXPECT_TRUE(store.IsCurrent(1));
   EXPECT_FALSE(store.IsCurrent(0));
-  EXPECT_TRUE(std::filesystem::exists(File("left/b.png")));
 
   const ViewEvidence all = store.ReadAll(1);
   EXPECT_EQ(all.noise, 1.f);
@@ -101,6 +77,13 @@ TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
   EXPECT_EQ(some->weights.size(), 1u);
   EXPECT_TRUE(some->flags.Empty());
   EXPECT_TRUE(IsCurrent(1));
+  EXPECT_FALSE(IsCurrent(1, "options other inputs"));
+  EXPECT_FALSE(IsCurrent(1, kKey, MapType::kPhotometric));
+  // Of an image that is none of the references, no one renews it.
+  WriteText(root_ / "stereo/patch-match.cfg", "a.png\nleft/b.png\n");
+  const Workspace without(root_, MapType::kGeometric);
+  EXPECT_FALSE(EvidenceStore(without, kKey, 4).IsObserved(1));
+  EXPECT_EQ(EvidenceStore(without, kKey, 4).Get(1), nullptr);
 }
 
 TEST_F(EvidenceStoreTest, PriorsOfWhichMostDoNotFitAreAllLeftOut) {
@@ -111,11 +94,10 @@ TEST_F(EvidenceStoreTest, PriorsOfWhichMostDoNotFitAreAllLeftOut) {
   // Every image has sources.
   WriteText(root_ / "stereo/patch-match.cfg",
             "a.png\n__all__\nleft/b.png\n__all__\nc.png\n__all__\n");
-  Workspace workspace = Open();
+  Workspace workspace(root_, MapType::kGeometric);
   workspace.UsePriors(folder_.Path() / "priors", PriorType::kAuto);
   const auto verdict_of_b = [&](PriorVerdict of_c) {
-    InputFingerprints inputs(workspace);
-    EvidenceStore store(workspace, inputs, kOptions, 4);
+    EvidenceStore store(workspace, kKey, 4);
     const PriorVerdict verdicts[] = {
         PriorVerdict::kUnlike, PriorVerdict::kUsed, of_c};
     for (int image = 0; image < 3; ++image) {
@@ -132,7 +114,7 @@ TEST_F(EvidenceStoreTest, PriorsOfWhichMostDoNotFitAreAllLeftOut) {
     EXPECT_EQ(store.ReadAll(0).prior.assessment.verdict, PriorVerdict::kUnlike);
     // A later run, or another machine, reads the same.
     const AlignedPrior prior =
-        EvidenceStore(workspace, inputs, kOptions, 4).ReadAll(1).prior;
+        EvidenceStore(workspace, kKey, 4).ReadAll(1).prior;
     EXPECT_EQ(prior.Empty(), prior.assessment.verdict != PriorVerdict::kUsed);
     return prior.assessment.verdict;
   };
@@ -142,90 +124,21 @@ TEST_F(EvidenceStoreTest, PriorsOfWhichMostDoNotFitAreAllLeftOut) {
   EXPECT_EQ(verdict_of_b(PriorVerdict::kFewMeasured), PriorVerdict::kUsed);
 }
 
-TEST_F(EvidenceStoreTest, OtherOptionsAndOtherMapTypesAreOthers) {
-  Write(1);
-  EXPECT_TRUE(IsCurrent(1));
-  EXPECT_FALSE(IsCurrent(1, "0123456789abcdee"));
-  EXPECT_FALSE(IsCurrent(1, kOptions, MapType::kPhotometric));
-}
-
-TEST_F(EvidenceStoreTest, IsStaleOnceAFileThatItWasMadeOfHasChanged) {
-  std::vector<std::filesystem::path> files;
-  for (const char* image : {"left/b.png", "a.png", "c.png"}) {
-    files.push_back(root_ / "images" / image);
-    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-      const MapPaths paths = GetMapPaths(root_, image, type);
-      files.push_back(paths.depth);
-      files.push_back(paths.normal);
-    }
-  }
-  for (const std::filesystem::path& file : files) {
-    Write(1);
-    ASSERT_TRUE(IsCurrent(1)) << file;
-    Touch(file);
-    EXPECT_FALSE(IsCurrent(1)) << file;
-  }
-  Write(1);
-  std::filesystem::remove(files.back());
-  EXPECT_FALSE(IsCurrent(1));
-}
-
-TEST_F(EvidenceStoreTest, IsStaleWithOtherSourcesOrCameras) {
-  const std::filesystem::path config = root_ / "stereo/patch-match.cfg";
-  const std::string lines = ReadText(config);
-  Write(1);
-  WriteText(config, "left/b.png\nc.png\n");
-  EXPECT_FALSE(IsCurrent(1));
-  // Of an image that is none of the references, no one renews it.
-  WriteText(config, "a.png\nleft/b.png\n");
-  EXPECT_FALSE(IsCurrent(1));
-  WriteText(config, lines);
-  EXPECT_TRUE(IsCurrent(1));
-
-  std::string images = ReadText(root_ / "sparse/images.txt");
-  images.replace(images.find("-2"), 2, "-3");  // c.png moves.
-  WriteText(root_ / "sparse/images.txt", images);
-  EXPECT_FALSE(IsCurrent(1));
-}
-
-TEST_F(EvidenceStoreTest, RefiningTheMapsLeavesItCurrent) {
-  Write(1);
-  for (const int image : {0, 1, 2}) {
-    ImageRecord record;
-    record.options_hash = kOptions;
-    WriteRefined(Open(), image, MakeRefinedMaps(3.f), record);
-  }
-  EXPECT_TRUE(IsCurrent(1));
-  // New maps of COLMAP in the place of the refined ones do not.
-  WriteTestMaps(root_, "c.png", MapType::kGeometric, 9.f);
-  EXPECT_FALSE(IsCurrent(1));
-}
-
-TEST_F(EvidenceStoreTest, DamagedFilesAreNotCurrent) {
-  Write(1);
-  const std::string bytes = ReadText(File("left/b.png"));
-  WriteText(File("left/b.png"), bytes.substr(0, bytes.size() - 1));
-  EXPECT_FALSE(IsCurrent(1));
-  WriteText(File("left/b.png"), "");
-  EXPECT_FALSE(IsCurrent(1));
-}
-
 TEST_F(EvidenceStoreTest, KeepsThatThereIsNothingToObserve) {
-  const Workspace workspace = Open();
-  InputFingerprints inputs(workspace);
-  EvidenceStore store(workspace, inputs, kOptions, 4);
+  const Workspace workspace(root_, MapType::kGeometric);
+  EvidenceStore store(workspace, kKey, 4);
   store.WriteNothing(1);
   EXPECT_TRUE(store.IsObserved(1));
   EXPECT_FALSE(store.IsCurrent(1));
   EXPECT_EQ(store.Get(1), nullptr);
-  EXPECT_FALSE(EvidenceStore(workspace, inputs, "others", 4).IsObserved(1));
+  EXPECT_FALSE(EvidenceStore(workspace, "others", 4).IsObserved(1));
 }
 
 TEST_F(EvidenceStoreTest, ClearRemovesTheFolderAndNothingElse) {
-  const Workspace workspace = Open();
+  const Workspace workspace(root_, MapType::kGeometric);
   EvidenceStore::Clear(workspace);  // Nothing there yet.
   for (const int image : {0, 1, 2}) {
-    Write(image);
+    EvidenceStore(workspace, kKey, 4).Write(image, EvidenceOf(image));
   }
   const std::filesystem::path other = root_ / "stereo/tsar/manifest.json";
   WriteText(other, "{}");

@@ -22,6 +22,17 @@ class LoadViewTest : public testing::Test {
   ViewData Load(MapType type) const {
     return LoadView(Workspace(root_, type), 1);
   }
+  // Writes geometric costs without evidence for the first pixels of the view.
+  void WriteCosts(const Image<float>& depth,
+                  size_t num_without_evidence) const {
+    PlanarMap costs = {depth.Width(), depth.Height(), 2, {}};
+    costs.values.assign(2 * depth.NumPixels(), 0.1f);
+    std::fill_n(costs.values.begin(), num_without_evidence, 2.f);
+    const ContainedPath path =
+        GetMapPaths(root_, "v1.png", MapType::kGeometric).cost;
+    CreateFolders(path.Parent());
+    WritePlanarMap(path, costs);
+  }
 
   TemporaryFolder folder_;
   const std::filesystem::path root_ = folder_.Path() / "dense";
@@ -49,18 +60,9 @@ TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
 
 // As tsar_stereo writes costs where a depth follows from its planar prior.
 TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
-  const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kGeometric);
   const ViewData before = Load(MapType::kGeometric);
   const size_t num_pixels = before.depth.NumPixels();
-  PlanarMap costs;
-  costs.width = before.depth.Width();
-  costs.height = before.depth.Height();
-  costs.channels = 2;
-  costs.values.assign(2 * num_pixels, 0.1f);
-  // The upper half has no evidence.
-  std::fill_n(costs.values.begin(), num_pixels / 2, 2.f);
-  CreateFolders(paths.cost.Parent());
-  WritePlanarMap(paths.cost, costs);
+  WriteCosts(before.depth, num_pixels / 2);
   const ViewData view = Load(MapType::kGeometric);
   int num_of_other = 0;
   for (size_t i = 0; i < num_pixels; ++i) {
@@ -79,7 +81,6 @@ TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
 
 // Those of tsar_stereo's geometric maps that a planar prior filled.
 TEST_F(LoadViewTest, DepthsWithoutEvidenceFillNoPhotometricMap) {
-  const MapPaths other = GetMapPaths(root_, "v1.png", MapType::kGeometric);
   // A photometric map with a hole in its upper half.
   const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kPhotometric);
   Image<float> depth = ReadDepthMap(paths.depth);
@@ -87,14 +88,7 @@ TEST_F(LoadViewTest, DepthsWithoutEvidenceFillNoPhotometricMap) {
   std::fill_n(depth.begin(), half, 0.f);
   WriteDepthMap(paths.depth, depth);
   const ViewData before = Load(MapType::kPhotometric);
-  PlanarMap costs;
-  costs.width = depth.Width();
-  costs.height = depth.Height();
-  costs.channels = 2;
-  costs.values.assign(2 * depth.NumPixels(), 0.1f);
-  std::fill_n(costs.values.begin(), half / 2, 2.f);
-  CreateFolders(other.cost.Parent());
-  WritePlanarMap(other.cost, costs);
+  WriteCosts(depth, half / 2);
   const ViewData view = Load(MapType::kPhotometric);
   int num_filled_before = 0;
   int num_filled = 0;

@@ -139,9 +139,8 @@ TEST_F(RefineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
             static_cast<int64_t>(options_.cache_size * kGigabyte));
   // No view is labeled beside another one, and nothing is left.
   options_.cache_size = 0.001;
-  EXPECT_EQ(PlanModelPass(options_, Plan(), {}, machine_bytes_).num_views, 1);
-  EXPECT_EQ(PlanModelPass(options_, Plan(), {}, machine_bytes_).max_kept_bytes,
-            0);
+  EXPECT_EQ(Create(0).model.num_views, 1);
+  EXPECT_EQ(Create(0).model.max_kept_bytes, 0);
 }
 
 TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {
@@ -191,12 +190,6 @@ TEST_F(RefineDevicesTest, LeavesOutGpusWithoutCodeUnlessNamed) {
   EXPECT_EQ(Create(2).description, "GPU 1 (Card)");
   options_.gpu_indices = {0, 1};
   ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 2);
-}
-
-TEST_F(RefineDevicesTest, UsesOneWorkerWhereTwoDoNotFit) {
-  memory_[0] = static_cast<size_t>(Plan().device) * 3 / 2;
-  EXPECT_EQ(Create(1).workers.size(), 1u);
-  EXPECT_EQ(Create(2).workers.size(), 3u);
 }
 
 TEST_F(RefineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {

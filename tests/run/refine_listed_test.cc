@@ -1,8 +1,6 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <chrono>
-
 #include "tests/run/refine_workspace_fixture.h"
 
 namespace tsar {
@@ -48,8 +46,7 @@ TEST_F(RefineListedTest, RefinesThemAloneAsAmongAll) {
     RefineOptions refine;
     refine.scene_planes = scene_planes;
     const Tree whole = RefinedInOneGo(refine);
-    std::filesystem::remove_all(root_);
-    MakeSyntheticWorkspace(root_);
+    Redraw();
     const Tree before = MapsOf(root_);
     const RunSummary summary =
         Refine(Listed("left/v2.png\r\nleft/v2.png\r\n"), refine);
@@ -73,21 +70,6 @@ TEST_F(RefineListedTest, RefinesThemAloneAsAmongAll) {
     ExpectSameFiles(MapsOf(root_), whole);
     EXPECT_FALSE(Manifest()["runtime"].contains("listed_images"));
   }
-}
-
-TEST_F(RefineListedTest, GoesOnAfterAnInterruption) {
-  const Tree whole = RefinedInOneGo();
-  const Tree before = MapsOf(root_);
-  const WorkspaceRefineOptions options = Listed("v1.png\n");
-  ExpectError(ErrorCode::kInterrupted,
-              {"4 of 4 images were observed", "same command"},
-              [&] {
-                Refine(options, {}, [&] {
-                  return std::filesystem::exists(Evidence(root_, 3));
-                });
-              });
-  EXPECT_EQ(Refine(options).num_refined, 1);
-  ExpectRefined(MapsOf(root_), "v1.png", before, whole);
 }
 
 // The images that are not listed are none of those that are done.

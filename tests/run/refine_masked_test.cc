@@ -69,16 +69,6 @@ class RefineMaskedTest : public RefineWorkspaceTest {
     });
     return maps;
   }
-  void Redraw() const {
-    std::filesystem::remove_all(root_);
-    MakeSyntheticWorkspace(root_);
-  }
-  std::string WarningsOf(const WorkspaceRefineOptions& options,
-                         int num_refined) {
-    testing::internal::CaptureStderr();
-    EXPECT_EQ(Refine(options).num_refined, num_refined);
-    return testing::internal::GetCapturedStderr();
-  }
 
   const std::filesystem::path masks_ = folder_.Path() / "masks";
 };
@@ -222,44 +212,6 @@ TEST_F(RefineMaskedTest, WritesMaskedMapsIntoASecondWorkspace) {
   }
 }
 
-TEST_F(RefineMaskedTest, ShardsSeeTheSameMasks) {
-  Refine(Masked());
-  const Tree whole = MapsOf(root_);
-  Redraw();
-  const auto run = [&](const std::string& pass, const std::string& shard) {
-    WorkspaceRefineOptions options = Masked();
-    options.pass = ParsePass(pass);
-    options.shard = ParseShard(shard);
-    return Refine(options);
-  };
-  EXPECT_EQ(*run("observe", "0/2").num_masks + *run("observe", "1/2").num_masks,
-            2);
-  run("model", "");
-  run("compose", "0/2");
-  WorkspaceRefineOptions without = Options(root_);
-  without.pass = RefinePass::kCompose;
-  without.shard = {1, 2};
-  ExpectError(ErrorCode::kNotFound, {"was not observed with"}, [&] {
-    Refine(without);
-  });
-  run("compose", "1/2");
-  WorkspaceRefineOptions merge = Options(root_);
-  merge.pass = RefinePass::kMerge;
-  ExpectError(ErrorCode::kNotFound, {"of 4 images"}, [&] { Refine(merge); });
-  EXPECT_EQ(run("merge", "").num_masks, 2);
-  EXPECT_EQ(Manifest()["runtime"]["masks"], "2");
-  ExpectSameFiles(MapsOf(root_), whole);
-}
-
-// The originals are kept, with what was masked.
-TEST_F(RefineMaskedTest, GoesBackToTheOriginals) {
-  Refine(Masked());
-  std::filesystem::remove_all(masks_);
-  ExpectRefusal(ErrorCode::kNotFound, {"no such folder of masks"}, Masked());
-  EXPECT_EQ(Refine().num_refined, 4);
-  ExpectSameFiles(MapsOf(root_), RefinedInOneGo());
-}
-
 TEST_F(RefineMaskedTest, RefusesMasksThatDoNotFitBeforeAnythingIsChanged) {
   const std::filesystem::path mask = masks_ / "left/v2.png.png";
   const std::string png = ReadText(mask);
@@ -276,6 +228,8 @@ TEST_F(RefineMaskedTest, RefusesMasksThatDoNotFitBeforeAnythingIsChanged) {
   ExpectRefusal(ErrorCode::kBadOption,
                 {"is the folder of the images", "mask_path"},
                 images);
+  images.mask_path = folder_.Path() / "nowhere";
+  ExpectRefusal(ErrorCode::kNotFound, {"no such folder of masks"}, images);
   images.mask_path = root_ / "stereo";
   ExpectRefusal(ErrorCode::kNotFound,
                 {"holds no mask of any image", "mask_path"},

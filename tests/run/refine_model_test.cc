@@ -6,7 +6,6 @@
 
 #include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/scene_model_store.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/scene/find_scene.h"
@@ -89,9 +88,14 @@ TEST_F(RefineModelTest, EveryPixelOfAPlaneMapLiesOnItsPlane) {
 
 TEST_F(RefineModelTest, RunsWithoutThePlanesOfTheSceneLeaveNone) {
   Refine();
+  EXPECT_FALSE(HasEvidence());
   RefineOptions alone;
+  alone.segment = false;
+  Observe(Options(root_), alone);
+  EXPECT_TRUE(HasEvidence());
   alone.scene_planes = false;
   EXPECT_EQ(Refine(Options(root_), alone).num_refined, 4);
+  EXPECT_FALSE(HasEvidence());
   EXPECT_FALSE(std::filesystem::exists(Planes()));
 }
 
@@ -111,14 +115,6 @@ TEST_F(RefineModelTest, AKilledRunGoesOnWithItsPlanes) {
   ExpectSameFiles(expected, MapsOf(root_));
 }
 
-TEST_F(RefineModelTest, DamagedPlanesAreFoundAgain) {
-  const Tree expected = RefinedInOneGo();
-  StopAt(Planes());
-  WriteText(Planes(), ReadText(Planes()).substr(0, 60));
-  Refine();
-  ExpectSameFiles(expected, MapsOf(root_));
-}
-
 TEST_F(RefineModelTest, OtherOptionsNeedOtherPlanes) {
   StopAt(Planes());
   RefineOptions others;
@@ -128,24 +124,13 @@ TEST_F(RefineModelTest, OtherOptionsNeedOtherPlanes) {
   ExpectSameFiles(RefinedInOneGo(others), MapsOf(root_));
 }
 
-TEST_F(RefineModelTest, TheNumberOfThreadsDoesNotMatter) {
-  const Tree expected = RefinedInOneGo();
-  WorkspaceRefineOptions options = Options(root_);
-  options.devices.num_threads = 3;
-  Refine(options);
-  ExpectSameFiles(expected, MapsOf(root_));
-}
-
 TEST_F(RefineModelTest, WarnsOfPlanesThatPlaneMapsCannotName) {
-  const Workspace workspace(root_, MapType::kGeometric);
-  InputFingerprints inputs(workspace);
-  const SceneModelStore store(workspace, inputs, "options");
   SceneModel model;
   model.planes.assign(size_t{kMaxPlanesOfMap},
                       MakeModelPlane({0, 0, -1}, {0, 0, 2}));
   const auto warning_of = [&] {
     testing::internal::CaptureStderr();
-    store.Write(model);
+    WriteSceneModel(UserPath(Planes()), "key", model);
     return testing::internal::GetCapturedStderr();
   };
   EXPECT_EQ(warning_of(), "");
@@ -159,7 +144,7 @@ TEST_F(RefineModelTest, WarnsOfPlanesThatPlaneMapsCannotName) {
     EXPECT_THAT(warning, testing::HasSubstr(text));
   }
   EXPECT_EQ(warning.find('\n', warning.find("the scene")), warning.size() - 1);
-  EXPECT_EQ(store.Read().planes.size(), 65538u);
+  EXPECT_EQ(ReadSceneModel(Planes()).planes.size(), 65538u);
 }
 
 // Two pairs that see nothing of each other.

@@ -57,7 +57,7 @@ class RefinePassesTest : public testing::Test {
            bool scene_planes,
            bool finds_scenes_ahead = false) {
     const CountingDevice& counter = *device;
-    Workspace workspace(root_, MapType::kGeometric);
+    const Workspace workspace(root_, MapType::kGeometric);
     RefineDevices devices;
     devices.view_caches.push_back(std::make_unique<UploadedViews>(4));
     devices.workers.push_back(
@@ -67,29 +67,27 @@ class RefinePassesTest : public testing::Test {
     overview.map_sides = map_sides_;
     RefineOptions options;
     options.scene_planes = scene_planes;
-    InputFingerprints inputs(workspace);
-    EvidenceStore evidence(workspace, inputs, HashRefineOptions(options), 4);
-    const SceneModelStore model(workspace, inputs, HashRefineOptions(options));
-    RefinePlan plan(workspace,
-                    inputs,
-                    std::vector<bool>(4, true),
-                    std::vector<bool>(4, true),
-                    HashRefineOptions(options),
-                    scene_planes ? model.PlanesFingerprint() : "");
-    ViewLoader loader(workspace);
+    const InputFingerprints inputs(workspace);
+    EvidenceStore evidence(workspace, HashRefineOptions(options), 4);
+    const std::vector<bool> all(4, true);
+    const RefinePlan plan(
+        workspace, inputs, all, all, CurrentRecord(workspace, options, inputs));
     const WorkspaceRefineOptions workspace_options;
-    const std::vector<std::vector<size_t>> shards = {{0, 1, 2, 3}};
+    const std::vector<size_t> images = {0, 1, 2, 3};
+    std::ostringstream text;
+    Progress progress(text, false);
+    const std::function<bool()> never = [] { return false; };
     const RefineRun run = {workspace_options,
                            options,
+                           progress,
+                           never,
                            workspace,
                            overview,
-                           shards,
+                           images,
                            devices,
                            inputs,
-                           evidence,
-                           model,
                            plan,
-                           loader};
+                           evidence};
     std::vector<StageSeconds> seconds(4);
     if (scene_planes) {
       ObservePass observe(run, seconds);
@@ -99,14 +97,7 @@ class RefinePassesTest : public testing::Test {
       if (FirstFailed() < 4) {
         return;
       }
-      std::ostringstream text;
-      Progress progress(text, false);
-      EXPECT_TRUE(model.IsCurrent() ||
-                  ModelWorkspace({workspace, plan, evidence, model, options},
-                                 {},
-                                 "",
-                                 progress,
-                                 [] { return false; }));
+      EXPECT_TRUE(run.HasCurrentPlanes() || ModelWorkspace(run));
     }
     ComposePass compose(run, seconds);
     for (size_t index = 0; index < plan.NumImages(); ++index) {
@@ -116,13 +107,14 @@ class RefinePassesTest : public testing::Test {
     num_allocations_ = counter.NumAllocations();
   }
   void RunPipeline(ImageTasks<RefineResult>& pass, const RefineRun& run) {
-    std::ostringstream text;
-    Progress progress(text, false);
-    const std::function<bool()> never = [] { return false; };
-    PipelineOutcome outcome =
-        ImagePipeline<RefineResult>(
-            pass, run.Images(), "", {}, /*max_num_views=*/8, progress, never)
-            .Run();
+    PipelineOutcome outcome = ImagePipeline<RefineResult>(pass,
+                                                          run.images,
+                                                          "",
+                                                          {},
+                                                          /*max_num_views=*/8,
+                                                          run.progress,
+                                                          run.should_stop)
+                                  .Run();
     reports_ = std::move(outcome.reports);
     failures_ = std::move(outcome.failures);
   }

@@ -41,12 +41,6 @@ class RefinePriorsTest : public RefineWorkspaceTest {
     options.prior_path = priors_;
     return options;
   }
-  std::string WarningsOf(const WorkspaceRefineOptions& options,
-                         int num_refined) {
-    testing::internal::CaptureStderr();
-    EXPECT_EQ(Refine(options).num_refined, num_refined);
-    return testing::internal::GetCapturedStderr();
-  }
   static int IndexOf(const Workspace& workspace, const std::string& name) {
     return workspace.Model().IndexOf(name);
   }
@@ -140,41 +134,6 @@ TEST_F(RefinePriorsTest, RefinesAgainWherePriorsHaveChanged) {
   EXPECT_EQ(WarningsOf(metric, 0), "");
   EXPECT_THAT(WarningsOf(Options(root_), 4), has_changed);
   ExpectSameFiles(MapsOf(root_), RefinedInOneGo());
-}
-
-TEST_F(RefinePriorsTest, WritesASecondWorkspace) {
-  WriteText(priors_ / "v9.npy", "");
-  WorkspaceRefineOptions options = WithPriors();
-  options.output_path = folder_.Path() / "out";
-  const std::string warnings = WarningsOf(options, 4);
-  const std::string stray = "1 file belongs to no image";
-  const size_t first = warnings.find(stray);
-  ASSERT_NE(first, std::string::npos) << warnings;
-  EXPECT_EQ(warnings.find(stray, first + 1), std::string::npos) << warnings;
-  EXPECT_THAT(warnings, testing::HasSubstr((priors_ / "v9.npy").string()));
-  EXPECT_EQ(Refine(options).num_skipped, 4);
-}
-
-TEST_F(RefinePriorsTest, ShardsSeeTheSamePriors) {
-  const auto run = [&](const std::string& pass, const std::string& shard) {
-    WorkspaceRefineOptions options = WithPriors();
-    options.pass = ParsePass(pass);
-    options.shard = ParseShard(shard);
-    return Refine(options);
-  };
-  EXPECT_EQ(
-      *run("observe", "0/2").num_priors + *run("observe", "1/2").num_priors, 2);
-  run("model", "");
-  run("compose", "0/2");
-  WorkspaceRefineOptions without = Options(root_);
-  without.pass = RefinePass::kCompose;
-  without.shard = {1, 2};
-  ExpectError(ErrorCode::kNotFound, {"was not observed with"}, [&] {
-    Refine(without);
-  });
-  run("compose", "1/2");
-  EXPECT_EQ(run("merge", "").num_priors, 2);
-  EXPECT_EQ(Manifest()["runtime"]["depth_priors"], "2");
 }
 
 TEST_F(RefinePriorsTest, RefusesPriorsThatDoNotFitBeforeAnythingIsChanged) {

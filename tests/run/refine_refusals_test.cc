@@ -7,8 +7,10 @@
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/run/workspace_check.h"
 
-#include <limits>
+#include <cmath>
+#include <functional>
 #include <mutex>
+#include <tuple>
 
 #include "tests/run/refine_workspace_fixture.h"
 
@@ -62,16 +64,6 @@ TEST_F(RefineWorkspaceTest, NobodyTouchesTheOutputOfAnotherRun) {
   EXPECT_EQ(ReadText(options.output_path / "stereo/fusion.cfg"), "v0.png\n");
 }
 
-TEST_F(RefineWorkspaceTest, RefusesWorkspacesWithoutTheirFolders) {
-  ExpectRefusal(ErrorCode::kNotFound,
-                {"nowhere", "workspace_path"},
-                Options(folder_.Path() / "nowhere"));
-  for (const char* name : {"stereo/normal_maps", "stereo", "sparse"}) {
-    std::filesystem::remove_all(root_ / name);
-    ExpectRefusal(ErrorCode::kNotFound, {name});
-  }
-}
-
 // Before hours of work, whatever it would write there.
 TEST_F(RefineWorkspaceTest, RefusesFoldersUnderTheNamesOfItsFiles) {
   for (const ContainedPath& path : {Paths(1).confidence,
@@ -86,9 +78,15 @@ TEST_F(RefineWorkspaceTest, RefusesFoldersUnderTheNamesOfItsFiles) {
   }
 }
 
-TEST_F(RefineWorkspaceTest, RefusesMissingAndEmptyImageFiles) {
-  WriteText(root_ / "images/left/v2.png", "");
-  ExpectRefusal(ErrorCode::kCorrupt, {"left/v2.png", "empty"});
+TEST_F(RefineWorkspaceTest, RefusesMissingAndDamagedImageFiles) {
+  const std::string image = ReadText(root_ / "images/left/v2.png");
+  for (const auto& [bytes, what] :
+       {std::pair(std::string(), "empty"),
+        {"no picture", "not a readable"},
+        {image.substr(0, image.size() / 10), "the image is damaged"}}) {
+    WriteText(root_ / "images/left/v2.png", bytes);
+    ExpectRefusal(ErrorCode::kCorrupt, {"left/v2.png", what});
+  }
   std::filesystem::remove(root_ / "images/left/v2.png");
   ExpectRefusal(ErrorCode::kNotFound, {"left/v2.png", "image_undistorter"});
 }
@@ -218,37 +216,54 @@ TEST_F(RefineWorkspaceTest, RefusesCostMapsThatDoNotFit) {
   ExpectRefusal(ErrorCode::kCorrupt, {Paths(0).cost.string(), "2 channel"});
 }
 
-TEST_F(RefineWorkspaceTest, RefusesUnknownImagesAndEmptyConfigurations) {
-  const std::filesystem::path config = root_ / "stereo/patch-match.cfg";
-  WriteText(config, "v0.png\nv9.png\n");
-  ExpectRefusal(ErrorCode::kMismatch, {"patch-match.cfg", "line 2", "v9.png"});
-  WriteText(config, "");
+TEST_F(RefineWorkspaceTest, RefusesConfigurationsWithoutImages) {
+  WriteText(root_ / "stereo/patch-match.cfg", "");
   ExpectRefusal(ErrorCode::kNotFound, {"patch-match.cfg", "names no image"});
 }
 
 TEST_F(RefineWorkspaceTest, RefusesOptionsThatMakeNoSense) {
-  WorkspaceRefineOptions options = Options(root_);
-  options.devices.num_threads = 0;
-  ExpectRefusal(ErrorCode::kBadOption, {"num_threads"}, options);
-  options = Options(root_);
-  options.devices.gpu_indices = {0, 0};
-  ExpectRefusal(ErrorCode::kBadOption, {"gpu_index", "twice"}, options);
-  options = Options(root_);
-  options.devices.gpu_indices = {-1};
-  ExpectRefusal(ErrorCode::kBadOption, {"gpu_index", "no GPU -1"}, options);
-  options = Options(root_);
-  options.devices.cache_size = std::numeric_limits<double>::quiet_NaN();
-  ExpectRefusal(ErrorCode::kBadOption, {"cache_size"}, options);
-  options = Options(root_);
-  options.pass = RefinePass::kObserve;
-  for (const Shard& shard : {Shard{2, 2}, Shard{-1, 2}, Shard{0, 0}}) {
-    options.shard = shard;
-    ExpectRefusal(ErrorCode::kBadOption, {"shard", "part"}, options);
+  using Options = WorkspaceRefineOptions;
+  const auto set_shard = [](Options& o, Shard shard) {
+    o.pass = RefinePass::kObserve;
+    o.shard = shard;
+  };
+  const std::tuple<const char*, const char*, std::function<void(Options&)>>
+      cases[] = {{"num_threads",
+                  "at least 1",
+                  [](auto& o) { o.devices.num_threads = 0; }},
+                 {"gpu_index",
+                  "twice",
+                  [](auto& o) {
+                    o.devices.gpu_indices = {0, 0};
+                  }},
+                 {"gpu_index",
+                  "no GPU -1",
+                  [](auto& o) { o.devices.gpu_indices = {-1}; }},
+                 {"cache_size",
+                  "positive",
+                  [](auto& o) { o.devices.cache_size = NAN; }},
+                 {"shard",
+                  "part",
+                  [&](auto& o) {
+                    set_shard(o, {2, 2});
+                  }},
+                 {"shard",
+                  "part",
+                  [&](auto& o) {
+                    set_shard(o, {-1, 2});
+                  }},
+                 {"shard", "part", [&](auto& o) {
+                    set_shard(o, {0, 0});
+                  }}};
+  for (const auto& [option, what, change] : cases) {
+    Options options = RefineWorkspaceTest::Options(root_);
+    change(options);
+    ExpectRefusal(ErrorCode::kBadOption, {option, what}, options);
   }
   RefineOptions refine;
   refine.num_iterations = 0;
   ExpectError(ErrorCode::kBadOption, {"num_iterations"}, [&] {
-    Refine(Options(root_), refine);
+    Refine(RefineWorkspaceTest::Options(root_), refine);
   });
 }
 

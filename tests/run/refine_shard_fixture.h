@@ -3,18 +3,13 @@
 
 #pragma once
 
-#include "colmap_tsar/run/refine_workspace.h"
+#include <string>
+#include <vector>
 
-#include <functional>
-#include <sstream>
-
-#include "tests/support/synthetic_workspace.h"
-#include "tests/support/test_workspace.h"
+#include "tests/run/refine_workspace_fixture.h"
 #include <nlohmann/json.hpp>
 
 namespace tsar {
-
-using Tree = std::map<std::string, std::string>;
 
 // All that does not tell the time. Equality of such trees is looked at as a
 // whole: a failure shall not print megabytes.
@@ -40,28 +35,15 @@ inline nlohmann::json ManifestOf(const std::filesystem::path& root) {
   return json;
 }
 
-class RefineShardTest : public testing::Test {
+class RefineShardTest : public RefineWorkspaceTest {
  protected:
-  void SetUp() override { MakeSyntheticWorkspace(root_); }
-
   static WorkspaceRefineOptions Options(const std::filesystem::path& root,
                                         const std::string& pass = "all",
                                         const std::string& shard = "") {
-    WorkspaceRefineOptions options;
-    options.workspace_path = root;
-    options.devices.choice = DeviceChoice::kCpu;
-    options.devices.num_threads = 1;
+    WorkspaceRefineOptions options = RefineWorkspaceTest::Options(root);
     options.pass = ParsePass(pass);
     options.shard = ParseShard(shard);
     return options;
-  }
-  static RunSummary Refine(
-      const WorkspaceRefineOptions& options,
-      const RefineOptions& refine = {},
-      const std::function<bool()>& should_stop = [] { return false; }) {
-    std::ostringstream text;
-    Progress progress(text, false);
-    return RefineWorkspace(options, refine, progress, should_stop);
   }
   RunSummary Run(const std::string& pass,
                  const std::string& shard = "",
@@ -99,33 +81,6 @@ class RefineShardTest : public testing::Test {
                      const std::string& shard = "") const {
     ExpectRefusal(code, texts, Options(root_, pass, shard));
   }
-
-  // A workspace that was refined in one go.
-  std::filesystem::path Whole(
-      const RefineOptions& refine = {},
-      const std::function<void(const std::filesystem::path&)>& change =
-          [](const std::filesystem::path&) {}) const {
-    const std::filesystem::path root = folder_.Path() / "whole";
-    std::filesystem::remove_all(root);
-    MakeSyntheticWorkspace(root);
-    change(root);
-    Refine(Options(root), refine);
-    return root;
-  }
-  void Redraw() const {
-    std::filesystem::remove_all(root_);
-    MakeSyntheticWorkspace(root_);
-  }
-  MapPaths Paths(int view) const {
-    return GetMapPaths(
-        root_, SyntheticWorkspace::Names()[view], MapType::kGeometric);
-  }
-  std::filesystem::path Evidence(int view) const {
-    return root_ / "stereo/tsar/evidence" /
-           (SyntheticWorkspace::Names()[view] + ".geometric.bin");
-  }
-  TemporaryFolder folder_;
-  const std::filesystem::path root_ = folder_.Path() / "dense";
 };
 
 }  // namespace tsar

@@ -26,7 +26,7 @@ TEST_F(RefineShardTest, AnyNumberOfShardsGivesTheBytesOfOneRun) {
     Redraw();
     RunAll("observe", count);
     RunAll("compose", count);
-    EXPECT_TRUE(std::filesystem::exists(Evidence(0)));
+    EXPECT_TRUE(std::filesystem::exists(Evidence(root_, 0)));
     const RunSummary summary = Run("merge");
     EXPECT_EQ(summary.num_images, 4);
     EXPECT_EQ(summary.num_refined, 4);
@@ -56,7 +56,7 @@ TEST_F(RefineShardTest, ShardsSideBySideGiveTheSame) {
       }
       // What others read must not be what a shard is just writing.
       for (int view = 0; view < 4; ++view) {
-        EXPECT_EQ(std::filesystem::exists(Evidence(view)), scene_planes);
+        EXPECT_EQ(std::filesystem::exists(Evidence(root_, view)), scene_planes);
         EXPECT_EQ(std::filesystem::exists(Paths(view).original_depth),
                   pass == std::string("compose"));
       }
@@ -67,35 +67,30 @@ TEST_F(RefineShardTest, ShardsSideBySideGiveTheSame) {
 }
 
 TEST_F(RefineShardTest, TellsWhatItDid) {
+  const auto expect_told = [](const RunSummary& summary,
+                              const std::vector<std::string>& texts) {
+    std::ostringstream text;
+    PrintSummary(summary, text);
+    for (const std::string& expected : texts) {
+      EXPECT_THAT(text.str(), testing::HasSubstr(expected));
+    }
+  };
   const RunSummary observed = Run("observe", "0/2");
   EXPECT_EQ(observed.num_images, 2);
   EXPECT_EQ(observed.num_observed, 2);
   EXPECT_EQ(observed.num_refined, 0);
   EXPECT_EQ(Run("observe", "0/2").num_skipped, 2);
-  std::ostringstream text;
-  PrintSummary(observed, text);
-  EXPECT_THAT(text.str(), testing::HasSubstr("Shard 0 of 2, 2 images: 2 obs"));
-  EXPECT_THAT(text.str(), testing::HasSubstr("--TsarRefine.pass model"));
+  expect_told(observed,
+              {"Shard 0 of 2, 2 images: 2 obs", "--TsarRefine.pass model"});
   Run("observe", "1/2");
-  const RunSummary modeled = Run("model");
-  text.str("");
-  PrintSummary(modeled, text);
-  EXPECT_THAT(text.str(),
-              testing::HasSubstr("4 images: the planes of the scene have been "
-                                 "found"));
-  EXPECT_THAT(text.str(), testing::HasSubstr("--TsarRefine.pass compose"));
-  const RunSummary composed = Run("compose", "1/2");
-  EXPECT_EQ(composed.num_refined, 2);
-  text.str("");
-  PrintSummary(composed, text);
-  EXPECT_THAT(text.str(), testing::HasSubstr("Shard 1 of 2, 2 images: 2 ref"));
-  EXPECT_THAT(text.str(), testing::HasSubstr("--TsarRefine.pass merge"));
+  expect_told(Run("model"),
+              {"4 images: the planes of the scene have been found",
+               "--TsarRefine.pass compose"});
+  expect_told(Run("compose", "1/2"),
+              {"Shard 1 of 2, 2 images: 2 ref", "--TsarRefine.pass merge"});
   EXPECT_EQ(Run("compose", "1/2").num_skipped, 2);
   Run("compose", "0/2");
-  text.str("");
-  PrintSummary(Run("merge"), text);
-  EXPECT_THAT(text.str(), testing::HasSubstr("4 images: 4 refined\n"));
-  EXPECT_THAT(text.str(), testing::HasSubstr("colmap stereo_fusion"));
+  expect_told(Run("merge"), {"4 images: 4 refined\n", "colmap stereo_fusion"});
 }
 
 TEST_F(RefineShardTest, ThePassesComeInTheirOrder) {
@@ -183,8 +178,11 @@ TEST_F(RefineShardTest, ChangesAfterObservingAreSeen) {
   const std::function<void()> changes[] = {
       [&] { Touch(Paths(0).depth); },
       [&] { Touch(root_ / "images" / SyntheticWorkspace::Names()[3]); },
-      [&] { std::filesystem::remove(Evidence(1)); },
-      [&] { WriteText(Evidence(2), ReadText(Evidence(1)).substr(0, 40)); }};
+      [&] { std::filesystem::remove(Evidence(root_, 1)); },
+      [&] {
+        WriteText(Evidence(root_, 2),
+                  ReadText(Evidence(root_, 1)).substr(0, 40));
+      }};
   for (size_t i = 0; i < std::size(changes); ++i) {
     SCOPED_TRACE(i);
     Redraw();
@@ -266,32 +264,6 @@ TEST_F(RefineShardTest, KeepsImagesThatCannotBeRefined) {
     EXPECT_TRUE(ResultOf(root_) == ResultOf(whole));
     EXPECT_EQ(ManifestOf(root_), ManifestOf(whole));
   }
-}
-
-// As where the disk is full.
-TEST_F(RefineShardTest, WorksOnAnOutputWorkspaceInPlace) {
-  const Tree before = ReadTree(root_);
-  const std::filesystem::path output = folder_.Path() / "out";
-  WorkspaceRefineOptions whole = Options(root_);
-  whole.output_path = output;
-  Refine(whole);
-  const Tree expected = ResultOf(output);
-  RefineOptions others;
-  others.segment = false;
-  others.confirmed_depths = false;
-  for (const RefineOptions& refine : {others, RefineOptions()}) {
-    for (const char* pass : {"observe", "compose"}) {
-      if (pass == std::string("compose")) {
-        Refine(Options(output, "model"), refine);
-      }
-      for (const char* shard : {"0/2", "1/2"}) {
-        Refine(Options(output, pass, shard), refine);
-      }
-    }
-    Refine(Options(output, "merge"), refine);
-    EXPECT_EQ(ResultOf(output) == expected, refine.segment);
-  }
-  EXPECT_TRUE(ReadTree(root_) == before);
 }
 
 }  // namespace

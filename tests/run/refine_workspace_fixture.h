@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <sstream>
 
@@ -64,7 +65,7 @@ class RefineWorkspaceTest : public testing::Test {
   void SetUp() override { MakeSyntheticWorkspace(root_); }
 
   // One thread, so that the order of the images is known.
-  WorkspaceRefineOptions Options(const std::filesystem::path& root) const {
+  static WorkspaceRefineOptions Options(const std::filesystem::path& root) {
     WorkspaceRefineOptions options;
     options.workspace_path = root;
     options.devices.choice = DeviceChoice::kCpu;
@@ -72,7 +73,7 @@ class RefineWorkspaceTest : public testing::Test {
     return options;
   }
 
-  RunSummary Refine(
+  static RunSummary Refine(
       const WorkspaceRefineOptions& options,
       const RefineOptions& refine = {},
       const std::function<bool()>& should_stop = [] { return false; }) {
@@ -131,17 +132,34 @@ class RefineWorkspaceTest : public testing::Test {
       EXPECT_TRUE(std::filesystem::exists(Evidence(root, view)));
     }
   }
-  // The maps of a workspace drawn and changed alike that is refined in one go.
-  Tree RefinedInOneGo(
+  // A workspace drawn and changed alike that is refined in one go.
+  std::filesystem::path Whole(
       const RefineOptions& refine = {},
       const std::function<void(const std::filesystem::path&)>& change =
-          [](const std::filesystem::path&) {}) {
+          [](const std::filesystem::path&) {}) const {
     const std::filesystem::path root = folder_.Path() / "whole";
     std::filesystem::remove_all(root);
     MakeSyntheticWorkspace(root);
     change(root);
     Refine(Options(root), refine);
-    return MapsOf(root);
+    return root;
+  }
+  // Its maps.
+  Tree RefinedInOneGo(
+      const RefineOptions& refine = {},
+      const std::function<void(const std::filesystem::path&)>& change =
+          [](const std::filesystem::path&) {}) const {
+    return MapsOf(Whole(refine, change));
+  }
+  void Redraw() const {
+    std::filesystem::remove_all(root_);
+    MakeSyntheticWorkspace(root_);
+  }
+  std::string WarningsOf(const WorkspaceRefineOptions& options,
+                         int num_refined) const {
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(Refine(options).num_refined, num_refined);
+    return testing::internal::GetCapturedStderr();
   }
   static void RemoveDepths(const std::filesystem::path& root, int view) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
@@ -150,6 +168,21 @@ class RefineWorkspaceTest : public testing::Test {
               GetMapPaths(root, SyntheticWorkspace::Names()[view], type).depth),
           Image<float>(96, 72, 0.f));
     }
+  }
+  // That more than half of the wall without texture has its true depth.
+  void ExpectBareWallFilled(int view) const {
+    const Image<float> depth = ReadDepthMap(Paths(view).depth);
+    int num_bare = 0;
+    int num_right = 0;
+    for (int y = 0; y < depth.Height(); ++y) {
+      for (int x = 0; x < depth.Width(); ++x) {
+        if (SyntheticWorkspace::IsBare(view, x, y)) {
+          ++num_bare;
+          num_right += std::abs(depth(x, y) - 5.f) < 0.05f ? 1 : 0;
+        }
+      }
+    }
+    EXPECT_GT(num_right, num_bare / 2) << view;
   }
   bool HasEvidence() const {
     return std::filesystem::exists(root_ / "stereo/tsar/evidence");

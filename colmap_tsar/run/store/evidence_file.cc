@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/run/store/evidence_file.h"
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/run/store/state_file.h"
 
 #include <cstdint>
@@ -88,27 +87,12 @@ void ForOwnArrays(Evidence& evidence, const auto& use) {
   use(evidence.flags);
 }
 
-Error MissingEvidence(const std::filesystem::path& path) {
-  return Error::File(ErrorCode::kNotFound,
-                     path.string(),
-                     "no such file",
-                     "run again without removing files meanwhile");
-}
-
-Error CorruptEvidence(const std::filesystem::path& path,
-                      const std::string& what) {
-  return Error::File(
-      ErrorCode::kCorrupt,
-      path.string(),
-      "not a usable evidence file: " + what,
-      "delete the folder " + path.parent_path().string() + " and run again");
-}
-
 constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
     /*version=*/13,
-    &MissingEvidence,
-    &CorruptEvidence};
+    "evidence file",
+    "no such file",
+    "run again without removing files meanwhile"};
 
 }  // namespace
 

@@ -49,16 +49,6 @@ Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
   return RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
 }
 
-void ClearMaskedPixels(const Workspace& workspace, int image, ImageMaps* maps) {
-  const Image<uint8_t> mask = MaskOf(workspace, image, maps->depth);
-  ClearMasked(mask, &maps->depth);
-  ClearMasked(mask, &maps->normal);
-  ClearMasked(mask, &maps->confidence);
-  ClearMasked(mask, &maps->sigma);
-  ClearMasked(mask, &maps->provenance);
-  ClearMasked(mask, &maps->planes);
-}
-
 int NumThreads(const Workspace& workspace,
                const std::vector<int>& images,
                int num_threads) {
@@ -140,7 +130,7 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
   maps.sigma = ReadIfThere(maps.depth, paths.sigma, &ReadSigmaMap);
   maps.provenance = ReadIfThere(maps.depth, paths.provenance, &ReadGrayPng);
   maps.planes = ReadIfThere(maps.depth, paths.planes, &ReadGray16Png);
-  ClearMaskedPixels(workspace, image, &maps);
+  ClearMaskedPixels(MaskOf(workspace, image, maps.depth), &maps);
   return maps;
 }
 
@@ -149,7 +139,7 @@ ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image) {
   ImageMaps maps;
   maps.depth = std::move(original.depth);
   maps.normal = std::move(original.normal);
-  ClearMaskedPixels(workspace, image, &maps);
+  ClearMaskedPixels(MaskOf(workspace, image, maps.depth), &maps);
   return maps;
 }
 

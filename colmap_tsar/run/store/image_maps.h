@@ -27,6 +27,17 @@ struct ImageMaps {
   Image<uint16_t> planes;     // See refined_maps.h.
 };
 
+// Sets the masked pixels of ImageMaps or RefinedMaps to 0.
+template <typename Maps>
+void ClearMaskedPixels(const Image<uint8_t>& mask, Maps* maps) {
+  ClearMasked(mask, &maps->depth);
+  ClearMasked(mask, &maps->normal);
+  ClearMasked(mask, &maps->confidence);
+  ClearMasked(mask, &maps->sigma);
+  ClearMasked(mask, &maps->provenance);
+  ClearMasked(mask, &maps->planes);
+}
+
 // The images that have a depth and a normal map of the workspace's type, as
 // indices into its sparse model, ascending.
 std::vector<int> FindImagesWithMaps(const Workspace& workspace);

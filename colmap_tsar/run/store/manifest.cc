@@ -6,9 +6,11 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/json_file.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -22,47 +24,42 @@ ContainedPath PathOf(const Workspace& workspace) {
 }  // namespace
 
 int Manifest::NumImages(ImageStatus status) const {
-  return static_cast<int>(std::ranges::count(images, status, &Entry::status));
+  return static_cast<int>(
+      std::ranges::count(images, status, &ImageRecord::status));
 }
 
 Manifest BuildManifest(const Workspace& workspace,
-                       const std::map<std::string, std::string>& options,
-                       const std::string& options_hash) {
+                       const RefineOptions& options,
+                       std::map<std::string, std::string> inputs) {
   Manifest manifest;
   manifest.version = TSAR_VERSION;
   manifest.type = ToString(workspace.Type());
-  manifest.options = options;
-  for (const StereoProblem& problem : workspace.Problems()) {
-    Manifest::Entry entry;
-    entry.image = workspace.Name(problem.reference);
-    const std::optional<ImageRecord> record =
-        ReadRecord(workspace.Paths(problem.reference, workspace.Type()).record);
-    if (record && record->options_hash == options_hash) {
-      entry.status = record->status;
-      entry.note = record->note;
-      entry.counts = record->counts;
-      entry.seconds = record->seconds;
+  manifest.options = RefineOptionsText(options);
+  manifest.inputs = std::move(inputs);
+  const std::vector<int> references = workspace.References();
+  if (const auto num_masks = workspace.CountMasks(references)) {
+    manifest.runtime["masks"] = std::to_string(*num_masks);
+  }
+  if (const auto num_priors = workspace.Priors().Count(references)) {
+    manifest.runtime["depth_priors"] = std::to_string(*num_priors);
+  }
+  const std::string options_hash = HashRefineOptions(options);
+  for (const int image : references) {
+    std::optional<ImageRecord> record =
+        ReadRecord(workspace.Paths(image, workspace.Type()).record);
+    if (!record || record->options_hash != options_hash) {
+      record.emplace();
     }
-    for (const auto& [name, count] : entry.counts) {
+    record->image = workspace.Name(image);
+    for (const auto& [name, count] : record->counts) {
       manifest.counts[name] += count;
     }
-    for (const auto& [name, seconds] : entry.seconds) {
+    for (const auto& [name, seconds] : record->seconds) {
       manifest.seconds[name] += seconds;
     }
-    manifest.images.push_back(std::move(entry));
+    manifest.images.push_back(*std::move(record));
   }
   return manifest;
-}
-
-void NoteMasksAndPriors(const std::optional<int64_t>& num_masks,
-                        const std::optional<int64_t>& num_priors,
-                        Manifest* manifest) {
-  if (num_masks) {
-    manifest->runtime["masks"] = std::to_string(*num_masks);
-  }
-  if (num_priors) {
-    manifest->runtime["depth_priors"] = std::to_string(*num_priors);
-  }
 }
 
 Manifest ReadManifestInputs(const Workspace& workspace) {
@@ -80,7 +77,7 @@ Manifest ReadManifestInputs(const Workspace& workspace) {
 
 void WriteManifest(const Workspace& workspace, const Manifest& manifest) {
   nlohmann::json images = nlohmann::json::array();
-  for (const Manifest::Entry& entry : manifest.images) {
+  for (const ImageRecord& entry : manifest.images) {
     images.push_back({{"image", entry.image},
                       {"status", ToString(entry.status)},
                       {"note", entry.note},

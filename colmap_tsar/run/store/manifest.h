@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/view/refine_options.h"
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,37 +19,26 @@ struct Manifest {
   std::string version;
   std::string type;
   std::map<std::string, std::string> options;
-  // The runtime settings of the run; no result depends on them.
+  // The runtime settings of the run; no result depends on them. For how many
+  // images masks and depth priors were used, where they were given.
   std::map<std::string, std::string> runtime;
   // The inputs of the run, see InputFingerprints.
   std::map<std::string, std::string> inputs;
   // Sums over the images' records.
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;
-
-  struct Entry {
-    std::string image;
-    ImageStatus status = ImageStatus::kPending;
-    std::string note;
-    std::map<std::string, int64_t> counts;
-    std::map<std::string, double> seconds;
-  };
-  std::vector<Entry> images;  // In the order of Workspace::Problems().
+  // In the order of Workspace::Problems(); of each record the image, the status
+  // and what comes after the files.
+  std::vector<ImageRecord> images;
 
   int NumImages(ImageStatus status) const;
 };
 
 // The manifest with the state of every image of the workspace, from the
-// records: images with another options_hash, or without a record, are pending.
+// records: images with other options, or without a record, are pending.
 Manifest BuildManifest(const Workspace& workspace,
-                       const std::map<std::string, std::string>& options,
-                       const std::string& options_hash);
-
-// Writes to the manifest for how many images masks and depth priors were used;
-// nothing where none were given.
-void NoteMasksAndPriors(const std::optional<int64_t>& num_masks,
-                        const std::optional<int64_t>& num_priors,
-                        Manifest* manifest);
+                       const RefineOptions& options,
+                       std::map<std::string, std::string> inputs);
 
 // The version and the inputs of the manifest in a workspace; an empty manifest
 // where there is none.

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 namespace tsar {
 namespace {
@@ -65,8 +66,7 @@ std::string ListResultFolders() {
   return list;
 }
 
-}  // namespace
-
+// written: the files of this program of that name; null without a record.
 MapState FindMapState(const fs::path& current,
                       const fs::path& kept,
                       const std::vector<FileId>* written) {
@@ -99,6 +99,7 @@ MapState FindMapState(const fs::path& current,
   return written == nullptr ? MapState::kUnknown : MapState::kForeign;
 }
 
+// name: of the map in the record.
 OriginalMap InspectOriginal(const ContainedPath& current,
                             const ContainedPath& kept,
                             const std::optional<ImageRecord>& record,
@@ -121,6 +122,8 @@ OriginalMap InspectOriginal(const ContainedPath& current,
   }
   return map;
 }
+
+}  // namespace
 
 OriginalMaps::Files FindMapFiles(const MapPaths& paths) {
   return {FindFileId(paths.depth),

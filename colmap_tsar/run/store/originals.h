@@ -11,7 +11,6 @@
 #include <array>
 #include <filesystem>
 #include <optional>
-#include <vector>
 
 namespace tsar {
 
@@ -30,11 +29,6 @@ enum class MapState {
   kUnknown,   // A map without a record, although an original is kept.
 };
 
-// written: the files of this program of that name; null without a record.
-MapState FindMapState(const std::filesystem::path& current,
-                      const std::filesystem::path& kept,
-                      const std::vector<FileId>* written);
-
 struct OriginalMap {
   MapState state = MapState::kMissing;
   bool is_kept = false;  // A file is in stereo/tsar/original.
@@ -43,12 +37,6 @@ struct OriginalMap {
   // There is a refined map, and what is kept for it is gone or incomplete.
   bool is_lost = false;
 };
-
-// name: of the map in the record; nothing without a valid one.
-OriginalMap InspectOriginal(const ContainedPath& current,
-                            const ContainedPath& kept,
-                            const std::optional<ImageRecord>& record,
-                            const char* name);
 
 // The originals of an image's maps, as they are at one instant.
 struct OriginalMaps {
@@ -62,6 +50,7 @@ struct OriginalMaps {
 
 OriginalMaps::Files FindMapFiles(const MapPaths& paths);
 
+// record: nothing without a valid one.
 OriginalMaps InspectOriginals(const MapPaths& paths,
                               const std::optional<ImageRecord>& record);
 

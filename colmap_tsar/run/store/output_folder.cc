@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -42,20 +43,6 @@ Error Refused(const OutputFolderKind& kind,
       advice + ", or give another folder as " + OptionName(kind.path_option));
 }
 
-// The type of the file with this name, without following links.
-fs::file_type TypeOf(const fs::path& path) {
-  std::error_code error;
-  const fs::file_type type = fs::symlink_status(path, error).type();
-  if (type == fs::file_type::none) {
-    ThrowSystemError(path, "cannot be looked at", error.value());
-  }
-  return type;
-}
-
-bool IsThere(const fs::path& path) {
-  return TypeOf(path) != fs::file_type::not_found;
-}
-
 std::string TemporaryMarker(const OutputFolderKind& kind) {
   return std::string(kind.unfinished_file) + AtomicFile::kTemporarySuffix;
 }
@@ -63,7 +50,7 @@ std::string TemporaryMarker(const OutputFolderKind& kind) {
 // Whether it is an unfinished folder of this program: one that is empty, holds
 // only the marker's temporary file, or is marked.
 bool IsUnfinished(const OutputFolderKind& kind, const fs::path& path) {
-  if (TypeOf(path) != fs::file_type::directory) {
+  if (!fs::is_directory(SymlinkStatus(path))) {
     return false;
   }
   const std::vector<Folder::Entry> entries = Folder(UserPath(path)).List();
@@ -186,7 +173,7 @@ void CheckHoldsNothingElse(const OutputFolderKind& kind, const fs::path& path) {
 bool CheckPlace(const OutputFolderKind& kind,
                 const fs::path& path,
                 bool overwrite) {
-  const fs::file_type type = TypeOf(path);
+  const fs::file_type type = SymlinkStatus(path).type();
   if (type == fs::file_type::not_found) {
     return false;
   }
@@ -235,7 +222,8 @@ OutputFolder::OutputFolder(const OutputFolderKind& kind,
       temporary_(path_.string() + AtomicFile::kTemporarySuffix),
       overwrite_(overwrite) {
   CheckPlace(kind_, path_, overwrite_);
-  if (IsThere(temporary_) && !IsUnfinished(kind_, temporary_)) {
+  if (fs::exists(SymlinkStatus(temporary_)) &&
+      !IsUnfinished(kind_, temporary_)) {
     // It may be anything, a workspace too: to move it is the second choice.
     throw Error::File(ErrorCode::kUnsupported,
                       temporary_.string(),

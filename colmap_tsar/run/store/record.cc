@@ -12,6 +12,7 @@
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/run/store/json_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <stdexcept>
@@ -20,18 +21,6 @@
 #include <nlohmann/json.hpp>
 
 namespace tsar {
-
-// The conversions that nlohmann::json looks for.
-static void to_json(nlohmann::json& json, const FileId& id) {
-  json = ToText(id);
-}
-static void from_json(const nlohmann::json& json, FileId& id) {
-  const std::optional<FileId> read = FileIdFromText(json.get<std::string>());
-  if (!read) {
-    throw std::invalid_argument("no file's size and time");
-  }
-  id = *read;
-}
 
 namespace {
 
@@ -47,6 +36,35 @@ constexpr std::array kStatusNames = {
 std::string ToString(ImageStatus status) {
   return EnumName(kStatusNames, status);
 }
+
+// The conversions that nlohmann::json looks for.
+static void to_json(nlohmann::json& json, const FileId& id) {
+  json = ToText(id);
+}
+static void from_json(const nlohmann::json& json, FileId& id) {
+  const std::optional<FileId> read = FileIdFromText(json.get<std::string>());
+  if (!read) {
+    throw std::invalid_argument("no file's size and time");
+  }
+  id = *read;
+}
+static void to_json(nlohmann::json& json, const ImageStatus& status) {
+  json = ToString(status);
+}
+static void from_json(const nlohmann::json& json, ImageStatus& status) {
+  status = EnumValue(kStatusNames, json.get<std::string>());
+}
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImageRecord,
+                                   image,
+                                   type,
+                                   status,
+                                   options_hash,
+                                   inputs,
+                                   planes,
+                                   files,
+                                   counts,
+                                   seconds,
+                                   note)
 
 bool ImageRecord::Has(const std::string& name,
                       const std::filesystem::path& path) const {
@@ -80,24 +98,9 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
                       "check that it is a file and that you may read it");
   }
   try {
-    const nlohmann::json json = nlohmann::json::parse(file);
-    ImageRecord record;
-    json.at("image").get_to(record.image);
-    json.at("type").get_to(record.type);
-    record.status =
-        EnumValue(kStatusNames, json.at("status").get<std::string>());
-    json.at("options_hash").get_to(record.options_hash);
-    json.at("inputs").get_to(record.inputs);
-    json.at("planes").get_to(record.planes);
-    json.at("files").get_to(record.files);
-    json.at("counts").get_to(record.counts);
-    json.at("seconds").get_to(record.seconds);
-    json.at("note").get_to(record.note);
-    bool names_files = true;
-    for (const auto& [name, ids] : record.files) {
-      names_files = names_files && !ids.empty();
-    }
-    if (names_files) {
+    ImageRecord record = nlohmann::json::parse(file);
+    const auto names_file = [](const auto& ids) { return !ids.second.empty(); };
+    if (std::ranges::all_of(record.files, names_file)) {
       return record;
     }
   } catch (const nlohmann::json::exception&) {
@@ -125,17 +128,7 @@ std::optional<ImageRecord> ReadRecordIfValid(
 }
 
 void WriteRecord(const ContainedPath& path, const ImageRecord& record) {
-  WriteJson(path,
-            {{"image", record.image},
-             {"type", record.type},
-             {"status", ToString(record.status)},
-             {"options_hash", record.options_hash},
-             {"inputs", record.inputs},
-             {"planes", record.planes},
-             {"files", record.files},
-             {"counts", record.counts},
-             {"seconds", record.seconds},
-             {"note", record.note}});
+  WriteJson(path, record);
 }
 
 }  // namespace tsar

@@ -4,10 +4,13 @@
 #include "colmap_tsar/run/store/scene_model_file.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/state_file.h"
+#include "colmap_tsar/scene/find_scene.h"
 
 #include <algorithm>
+#include <array>
 #include <concepts>
 #include <cstddef>
 #include <type_traits>
@@ -86,38 +89,34 @@ std::vector<Element> FromNumbers(const std::vector<double>& numbers) {
   return elements;
 }
 
-Error MissingModel(const std::filesystem::path& path) {
-  return Error::File(ErrorCode::kNotFound,
-                     path.string(),
-                     "there are no planes of the scene",
-                     "run tsar_refine on this workspace first");
-}
-
-Error CorruptModel(const std::filesystem::path& path, const std::string& what) {
-  return Error::File(ErrorCode::kCorrupt,
-                     path.string(),
-                     "not a usable file of planes: " + what,
-                     "delete it and run tsar_refine again");
-}
-
 constexpr StateFileKind kModelFile = {{'T', 'S', 'A', 'R', 'P', 'L', 'A', 'N'},
                                       /*version=*/6,
-                                      &MissingModel,
-                                      &CorruptModel};
+                                      "file of planes",
+                                      "there are no planes of the scene",
+                                      "run tsar_refine on this workspace "
+                                      "first"};
 
-// The model without labels. checksum: that of the planes.
-SceneModel ReadPlanes(StateFileReader* reader, uint64_t* checksum) {
-  std::vector<double> planes;
-  std::vector<double> frames;
-  std::vector<double> cylinders;
-  reader->Read(&planes);
-  reader->Read(&frames);
-  reader->Read(&cylinders);
-  *checksum = reader->EndPart();
-  return {FromNumbers<ModelPlane>(planes),
-          FromNumbers<Eigen::Matrix3d>(frames),
-          FromNumbers<ModelCylinder>(cylinders),
-          {}};
+// The numbers of planes, frames and cylinders.
+using Numbers = std::array<std::vector<double>, 3>;
+
+// Returns their checksum.
+uint64_t ReadNumbers(StateFileReader* reader, Numbers* numbers) {
+  for (std::vector<double>& array : *numbers) {
+    reader->Read(&array);
+  }
+  return reader->EndPart();
+}
+
+void WarnOfPlanesWithoutName(size_t num_planes) {
+  if (num_planes > size_t{kMaxPlanesOfMap}) {
+    Warn("the scene has " + std::to_string(num_planes) +
+         " planes, of which plane maps can name " +
+         std::to_string(kMaxPlanesOfMap) + ": the " +
+         std::to_string(num_planes - size_t{kMaxPlanesOfMap}) +
+         " that least was measured of are missing in stereo/plane_maps, and "
+         "tsar_planes gives them no outlines; depths and normals, and the "
+         "list of planes in stereo/tsar/planes.bin, are complete");
+  }
 }
 
 }  // namespace
@@ -130,16 +129,17 @@ void WriteSceneModel(const ContainedPath& path,
                      const std::string& key,
                      const SceneModel& model,
                      SceneModelParts parts) {
-  const std::vector<double> planes = NumbersOf(model.planes);
-  const std::vector<double> frames = NumbersOf(model.frames);
-  const std::vector<double> cylinders = NumbersOf(model.cylinders);
+  const Numbers numbers = {NumbersOf(model.planes),
+                           NumbersOf(model.frames),
+                           NumbersOf(model.cylinders)};
   StateFileWriter writer;
-  writer.Add(planes);
-  writer.Add(frames);
-  writer.Add(cylinders);
+  for (const std::vector<double>& array : numbers) {
+    writer.Add(array);
+  }
   writer.EndPart();
   std::vector<int> images;
   if (parts == SceneModelParts::kAll) {
+    WarnOfPlanesWithoutName(model.planes.size());
     for (const auto& [image, view] : model.views) {
       images.push_back(image);
     }
@@ -158,8 +158,12 @@ void WriteSceneModel(const ContainedPath& path,
 SceneModel ReadSceneModel(const std::filesystem::path& path,
                           SceneModelParts parts) {
   StateFileReader reader(path, kModelFile);
-  uint64_t checksum = 0;
-  SceneModel model = ReadPlanes(&reader, &checksum);
+  Numbers numbers;
+  ReadNumbers(&reader, &numbers);
+  SceneModel model = {FromNumbers<ModelPlane>(numbers[0]),
+                      FromNumbers<Eigen::Matrix3d>(numbers[1]),
+                      FromNumbers<ModelCylinder>(numbers[2]),
+                      {}};
   if (parts == SceneModelParts::kAll) {
     std::vector<int> images;
     reader.Read(&images);
@@ -178,9 +182,8 @@ std::optional<uint64_t> ReadScenePlanesFingerprint(
     const std::filesystem::path& path) {
   try {
     StateFileReader reader(path, kModelFile);
-    uint64_t checksum = 0;
-    ReadPlanes(&reader, &checksum);
-    return checksum;
+    Numbers numbers;
+    return ReadNumbers(&reader, &numbers);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -189,6 +192,17 @@ std::optional<uint64_t> ReadScenePlanesFingerprint(
 std::optional<std::string> ReadSceneModelKey(
     const std::filesystem::path& path) {
   return ReadStateFileKey(path, kModelFile);
+}
+
+void DropSceneLabels(const ContainedPath& path) {
+  const std::string key = ReadSceneModelKey(path).value_or("");
+  const size_t end = key.find(' ');
+  if (end != std::string::npos) {
+    WriteSceneModel(path,
+                    key.substr(0, end),
+                    ReadSceneModel(path, SceneModelParts::kWithoutLabels),
+                    SceneModelParts::kWithoutLabels);
+  }
 }
 
 }  // namespace tsar

@@ -26,7 +26,8 @@ enum class SceneModelParts {
 ContainedPath GetSceneModelPath(const std::filesystem::path& root);
 
 // Writes the file atomically; creates the folder. The same model gives the same
-// bytes. key: a fingerprint of all inputs of the model. Throws kIo.
+// bytes. key: a fingerprint of all inputs of the model. Warns where a model
+// with labels has more planes than plane maps can represent. Throws kIo.
 void WriteSceneModel(const ContainedPath& path,
                      const std::string& key,
                      const SceneModel& model,
@@ -46,5 +47,10 @@ std::optional<uint64_t> ReadScenePlanesFingerprint(
 // The key of a file, which tells whether the model may be used; see
 // ReadStateFileKey.
 std::optional<std::string> ReadSceneModelKey(const std::filesystem::path& path);
+
+// At the end of a complete run, removes the labels and, of the key, what comes
+// after its first word: the fingerprint of the inputs. So the same maps give
+// the same bytes.
+void DropSceneLabels(const ContainedPath& path);
 
 }  // namespace tsar

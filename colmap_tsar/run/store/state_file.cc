@@ -77,10 +77,13 @@ StateFileReader::StateFileReader(const std::filesystem::path& path,
                                  const StateFileKind& kind)
     : path_(path), kind_(kind), file_(path) {
   if (file_.IsMissing()) {
-    throw kind_.missing(path_);
+    throw Error::File(ErrorCode::kNotFound,
+                      path_.string(),
+                      kind_.missing,
+                      kind_.advice_for_missing);
   }
   if (file_.IsNoFile()) {
-    throw kind_.corrupt(path_, file_.Reason());
+    throw Corrupt(file_.Reason());
   }
   if (!file_) {
     throw Error::File(ErrorCode::kIo,
@@ -96,22 +99,28 @@ void StateFileReader::ReadHeader() {
   Header header;
   ReadBytes(std::as_writable_bytes(std::span(&header, 1)));
   if (header.magic != kind_.magic) {
-    throw kind_.corrupt(path_, "it is another kind of file");
+    throw Corrupt("it is another kind of file");
   }
   if (header.version != kind_.version) {
-    throw kind_.corrupt(
-        path_,
-        "its format is of version " + std::to_string(header.version) +
-            ", this program reads version " + std::to_string(kind_.version));
+    throw Corrupt("its format is of version " + std::to_string(header.version) +
+                  ", this program reads version " +
+                  std::to_string(kind_.version));
   }
   if (header.file_size != file_.Size() || header.key_length > file_.Size()) {
-    throw kind_.corrupt(path_, "it is not complete");
+    throw Corrupt("it is not complete");
   }
   key_.resize(header.key_length);
   ReadBytes(std::as_writable_bytes(std::span(key_)));
   if (ChecksumOf(header, key_) != header.checksum) {
-    throw kind_.corrupt(path_, "its header was changed");
+    throw Corrupt("its header was changed");
   }
+}
+
+Error StateFileReader::Corrupt(const std::string& what) const {
+  return Error::File(ErrorCode::kCorrupt,
+                     path_.string(),
+                     std::string("not a usable ") + kind_.name + ": " + what,
+                     "delete it and run tsar_refine again");
 }
 
 uint64_t StateFileReader::EndPart() {
@@ -119,7 +128,7 @@ uint64_t StateFileReader::EndPart() {
   uint64_t expected = 0;
   ReadBytes(std::as_writable_bytes(std::span(&expected, 1)));
   if (checksum != expected) {
-    throw kind_.corrupt(path_, "its content was changed");
+    throw Corrupt("its content was changed");
   }
   hash_.emplace();
   return checksum;
@@ -133,7 +142,7 @@ StateFileArray StateFileReader::ReadArray(size_t element_size) {
       (array.width > 0 &&
        (array.num_elements % array.width != 0 ||
         array.num_elements > static_cast<uint64_t>(INT32_MAX)))) {
-    throw kind_.corrupt(path_, "its content was changed");
+    throw Corrupt("its content was changed");
   }
   return array;
 }
@@ -147,7 +156,7 @@ void StateFileReader::ReadBytes(std::span<std::byte> bytes) {
     file_.read(reinterpret_cast<char*>(piece.data()),
                static_cast<std::streamsize>(piece.size()));
     if (!file_) {
-      throw kind_.corrupt(path_, "it is not complete");
+      throw Corrupt("it is not complete");
     }
     if (hash_) {
       hash_->Update(piece.data(), piece.size());

@@ -27,14 +27,14 @@ namespace tsar {
 // followed by parts, each of which ends with its checksum. The checksums tell
 // damage; the content is what the program once wrote.
 
-// A format of state files, with its errors.
+// A format of state files, with the texts of its errors.
 struct StateFileKind {
   std::array<char, 8> magic;
   // To be incremented with every change of the meaning of the bytes.
   uint32_t version;
-  Error (*missing)(const std::filesystem::path& path);
-  // what: the fault, such as "its content was changed".
-  Error (*corrupt)(const std::filesystem::path& path, const std::string& what);
+  const char* name;  // "evidence file".
+  const char* missing;
+  const char* advice_for_missing;
 };
 
 // What comes before the elements of an array.
@@ -76,9 +76,9 @@ class StateFileWriter {
   std::vector<Entry> arrays_;
 };
 
-// An open file with an intact header. The constructor throws the kind's errors,
-// and kIo where the file may not be read; all other functions throw the kind's
-// error for a corrupt file.
+// An open file with an intact header. The constructor throws Error kNotFound,
+// kCorrupt, and kIo where the file may not be read; all other functions
+// kCorrupt.
 class StateFileReader {
  public:
   // kind must outlive the reader.
@@ -107,6 +107,8 @@ class StateFileReader {
 
  private:
   void ReadHeader();
+  // what: the fault, such as "its content was changed".
+  Error Corrupt(const std::string& what) const;
   StateFileArray ReadArray(size_t element_size);
   void ReadBytes(std::span<std::byte> bytes);
 

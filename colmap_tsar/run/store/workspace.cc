@@ -13,6 +13,7 @@
 #include "colmap_tsar/run/store/originals.h"
 
 #include <algorithm>
+#include <iterator>
 #include <system_error>
 
 #include <opencv2/core.hpp>
@@ -87,6 +88,13 @@ Workspace::Workspace(const std::filesystem::path& root, MapType type)
 
 void Workspace::WarnOfSourcesLeftOut() const {
   tsar::WarnOfSourcesLeftOut(ConfigPath(root_), problems_);
+}
+
+std::vector<int> Workspace::References() const {
+  std::vector<int> references;
+  std::ranges::transform(
+      problems_, std::back_inserter(references), &StereoProblem::reference);
+  return references;
 }
 
 std::vector<int> Workspace::ReferencesOf(

@@ -64,7 +64,8 @@ class Workspace {
   const std::vector<StereoProblem>& Problems() const { return problems_; }
   // Warns in one line of sources of these problems that were left out.
   void WarnOfSourcesLeftOut() const;
-  // The references of the problems with these indices.
+  // The references of all problems, or of those with these indices.
+  std::vector<int> References() const;
   std::vector<int> ReferencesOf(const std::vector<size_t>& problems) const;
 
   int NumImages() const { return static_cast<int>(model_.images.size()); }

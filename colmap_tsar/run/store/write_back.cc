@@ -21,19 +21,6 @@
 namespace tsar {
 namespace {
 
-void RequireSameSizes(const RefinedMaps& maps, const std::string& image) {
-  if (!maps.normal.HasSizeOf(maps.depth) ||
-      !maps.confidence.HasSizeOf(maps.depth) ||
-      !maps.provenance.HasSizeOf(maps.depth) ||
-      (!maps.planes.Empty() && !maps.planes.HasSizeOf(maps.depth)) ||
-      (!maps.sigma.Empty() && !maps.sigma.HasSizeOf(maps.depth))) {
-    throw Error(ErrorCode::kMismatch,
-                image +
-                    ": the refined maps differ in size; this is a mistake "
-                    "of the program, please report it");
-  }
-}
-
 Image<uint8_t> ToLevels(const Image<float>& confidence) {
   Image<uint8_t> levels(confidence.Width(), confidence.Height());
   std::ranges::transform(confidence, levels.begin(), &ToConfidenceLevel);
@@ -76,7 +63,6 @@ AtomicFile& WriteBack::Add(const char* name, const ContainedPath& path) {
 }
 
 void WriteBack::PrepareFiles(const RefinedMaps& maps) {
-  RequireSameSizes(maps, record_.image);
   files_.reserve(2 + kResultFolders.size());
   AtomicFile& depth = Add("depth", paths_.depth);
   files_.back().hash = PutDepthMap(maps.depth, &depth);

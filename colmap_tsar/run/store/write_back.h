@@ -27,7 +27,7 @@ bool IsDone(const Workspace& workspace, int image, const ImageRecord& expected);
 // be called in this order. At every instant each map file is the complete
 // original or the complete refined one, and the original is kept in
 // stereo/tsar/original. Thread-safe for different images. Throws Error:
-// kMismatch (sizes, or values that are not finite), kNotFound (the image has no
+// kMismatch (values that are not finite), kNotFound (the image has no
 // maps), what FindOriginals throws, kIo.
 class WriteBack {
  public:

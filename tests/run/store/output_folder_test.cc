@@ -49,15 +49,24 @@ class OutputFolderTest : public testing::Test {
   const fs::path path_ = parent_.Path() / "report";
 };
 
-TEST_F(OutputFolderTest, AppearsAsAWhole) {
-  {
-    OutputFolder folder(kReport, path_, false);
-    WriteText(folder.Temporary() / kReport.known_file, "new");
-    EXPECT_FALSE(fs::exists(path_));
-    folder.Commit();
+TEST_F(OutputFolderTest, AppearsAsAWholeWithTheListOfItsFiles) {
+  for (const bool is_there : {false, true}) {
+    fs::remove_all(path_);
+    if (is_there) {
+      fs::create_directories(path_);
+    }
+    {
+      OutputFolder folder(kReport, path_ / "", false);
+      WriteText(folder.Temporary() / kReport.known_file, "new");
+      WriteText(folder.Temporary() / "images/a/b.png", "");
+      EXPECT_FALSE(fs::exists(path_ / kReport.known_file));
+      folder.Commit();
+    }
+    EXPECT_EQ(ReadText(path_ / kReport.known_file), "new");
+    EXPECT_EQ(ReadText(path_ / kReport.list_file),
+              "data/report.js\nimages/a/b.png\ndata/files.txt\n");
+    EXPECT_EQ(NumEntries(), 1u);
   }
-  EXPECT_EQ(ReadText(path_ / kReport.known_file), "new");
-  EXPECT_EQ(NumEntries(), 1u);
 }
 
 TEST_F(OutputFolderTest, LeavesNothingWithoutCommit) {
@@ -86,15 +95,6 @@ TEST_F(OutputFolderTest, ReplacesAFolderOnlyWhenAsked) {
   EXPECT_FALSE(fs::exists(path_ / "images"));
   EXPECT_FALSE(fs::exists(path_ / kReport.unfinished_file));
   EXPECT_EQ(NumEntries(), 1u);
-}
-
-TEST_F(OutputFolderTest, ListsItsFiles) {
-  OutputFolder folder(kReport, path_, false);
-  WriteText(folder.Temporary() / kReport.known_file, "new");
-  WriteText(folder.Temporary() / "images/a/b.png", "");
-  folder.Commit();
-  EXPECT_EQ(ReadText(path_ / kReport.list_file),
-            "data/report.js\nimages/a/b.png\ndata/files.txt\n");
 }
 
 TEST_F(OutputFolderTest, NeverTouchesAnythingElse) {
@@ -181,14 +181,6 @@ TEST_F(OutputFolderTest, FollowsNoLinks) {
   fs::create_symlink(mine, path_ / kReport.known_file);
   ExpectUntouched({kReport.known_file},
                   [&] { OutputFolder(kReport, path_, true); });
-}
-
-TEST_F(OutputFolderTest, TakesAnEmptyFolderAndASeparatorAtTheEnd) {
-  fs::create_directories(path_);
-  OutputFolder folder(kReport, path_ / "", false);
-  WriteText(folder.Temporary() / kReport.known_file, "new");
-  folder.Commit();
-  EXPECT_EQ(ReadText(path_ / kReport.known_file), "new");
 }
 
 TEST_F(OutputFolderTest, NeverTouchesOthersFoldersBesideIt) {

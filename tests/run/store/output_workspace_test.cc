@@ -7,8 +7,7 @@
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/write_back.h"
 
-#include <map>
-
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
 
@@ -29,15 +28,6 @@ class OutputWorkspaceTest : public testing::Test {
     ImageRecord record;
     record.options_hash = "options";
     return record;
-  }
-  std::map<std::string, std::string> InputFiles() {
-    std::map<std::string, std::string> files;
-    for (const auto& entry :
-         std::filesystem::recursive_directory_iterator(root_)) {
-      files[entry.path()] =
-          entry.is_directory() ? "folder" : ReadText(entry.path());
-    }
-    return files;
   }
   static float Depth(const Workspace& workspace, int image) {
     return ReadDepthMap(workspace.DepthPath(image, kGeometric))(0, 0);
@@ -79,13 +69,13 @@ TEST_F(OutputWorkspaceTest, HasTheModelInSparseItself) {
   std::filesystem::rename(root_ / "sparse", root_ / "0");
   std::filesystem::create_directory(root_ / "sparse");
   std::filesystem::rename(root_ / "0", root_ / "sparse/0");
-  const auto before = InputFiles();
+  const auto before = ReadTree(root_);
   const Workspace output = Create();
   EXPECT_EQ(output.ModelFolder(), output_ / "sparse");
   EXPECT_EQ(output.Model().images.size(), 3u);
   EXPECT_EQ(ReadText(output_ / "sparse/images.txt"),
             ReadText(root_ / "sparse/0/images.txt"));
-  EXPECT_EQ(InputFiles(), before);
+  EXPECT_EQ(ReadTree(root_), before);
   // Of a model that is there later, the output takes that.
   for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
     std::filesystem::copy(root_ / "sparse/0" / name, root_ / "sparse" / name);
@@ -96,7 +86,7 @@ TEST_F(OutputWorkspaceTest, HasTheModelInSparseItself) {
 }
 
 TEST_F(OutputWorkspaceTest, LeavesTheInputAlone) {
-  const auto before = InputFiles();
+  const auto before = ReadTree(root_);
   const Workspace output = Create();
   WriteRefined(output, 0, MakeRefinedMaps(42.f), Record());
   WriteRefined(output, 1, MakeRefinedMaps(43.f), Record());
@@ -105,10 +95,10 @@ TEST_F(OutputWorkspaceTest, LeavesTheInputAlone) {
   EXPECT_EQ(Depth(output, 1), 43.f);
   EXPECT_EQ(Depth(output, 2), 6.f);
   EXPECT_EQ(OriginalDepth(output), 2.f);
-  EXPECT_EQ(InputFiles(), before);
+  EXPECT_EQ(ReadTree(root_), before);
   Restore(output_);
   EXPECT_EQ(Depth(output, 0), 2.f);
-  EXPECT_EQ(InputFiles(), before);
+  EXPECT_EQ(ReadTree(root_), before);
 }
 
 TEST_F(OutputWorkspaceTest, GoesOnWhereItStopped) {

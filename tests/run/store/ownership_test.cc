@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "tests/run/store/write_back_testing.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/write_refined.h"
 #include <nlohmann/json.hpp>
 
@@ -205,14 +206,14 @@ TEST_P(OwnershipTest, RefineAgain) {
     WriteRefined(workspace(), 0, MakeRefinedMaps(43.f), Record());
   };
   if (GetParam().refusal[0] != '\0') {
-    const auto before = Snapshot(root_);
+    const auto before = ReadTree(root_);
     try {
       refine();
       ADD_FAILURE();
     } catch (const Error& error) {
       EXPECT_THAT(error.what(), testing::HasSubstr(GetParam().refusal));
     }
-    EXPECT_EQ(Snapshot(root_), before);
+    EXPECT_EQ(ReadTree(root_), before);
     return;
   }
   refine();
@@ -271,21 +272,21 @@ TEST_F(WriteBackTest, RestoreChecksAllBeforeTheFirstChange) {
            [&] { std::filesystem::create_symlink(paths.depth.Path(), link); }}};
   for (const auto& [path, make] : obstacles) {
     make();
-    const auto before = Snapshot(root_);
+    const auto before = ReadTree(root_);
     try {
       Restore(root_);
       ADD_FAILURE();
     } catch (const Error& error) {
       EXPECT_THAT(error.what(), testing::HasSubstr(path.string()));
     }
-    EXPECT_EQ(Snapshot(root_), before);
+    EXPECT_EQ(ReadTree(root_), before);
     std::filesystem::remove_all(path);
   }
   EXPECT_EQ(Restore(root_).num_restored, 1);
 }
 
 TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
-  const auto clean = Snapshot(root_);
+  const auto clean = ReadTree(root_);
   const Workspace photometric(root_, MapType::kPhotometric);
   for (int image = 0; image < 3; ++image) {
     WriteRefined(workspace(), image, MakeRefinedMaps(42.f), Record());
@@ -293,7 +294,7 @@ TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
   }
   WriteText(root_ / "stereo/tsar/manifest.json", "{}");
   EXPECT_EQ(Restore(root_).num_restored, 6);
-  EXPECT_EQ(Snapshot(root_), clean);
+  EXPECT_EQ(ReadTree(root_), clean);
   // What is not this program's stays.
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
   WriteText(root_ / "stereo/confidence_maps/mine.bin", "mine");

@@ -76,15 +76,6 @@ TEST(WorkspaceLockTest, ReadersNeedNoPermissionToWrite) {
   EXPECT_EQ(ReadText(folder.Path() / "stereo/tsar"), "a file");
 }
 
-TEST(WorkspaceLockTest, TakesOverAFileThatAKilledProgramLeft) {
-  const TemporaryFolder folder;
-  WriteText(folder.Path() / "stereo/tsar/lock", "");
-  WriteText(folder.Path() / "stereo/tsar/manifest.json", "{}");
-  { const WorkspaceLock lock(folder.Path()); }
-  EXPECT_TRUE(
-      std::filesystem::exists(folder.Path() / "stereo/tsar/manifest.json"));
-}
-
 TEST(WorkspaceLockTest, WritersRefuseFoldersThatAreLinksOut) {
   const TemporaryFolder folder;
   const auto root = folder.Path() / "dense";

@@ -73,16 +73,6 @@ TEST_F(WorkspaceTest, RefusesNamesThatLeadOut) {
   }
 }
 
-TEST_F(WorkspaceTest, RefusesTwoNamesOfOneFile) {
-  for (const char* name : {"left//b.png", "./left/b.png", "left/./b.png"}) {
-    MakeTestWorkspace(root_);
-    ReplaceText("sparse/images.txt", "a.png", name);
-    ExpectError(ErrorCode::kCorrupt, {"images.txt", "same file"}, [&] {
-      Workspace(root_, kGeometric);
-    });
-  }
-}
-
 TEST_F(WorkspaceTest, ReadsMaps) {
   const Workspace workspace(root_, kGeometric);
   EXPECT_TRUE(workspace.HasMaps(1, kPhotometric));
@@ -92,21 +82,6 @@ TEST_F(WorkspaceTest, ReadsMaps) {
   EXPECT_EQ(maps.normal(3, 2), (Vec3f{0, 0, -3}));
   EXPECT_EQ(maps.num_not_finite, 0);
   EXPECT_EQ(workspace.ReadOriginalMaps(1, kGeometric).depth(0, 0), 4.f);
-}
-
-TEST_F(WorkspaceTest, CountsBadValuesOfBothMaps) {
-  std::string depth = ReadText(root_ / "stereo/depth_maps/a.png.geometric.bin");
-  std::string nan = depth.substr(0, 6) + std::string(4, '\xFF');
-  WriteText(root_ / "stereo/depth_maps/a.png.geometric.bin",
-            nan + depth.substr(nan.size()));
-  std::string normal =
-      ReadText(root_ / "stereo/normal_maps/a.png.geometric.bin");
-  WriteText(root_ / "stereo/normal_maps/a.png.geometric.bin",
-            normal.substr(0, normal.size() - 4) + std::string(4, '\xFF'));
-  EXPECT_EQ(Workspace(root_, kGeometric)
-                .ReadOriginalMaps(0, kGeometric)
-                .num_not_finite,
-            2);
 }
 
 TEST_F(WorkspaceTest, NamesTheMissingMap) {
@@ -122,25 +97,6 @@ TEST_F(WorkspaceTest, NamesTheMissingMap) {
   ExpectError(ErrorCode::kNotFound,
               {workspace.DepthPath(1, kGeometric).string()},
               [&] { workspace.ReadOriginalMaps(1, kGeometric); });
-}
-
-TEST_F(WorkspaceTest, RefusesMapsOfDifferentSizes) {
-  const Workspace workspace(root_, kGeometric);
-  WriteDepthMap(UserPath(workspace.DepthPath(0, kGeometric)),
-                Image<float>(8, 6, 1.f));
-  ExpectError(
-      ErrorCode::kMismatch,
-      {workspace.Paths(0, kGeometric).normal.string(), "4 x 3", "8 x 6"},
-      [&] { workspace.ReadOriginalMaps(0, kGeometric); });
-}
-
-TEST_F(WorkspaceTest, RefusesMapsOfAnotherShapeThanTheImage) {
-  const Workspace workspace(root_, kGeometric);
-  const std::filesystem::path path = workspace.DepthPath(0, kGeometric);
-  WriteDepthMap(UserPath(path), Image<float>(3, 8, 1.f));
-  ExpectError(ErrorCode::kMismatch,
-              {path.string(), "has 3 x 8 pixels", "the image a.png of 8 x 6"},
-              [&] { workspace.ReadOriginalMaps(0, kGeometric); });
 }
 
 // The test image has blue = x, green = 10 y, red = 200.
@@ -164,27 +120,6 @@ TEST_F(WorkspaceTest, RefusesImagesOfAnotherSize) {
   ExpectError(ErrorCode::kMismatch,
               {workspace.ImagePath(0).string(), "8 x 6", "6 x 8"},
               [&] { workspace.ReadImage(0, 6, 8); });
-}
-
-TEST_F(WorkspaceTest, NamesUnreadableImages) {
-  const Workspace workspace(root_, kGeometric);
-  const auto path = workspace.ImagePath(0);
-  for (const std::string& text : {std::string(), std::string("no image")}) {
-    WriteText(path, text);
-    ExpectError(ErrorCode::kCorrupt, {path.string()}, [&] {
-      workspace.ReadImage(0, 8, 6);
-    });
-  }
-  MakeTestWorkspace(root_);
-  const std::string whole = ReadText(path);
-  WriteText(path, whole.substr(0, whole.size() / 2));
-  ExpectError(ErrorCode::kCorrupt, {path.string(), "is damaged"}, [&] {
-    workspace.ReadImage(0, 8, 6);
-  });
-  std::filesystem::remove(path);
-  ExpectError(ErrorCode::kNotFound, {path.string()}, [&] {
-    workspace.ReadImage(0, 8, 6);
-  });
 }
 
 }  // namespace

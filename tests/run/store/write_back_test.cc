@@ -10,13 +10,13 @@
 #include "colmap_tsar/run/store/manifest.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/result_files.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include "tests/run/store/write_back_testing.h"
+#include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
 #include "tests/support/write_refined.h"
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
 namespace {
@@ -31,19 +31,14 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
   WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), record);
   EXPECT_EQ(CurrentDepth(1), 42.f);
   EXPECT_EQ(OriginalDepth(1), 4.f);
-  const cv::Mat confidence =
-      cv::imread(workspace().Paths(1, kGeometric).confidence.string(),
-                 cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(confidence.type(), CV_8UC1);
-  EXPECT_EQ(confidence.size(), cv::Size(4, 3));
-  EXPECT_EQ(confidence.at<uint8_t>(2, 3), 128);
-  const cv::Mat provenance =
-      cv::imread(workspace().Paths(1, kGeometric).provenance.string(),
-                 cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(provenance.type(), CV_8UC1);
-  EXPECT_EQ(provenance.cols, 4);
-  EXPECT_EQ(provenance.rows, 3);
-  EXPECT_EQ(provenance.at<uint8_t>(2, 3), 4);
+  const MapPaths paths = workspace().Paths(1, kGeometric);
+  for (const auto& [path, value] :
+       {std::pair(paths.confidence, 128), {paths.provenance, 4}}) {
+    const Image<uint8_t> map = ReadGrayPng(path);
+    EXPECT_EQ(map.Width(), 4);
+    EXPECT_EQ(map.Height(), 3);
+    EXPECT_EQ(map(3, 2), value);
+  }
 
   const auto written = ReadRecord(workspace().Paths(1, kGeometric).record);
   ASSERT_TRUE(written);
@@ -60,7 +55,7 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
 }
 
 TEST_F(WriteBackTest, WritesPlanesAndSigmaWhereThereAreSome) {
-  const auto clean = Snapshot(root_);
+  const auto clean = ReadTree(root_);
   const MapPaths paths = workspace().Paths(1, kGeometric);
   EXPECT_EQ(paths.planes.Path(),
             root_ / "stereo/plane_maps/left/b.png.geometric.png");
@@ -76,11 +71,7 @@ TEST_F(WriteBackTest, WritesPlanesAndSigmaWhereThereAreSome) {
   maps.planes = Image<uint16_t>(4, 3, 40000);
   maps.sigma = Image<uint16_t>(4, 3, ToPositiveHalf(0.25f));
   WriteRefined(workspace(), 1, maps, Record());
-  const cv::Mat planes =
-      cv::imread(paths.planes.string(), cv::IMREAD_UNCHANGED);
-  ASSERT_EQ(planes.type(), CV_16UC1);
-  ASSERT_EQ(planes.size(), cv::Size(4, 3));
-  EXPECT_EQ(planes.at<uint16_t>(2, 3), 40000);
+  EXPECT_EQ(ReadGray16Png(paths.planes)(3, 2), 40000);
   EXPECT_EQ(ReadSigmaMap(paths.sigma)(3, 2), 0.25f);
   // Those of an earlier refinement do not outlive it.
   WriteRefined(workspace(), 1, MakeRefinedMaps(43.f), Record());
@@ -90,7 +81,7 @@ TEST_F(WriteBackTest, WritesPlanesAndSigmaWhereThereAreSome) {
   expect_none();
   WriteRefined(workspace(), 1, maps, Record());
   Restore(root_);
-  EXPECT_EQ(Snapshot(root_), clean);
+  EXPECT_EQ(ReadTree(root_), clean);
 }
 
 // What is missing, damaged or made of something else is made again.
@@ -140,18 +131,18 @@ TEST_F(WriteBackTest, PreparingFilesChangesNoFileThatIsRead) {
     if (earlier > 0.f) {
       WriteRefined(workspace(), 0, MakeRefinedMaps(earlier), Record());
     }
-    const auto before = Snapshot(root_);
+    const auto before = ReadTree(root_);
     {
       WriteBack write_back(workspace(), 0, Record());
       write_back.PrepareFiles(MakeRefinedMaps(43.f));
-      const auto prepared = Snapshot(root_);
+      const auto prepared = ReadTree(root_);
       EXPECT_GT(prepared.size(), before.size());
       for (const auto& [path, content] : before) {
         EXPECT_EQ(prepared.at(path), content) << path;
       }
       EXPECT_EQ(OriginalDepth(0), 2.f);
     }
-    for (const auto& [path, content] : Snapshot(root_)) {
+    for (const auto& [path, content] : ReadTree(root_)) {
       if (content != "folder") {
         EXPECT_EQ(before.at(path), content) << path;
       }
@@ -160,25 +151,13 @@ TEST_F(WriteBackTest, PreparingFilesChangesNoFileThatIsRead) {
 }
 
 TEST_F(WriteBackTest, RefusesBadMapsAndChangesNothing) {
-  const auto clean = Snapshot(root_ / "stereo/depth_maps");
+  const auto clean = ReadTree(root_ / "stereo/depth_maps");
   RefinedMaps maps = MakeRefinedMaps(42.f);
-  const auto expect_refused = [&] {
-    ExpectError(ErrorCode::kMismatch, {"a.png", "differ in size"}, [&] {
-      WriteRefined(workspace(), 0, maps, Record());
-    });
-    maps = MakeRefinedMaps(42.f);
-  };
-  maps.normal = Image<Vec3f>(3, 4);
-  expect_refused();
-  maps.planes = Image<uint16_t>(3, 4, 1);
-  expect_refused();
-  maps.sigma = Image<uint16_t>(3, 4, 1);
-  expect_refused();
   maps.normal(1, 1).x = std::nanf("");
   ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
     WriteRefined(workspace(), 0, maps, Record());
   });
-  EXPECT_EQ(Snapshot(root_ / "stereo/depth_maps"), clean);
+  EXPECT_EQ(ReadTree(root_ / "stereo/depth_maps"), clean);
 }
 
 TEST_F(WriteBackTest, RefusesImagesWithoutMaps) {
@@ -191,27 +170,26 @@ TEST_F(WriteBackTest, RefusesImagesWithoutMaps) {
 }
 
 TEST_F(WriteBackTest, ManifestListsEveryImage) {
-  ImageRecord record = Record();
+  RefineOptions options;
+  ImageRecord record = Record(HashRefineOptions(options));
   record.counts["filled"] = 7;
   record.seconds["total"] = 0.5;
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), record);
   WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), record);
-  record = Record("other options");
-  KeepImage(workspace(), 2, record);
-  Manifest manifest = BuildManifest(workspace(), {{"eta", "0.8"}}, "options");
-  EXPECT_EQ(manifest.NumImages(ImageStatus::kDone), 2);
+  KeepImage(workspace(), 2, Record("other options"));
+  EXPECT_TRUE(ReadManifestInputs(workspace()).inputs.empty());
+  const Manifest manifest =
+      BuildManifest(workspace(), options, {{"the photo of a.png", "1@2"}});
   EXPECT_EQ(manifest.NumImages(ImageStatus::kPending), 1);
   EXPECT_EQ(manifest.counts.at("filled"), 14);
   EXPECT_DOUBLE_EQ(manifest.seconds.at("total"), 1.0);
-  EXPECT_TRUE(ReadManifestInputs(workspace()).inputs.empty());
-  manifest.inputs["the photo of a.png"] = "1@2";
   WriteManifest(workspace(), manifest);
   EXPECT_EQ(ReadManifestInputs(workspace()).inputs, manifest.inputs);
   EXPECT_EQ(ReadManifestInputs(workspace()).version, manifest.version);
   const auto json =
       nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
   EXPECT_EQ(json["type"], "geometric");
-  EXPECT_EQ(json["options"]["eta"], "0.8");
+  EXPECT_EQ(json["options"], RefineOptionsText(options));
   EXPECT_EQ(json["num_images"]["done"], 2);
   ASSERT_EQ(json["images"].size(), 3u);
   EXPECT_EQ(json["images"][1]["image"], "left/b.png");

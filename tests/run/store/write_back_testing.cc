@@ -27,17 +27,6 @@ float WriteBackTest::OriginalDepth(int image) {
   return maps.depth(0, 0);
 }
 
-std::map<std::string, std::string> WriteBackTest::Snapshot(
-    const std::filesystem::path& root) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry :
-       std::filesystem::recursive_directory_iterator(root)) {
-    files[entry.path().lexically_relative(root)] =
-        entry.is_directory() ? "folder" : ReadText(entry.path());
-  }
-  return files;
-}
-
 const Workspace& WriteBackTest::workspace() {
   if (!workspace_) {
     workspace_.emplace(root_, MapType::kGeometric);

@@ -6,7 +6,6 @@
 #include "colmap_tsar/run/store/write_back.h"
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 
@@ -22,9 +21,6 @@ class WriteBackTest : public testing::Test {
   static ImageRecord Record(const std::string& options_hash = "options");
   float CurrentDepth(int image);
   float OriginalDepth(int image);
-  // Every regular file below a folder, with its content.
-  static std::map<std::string, std::string> Snapshot(
-      const std::filesystem::path& root);
   // Made when first used, after SetUp.
   const Workspace& workspace();
 
