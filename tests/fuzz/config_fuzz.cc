@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/io/image_lists.h"
-#include "colmap_tsar/tools/import/match_images.h"
 
 #include "tests/fuzz/fuzz_target.h"
 
@@ -44,13 +43,8 @@ std::vector<std::string> MakeConfigSeeds() {
 
 void ReadList(std::span<const uint8_t> input) {
   static const SparseModel model = MakeModel();
-  MatchOptions options;
-  options.image_list = PutFile("list.txt", input);
-  Accepts([&] {
-    const std::vector<int> order = OrderImages(options, model);
-    const std::string name(input.begin(), input.end());
-    ImageOfNumber(order, TrailingNumber(name).value_or(0), name);
-  });
+  const std::filesystem::path path = PutFile("list.txt", input);
+  Accepts([&] { ReadImageList(path, model, "image_list"); });
 }
 
 std::vector<std::string> MakeListSeeds() {

@@ -64,10 +64,10 @@ struct ImportOptions {
 // depths are in other units than the sparse points, or an image has too few
 // sparse points for scale_to_sparse.
 //
-// should_stop: if given, called before each image. Once it returns true,
+// should_stop: called before each image. Once it returns true,
 // kInterrupted is thrown.
 ImportSummary ImportWorkspace(const ImportOptions& options,
                               Progress& progress,
-                              const std::function<bool()>& should_stop = {});
+                              const std::function<bool()>& should_stop);
 
 }  // namespace tsar
