@@ -86,12 +86,6 @@ uint64_t CellKeyOf(const Eigen::Vector3d& direction) {
                  CellCoordinate(direction.z()));
 }
 
-Eigen::Isometry3d AsMotion(const Eigen::Matrix4d& matrix) {
-  Eigen::Isometry3d motion;
-  motion.matrix() = matrix;
-  return motion;
-}
-
 std::vector<double> Completeness(const std::vector<Eigen::Vector3d>& points,
                                  const std::vector<Eigen::Vector3d>& surface,
                                  const CloudEvaluationOptions& options) {
@@ -119,7 +113,7 @@ std::vector<double> Accuracy(const std::vector<Eigen::Vector3d>& points,
   for (const PlacedScan& placed : scans) {
     const LaserScan scan(placed.points, options.beam);
     const Eigen::Isometry3d scan_from_world =
-        AsMotion(placed.world_from_scan).inverse();
+        Eigen::Isometry3d(placed.world_from_scan).inverse();
     threads.ForEach(points.size(), [&](size_t i) {
       const PointVerdict verdict =
           scan.Judge(scan_from_world * points[i], options.tolerances);
@@ -251,7 +245,7 @@ CloudEvaluation EvaluateCloud(const std::vector<Eigen::Vector3d>& points,
   options.Check();
   std::vector<Eigen::Vector3d> surface;
   for (const PlacedScan& scan : scans) {
-    const Eigen::Isometry3d motion = AsMotion(scan.world_from_scan);
+    const Eigen::Isometry3d motion(scan.world_from_scan);
     for (const Eigen::Vector3d& point : scan.points) {
       surface.push_back(motion * point);
     }

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/fusion/fusion_options.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 
@@ -62,8 +61,6 @@ DepthEvaluation EvaluateDepthMaps(const std::filesystem::path& workspace_path,
                                   const DepthEvaluationOptions& options);
 
 struct FusedPixelOptions {
-  // The options that select the fused pixels; point_spacing has to be 1.
-  FusionOptions fusion = PresetFusionOptions(FusionPreset::kPaper);
   DeviceOptions devices;
   // As in DepthEvaluationOptions.
   std::filesystem::path ground_truth_path;
@@ -85,7 +82,7 @@ struct FusedPixelEvaluation {
 //
 // Throws Error: kNotFound (no image has maps, or no fused image has ground
 // truth), kMismatch (a ground truth is not of the shape of the map), kBadOption
-// (tolerances, point_spacing), and what FusionRun and ReadDepthMap throw.
+// (tolerances), and what FusionRun and ReadDepthMap throw.
 FusedPixelEvaluation EvaluateFusedPixels(
     const Workspace& workspace,
     const FusedPixelOptions& options,
