@@ -17,13 +17,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace tsar {
 namespace {
@@ -43,18 +41,7 @@ struct StereoChange {
   std::string text;
 };
 
-// The inputs by the words of a line, which ends in the image's name.
-constexpr std::array<const char*, 4> kWords = {
-    "camera", "photo", "sources", "depths"};
-// Inputs behind the word of another one, after a plus sign, where they exist.
-struct Appended {
-  const char* word;
-  const char* key;
-};
-constexpr std::array<Appended, 2> kAppended = {Appended{"photo", "mask"},
-                                               {"depths", "prior"}};
-constexpr char kSign = '+';
-
+// The inputs in the order of a line's words, which end in the image's name.
 struct Part {
   const char* key;
   const char* name;
@@ -69,33 +56,8 @@ constexpr std::array<Part, 6> kParts = {
 // The value of an unused input.
 constexpr const char* kNone = "-";
 // The first line of a file.
-const std::string kHead = std::string("fingerprints ") + kContentHashName;
-
-// Splits words into their input and the one that is appended to it.
-void SplitWords(InputState* state) {
-  for (const auto& [word, key] : kAppended) {
-    std::string& value = (*state)[word];
-    const size_t sign = value.find(kSign);
-    (*state)[key] = sign == std::string::npos ? kNone : value.substr(sign + 1);
-    value = value.substr(0, sign);
-  }
-}
-
-std::string FingerprintOfSources(const Workspace& workspace,
-                                 const std::vector<int>& sources) {
-  std::string names;
-  for (const int source : sources) {
-    // Names have no line breaks.
-    names += workspace.Model().images[source].name + "\n";
-  }
-  return FingerprintOf(names);
-}
-
-std::string FingerprintOfDepths(const DepthInterval& depths) {
-  TextStream text;
-  text << std::hexfloat << depths.min << " " << depths.max;
-  return FingerprintOf(text.str());
-}
+const std::string kHead =
+    std::string("fingerprints of six inputs, ") + kContentHashName;
 
 StereoInputs FindStereoInputs(const Workspace& workspace,
                               const StereoOptions& options) {
@@ -123,9 +85,17 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
     const std::vector<int> sources = StereoSources(problem, options);
     std::ranges::for_each(sources, find);
     InputState& state = find(problem.reference);
-    state["sources"] = FingerprintOfSources(workspace, sources);
-    state["depths"] = FingerprintOfDepths(
-        StereoDepths(workspace, problem.reference, options));
+    const DepthInterval depths =
+        StereoDepths(workspace, problem.reference, options);
+    TextStream names;
+    for (const int source : sources) {
+      // Names have no line breaks.
+      names << workspace.Model().images[source].name << "\n";
+    }
+    TextStream range;
+    range << std::hexfloat << depths.min << " " << depths.max;
+    state["sources"] = FingerprintOf(names.str());
+    state["depths"] = FingerprintOf(range.str());
     if (workspace.Priors().HasPrior(problem.reference)) {
       state["prior"] = FingerprintOfPrior(workspace, problem.reference);
     }
@@ -146,15 +116,14 @@ std::optional<StereoInputs> ReadStereoInputs(
   while (std::getline(file, line)) {
     InputState state;
     size_t begin = 0;
-    for (const char* word : kWords) {
+    for (const Part& part : kParts) {
       const size_t end = line.find(' ', begin);
       if (end == std::string::npos) {
         return std::nullopt;
       }
-      state[word] = line.substr(begin, end - begin);
+      state[part.key] = line.substr(begin, end - begin);
       begin = end + 1;
     }
-    SplitWords(&state);
     inputs[line.substr(begin)] = std::move(state);
   }
   return inputs;
@@ -164,14 +133,8 @@ void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs) {
   AtomicFile file(path);
   file.Stream() << kHead << "\n";
   for (const auto& [name, state] : inputs) {
-    for (const char* word : kWords) {
-      file.Stream() << state.at(word);
-      for (const auto& [before, key] : kAppended) {
-        if (std::string_view(word) == before && state.at(key) != kNone) {
-          file.Stream() << kSign << state.at(key);
-        }
-      }
-      file.Stream() << " ";
+    for (const Part& part : kParts) {
+      file.Stream() << state.at(part.key) << " ";
     }
     file.Stream() << name << "\n";
   }
@@ -212,12 +175,6 @@ std::optional<StereoChange> FindStereoChange(const StereoInputs& before,
   return first;
 }
 
-std::string ReadText(const fs::path& path) {
-  InputFile file(path);
-  return std::string(std::istreambuf_iterator<char>(file),
-                     std::istreambuf_iterator<char>());
-}
-
 void RequireUnrefined(const MapPaths& paths) {
   if (fs::exists(paths.original_depth) || fs::exists(paths.original_normal)) {
     throw Error::File(
@@ -229,40 +186,17 @@ void RequireUnrefined(const MapPaths& paths) {
   RequireNoStrayResults(paths);
 }
 
-Error Foreign(const fs::path& path) {
-  return Error::File(ErrorCode::kUnsupported,
-                     path.string(),
-                     "is of another program, or was made with other options",
-                     "give " + OptionName("overwrite") +
-                         " 1 to replace all maps, or work on a copy");
-}
-
-// The error for a map that would be removed without a replacement.
-Error NotListed(const fs::path& path) {
-  return Error::File(ErrorCode::kUnsupported,
-                     path.string(),
-                     "is of another program, or was made with other options, "
-                     "and its image is not in the list",
-                     "leave " + OptionName("image_list_path") +
-                         " out to replace all maps, or work on a copy");
-}
-
-Error Changed(const Workspace& workspace, const StereoChange& change) {
+// A map that would be removed; without a replacement, where it is not listed.
+Error Foreign(const fs::path& path, bool is_listed) {
   return Error::File(
       ErrorCode::kUnsupported,
-      workspace.ImagePath(workspace.Model().IndexOf(change.image)).string(),
-      change.text,
-      "give " + OptionName("overwrite") +
-          " 1 to make all maps anew, or work on a copy");
-}
-
-bool HasSize(const fs::path& path, int width, int height) {
-  try {
-    const MapSize size = ReadMapSize(path);
-    return size.width == width && size.height == height;
-  } catch (const Error&) {
-    return false;  // The file is no map.
-  }
+      path.string(),
+      std::string("is of another program, or was made with other options") +
+          (is_listed ? "" : ", and its image is not in the list"),
+      (is_listed ? "give " + OptionName("overwrite") + " 1 to replace all maps"
+                 : "leave " + OptionName("image_list_path") +
+                       " out to replace all maps") +
+          ", or work on a copy");
 }
 
 // Whether existing maps, perhaps replaced ones, have the sizes of the run's.
@@ -274,8 +208,15 @@ bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const MapPaths paths = workspace.Paths(problem.reference, type);
       for (const fs::path& path : {paths.depth.Path(), paths.normal.Path()}) {
-        if (fs::exists(path) && !HasSize(path, width, height)) {
-          return false;
+        try {
+          if (fs::exists(path)) {
+            const MapSize size = ReadMapSize(path);
+            if (size.width != width || size.height != height) {
+              return false;
+            }
+          }
+        } catch (const Error&) {
+          return false;  // The file is no map.
         }
       }
     }
@@ -334,7 +275,10 @@ void ClaimMaps(const Workspace& workspace,
   const StereoInputs inputs = FindStereoInputs(workspace, options);
   std::optional<StereoInputs> known;
   std::optional<StereoChange> change;
-  if (fs::exists(options_path) && ReadText(options_path) == options.Text()) {
+  InputFile options_file(options_path);
+  const std::string known_options(
+      (std::istreambuf_iterator<char>(options_file)), {});
+  if (known_options == options.Text()) {
     known = ReadStereoInputs(inputs_path);
     change = known ? FindStereoChange(*known, inputs) : std::nullopt;
   }
@@ -356,14 +300,22 @@ void ClaimMaps(const Workspace& workspace,
         if (fs::exists(path)) {
           foreign.push_back(path);
           if (overwrite && !is_listed[place]) {
-            throw NotListed(path);
+            throw Foreign(path, /*is_listed=*/false);
           }
         }
       }
     }
   }
   if (!foreign.empty() && !overwrite) {
-    throw change ? Changed(workspace, *change) : Foreign(foreign.front());
+    if (!change) {
+      throw Foreign(foreign.front(), /*is_listed=*/true);
+    }
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        workspace.ImagePath(workspace.Model().IndexOf(change->image)).string(),
+        change->text,
+        "give " + OptionName("overwrite") +
+            " 1 to make all maps anew, or work on a copy");
   }
   for (const ContainedPath& path : foreign) {
     RemoveFile(path);
