@@ -44,7 +44,7 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                        "The dense workspace, as image_undistorter makes it and "
                        "patch_match_stereo fills it.");
   AddMapType("input_type",
-             &command->input_type,
+             &command->workspace.input_type,
              "The maps to refine; the others serve as evidence. If not given: "
              "geometric, or photometric where there are no others.",
              options);
@@ -56,8 +56,10 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
               "Where a mask is black (0), what the maps hold is no evidence, "
               "and the refined maps have no depth.",
               options);
-  AddPriorOptions(
-      "", &command->workspace.prior_path, &command->prior_type, options);
+  AddPriorOptions("",
+                  &command->workspace.prior_path,
+                  &command->workspace.prior_type,
+                  options);
   options->Add("output_path",
                &command->workspace.output_path,
                "Write a second workspace here, with links to the images, and "
@@ -76,16 +78,25 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                      {"default", "paper"},
                      "The method of this project, or the published one. "
                      "Options that are given come on top.");
-  AddDeviceArguments(group, &command->devices, options);
-  options->Add(group + "shard",
-               &command->shard,
-               "For several machines: the part of the images to work on, i/n "
-               "with i from 0 to n - 1 (docs/cluster.md). If empty, all.");
-  options->AddChoice(group + "pass",
-                     &command->pass,
-                     {"all", "observe", "model", "compose", "merge"},
-                     "What to do of it: observe each shard, then model once, "
-                     "compose each shard, and merge once.");
+  AddDeviceOptions(group, &command->workspace.devices, options);
+  Shard* const shard = &command->workspace.shard;
+  options->Add(
+      group + "shard",
+      TextTarget{
+          [shard] { return shard->count == 1 ? "" : ToString(*shard); },
+          [shard](const std::string& text) { *shard = ParseShard(text); }},
+      "For several machines: the part of the images to work on, i/n "
+      "with i from 0 to n - 1 (docs/cluster.md). If empty, all.");
+  options->AddEnum<RefinePass>(
+      group + "pass",
+      &command->workspace.pass,
+      {RefinePass::kAll,
+       RefinePass::kObserve,
+       RefinePass::kModel,
+       RefinePass::kCompose,
+       RefinePass::kMerge},
+      "What to do of it: observe each shard, then model once, "
+      "compose each shard, and merge once.");
 }
 
 // The members of RefineOptions. Most are for experiments: we know their values
@@ -125,9 +136,17 @@ int RestoreWorkspace(const RefineCommand& command) {
   }
   const WorkspaceLock lock(given.workspace_path);
   const RestoreResult result = Restore(given.workspace_path);
-  std::cout << "Put the original maps of "
-            << Counted(result.num_restored, "image") << " back.\n";
-  ReportRestored(result);
+  PrintSummary(result, std::cout);
+  if (!result.lost.empty()) {
+    const size_t num_others = result.lost.size() - 1;
+    throw Error(
+        ErrorCode::kMismatch,
+        result.lost.front().string() +
+            (num_others == 0 ? std::string()
+                             : " and " + std::to_string(num_others) + " more") +
+            ": this map has been refined, and its original is gone; "
+            "run patch_match_stereo again for this image");
+  }
   return 0;
 }
 
@@ -146,13 +165,7 @@ void RefineCommand::UsePreset() {
 
 RunSummary RefineCommand::Run(Progress& progress,
                               const std::function<bool()>& should_stop) const {
-  WorkspaceRefineOptions parsed = workspace;
-  parsed.prior_type = ParsePriorType(prior_type);
-  parsed.input_type = ParseMapType(input_type);
-  parsed.devices = devices.Parse();
-  parsed.shard = ParseShard(shard);
-  parsed.pass = ParsePass(pass);
-  return RefineWorkspace(parsed, refine, progress, should_stop);
+  return RefineWorkspace(workspace, refine, progress, should_stop);
 }
 
 int RunTsarRefine(int argc, char** argv) {

@@ -6,7 +6,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
-#include "colmap_tsar/priors/depth_prior.h"
+#include "colmap_tsar/cli/shared_options.h"
 
 #include <functional>
 #include <iostream>
@@ -38,13 +38,13 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
       " They take part where planar_prior fills; measured depths stay. "
       "tsar_refine does not see what they filled: give them to it as well.",
       &command->files.prior_path,
-      &command->prior_type,
+      &command->files.prior_type,
       options);
   options->Add("overwrite",
                &command->overwrite,
                "Replace maps that another program made, or that were made with "
                "other options or from other inputs.");
-  AddDeviceArguments("TsarStereo.", &command->devices, options);
+  AddDeviceOptions("TsarStereo.", &command->devices, options);
 }
 
 void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
@@ -134,16 +134,8 @@ void StereoCommand::AddTo(OptionSet* options) {
 
 StereoSummary StereoCommand::Run(
     Progress& progress, const std::function<bool()>& should_stop) const {
-  const DeviceOptions parsed_devices = devices.Parse();
-  StereoImageFiles parsed_files = files;
-  parsed_files.prior_type = ParsePriorType(prior_type);
-  return MatchWorkspace(workspace_path,
-                        parsed_devices,
-                        stereo,
-                        overwrite,
-                        progress,
-                        should_stop,
-                        parsed_files);
+  return MatchWorkspace(
+      workspace_path, devices, stereo, overwrite, progress, should_stop, files);
 }
 
 int RunTsarStereo(int argc, char** argv) {

@@ -41,8 +41,8 @@ struct PlanesCommand {
   std::filesystem::path workspace_path;
   std::filesystem::path output_path;
   std::filesystem::path plan_path;
-  std::string input_type;
-  std::string up = EnumName(kUpAxisNames, UpAxis::kModel);
+  std::optional<MapType> input_type;
+  UpAxis up = UpAxis::kModel;
   double scale = 0.0;
   bool overwrite = false;
   double min_area = 0.0;
@@ -72,15 +72,14 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                "Planes of a smaller area are left out; in square units of "
                "what is written.",
                {0.0, std::numeric_limits<double>::max()});
-  options->AddChoice("up",
-                     &command->up,
-                     {EnumName(kUpAxisNames, UpAxis::kModel),
-                      EnumName(kUpAxisNames, UpAxis::kY),
-                      EnumName(kUpAxisNames, UpAxis::kZ)},
-                     "The axis of the written coordinates that points up: z "
-                     "for CAD programs, y for most viewers. model: the axes of "
-                     "the sparse model, which point anywhere unless it was "
-                     "aligned.");
+  options->AddEnum<UpAxis>(
+      "up",
+      &command->up,
+      {UpAxis::kModel, UpAxis::kY, UpAxis::kZ},
+      "The axis of the written coordinates that points up: z "
+      "for CAD programs, y for most viewers. model: the axes of "
+      "the sparse model, which point anywhere unless it was "
+      "aligned.");
   options->Add("scale",
                &command->scale,
                "Meters per unit of the sparse model: what is written is in "
@@ -147,7 +146,7 @@ void CheckUse(const PlanesCommand& command) {
                     " is missing; give the file to write, or a floor plan as " +
                     OptionName("plan_path"));
   }
-  if (EnumValue(kUpAxisNames, command.up) == UpAxis::kY) {
+  if (command.up == UpAxis::kY) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("up") + " is for " + OptionName("output_path") +
                     "; give that, too, or leave it out: a floor plan has the "
@@ -192,8 +191,8 @@ int RunTsarPlanes(int argc, char** argv) {
                                   : PlanesWriterFor(command.output_path);
   const PlanWriter plan_writer =
       command.plan_path.empty() ? nullptr : PlanWriterFor(command.plan_path);
-  const Workspace workspace = OpenWorkspaceWithMaps(
-      command.workspace_path, ParseMapType(command.input_type));
+  const Workspace workspace =
+      OpenWorkspaceWithMaps(command.workspace_path, command.input_type);
   CheckPaths(command);
   if (command.scale > 0.0) {
     command.min_area /= command.scale * command.scale;
@@ -210,7 +209,7 @@ int RunTsarPlanes(int argc, char** argv) {
     // Before planes are turned, so that its axes are those of --up z always.
     plan = MakeFloorPlan(planes);
   }
-  TurnUp(EnumValue(kUpAxisNames, command.up), &planes);
+  TurnUp(command.up, &planes);
   if (writer != nullptr) {
     WriteFile(command.output_path, writer, planes);
     PrintPlanes(planes, writer, command.output_path);

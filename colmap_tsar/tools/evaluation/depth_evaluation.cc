@@ -242,6 +242,7 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
   const OpenCvWithoutThreads opencv_without_threads;
   const fs::path truth_folder =
       GroundTruthFolder(workspace_path, options.ground_truth_path);
+  const std::string input_type = ToString(options.input_type);
   const fs::path map_folder = workspace_path / "stereo" / "depth_maps";
 
   DepthEvaluation evaluation;
@@ -257,8 +258,7 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
     evaluation.num_masks = 0;
   }
   for (const std::string& name : names) {
-    const fs::path map_path =
-        map_folder / (name + "." + options.input_type + ".bin");
+    const fs::path map_path = map_folder / (name + "." + input_type + ".bin");
     if (!Exists(map_path)) {
       ++evaluation.num_images_without_map;
       continue;
@@ -272,7 +272,7 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
   if (evaluation.num_images == 0) {
     throw Error::File(ErrorCode::kNotFound,
                       map_folder.string(),
-                      "there is no " + options.input_type +
+                      "there is no " + input_type +
                           " depth map of an image with ground truth",
                       "check " + OptionName("workspace_path") + " and " +
                           OptionName("input_type"));
@@ -282,7 +282,8 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
 
 FusedPixelEvaluation EvaluateFusedPixels(
     const Workspace& workspace,
-    const FusedPixelOptions& options,
+    const DepthEvaluationOptions& options,
+    const DeviceOptions& devices,
     Progress& progress,
     const std::function<bool()>& should_stop) {
   CheckTolerances(options.tolerances);
@@ -293,7 +294,7 @@ FusedPixelEvaluation EvaluateFusedPixels(
       workspace,
       plan,
       GroundTruthFolder(workspace.Root(), options.ground_truth_path));
-  FusionRun run(workspace, plan, fusion, options.devices);
+  FusionRun run(workspace, plan, fusion, devices);
   std::vector<FusedPixelEvaluation> of_images(plan.order.size());
   FusedPixelEvaluation sum;
   sum.num_right.assign(options.tolerances.size(), 0);

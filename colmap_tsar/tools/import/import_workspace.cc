@@ -63,29 +63,6 @@ bool AreInWorld(const NormalFacing& facing, ExternalFormat format) {
   return format == ExternalFormat::kAcm || format == ExternalFormat::kApd;
 }
 
-// Of a workspace of which only images/ and sparse/ need exist.
-SparseModel ReadTargetModel(const fs::path& root) {
-  std::error_code error;
-  for (const char* folder : {"images", "sparse"}) {
-    if (!fs::is_directory(root / folder, error)) {
-      throw Error::File(ErrorCode::kNotFound,
-                        (root / folder).string(),
-                        "no such folder, so this is not a dense workspace",
-                        "check " + OptionName("workspace_path") +
-                            ", or make the workspace with image_undistorter");
-    }
-  }
-  const fs::path model_folder = FindModelFolder(root);
-  SparseModel model = ReadWorkspaceModel(model_folder);
-  if (model.images.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      model_folder.string(),
-                      "the sparse model holds no images",
-                      "make the workspace again with image_undistorter");
-  }
-  return model;
-}
-
 // Gives an empty folder what COLMAP's dense stage needs beside maps: the photos
 // of the model's images, as hard links where the file system allows, a copy of
 // the model's files, and configuration files with all images and `__auto__,
@@ -333,6 +310,28 @@ class Importer {
 };
 
 }  // namespace
+
+SparseModel ReadTargetModel(const fs::path& root) {
+  std::error_code error;
+  for (const char* folder : {"images", "sparse"}) {
+    if (!fs::is_directory(root / folder, error)) {
+      throw Error::File(ErrorCode::kNotFound,
+                        (root / folder).string(),
+                        "no such folder, so this is not a dense workspace",
+                        "check " + OptionName("workspace_path") +
+                            ", or make the workspace with image_undistorter");
+    }
+  }
+  const fs::path model_folder = FindModelFolder(root);
+  SparseModel model = ReadWorkspaceModel(model_folder);
+  if (model.images.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      model_folder.string(),
+                      "the sparse model holds no images",
+                      "make the workspace again with image_undistorter");
+  }
+  return model;
+}
 
 ImportSummary ImportWorkspace(const ImportOptions& options,
                               Progress& progress,

@@ -110,6 +110,10 @@ enum class UpAxis { kModel, kY, kZ };
 inline constexpr EnumNames<UpAxis, 3> kUpAxisNames = {
     {{UpAxis::kModel, "model"}, {UpAxis::kY, "y"}, {UpAxis::kZ, "z"}}};
 
+inline std::string ToString(UpAxis axis) {
+  return EnumName(kUpAxisNames, axis);
+}
+
 // Turns planes about the origin until the vertical is this axis: for z the
 // shortest way; for y then (x, y, z) becomes (x, z, -y), as programs convert
 // files with y up, so that all files of a scene have the same heading. Throws

@@ -107,7 +107,7 @@ TEST_F(DepthEvaluationTest, LooksGroundTruthUpAtThePixelsOfSmallerMaps) {
     return 1 + 0.1f * (2 * x + 1 + 2 * y + 1);
   });
   DepthEvaluationOptions options;
-  options.input_type = "photometric";
+  options.input_type = MapType::kPhotometric;
   const DepthEvaluation evaluation = EvaluateDepthMaps(folder_, options);
   EXPECT_EQ(evaluation.scores[0].num_right, 400);
   EXPECT_EQ(evaluation.scores[0].num_known, 400);

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <sstream>
 
@@ -167,51 +166,34 @@ TEST(PlanesJson, TellsEverything) {
   EXPECT_TRUE(none["planes"].empty());
 }
 
-TEST(PlanesObj, HasAGroupForEachPlane) {
-  std::istringstream in(Written(&PutPlanesObj));
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Eigen::Vector3d> normals;
-  std::map<std::string, std::vector<PlaneFace>> groups;
-  std::string group;
-  std::string line;
-  while (std::getline(in, line)) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
-    if (kind == "g") {
-      words >> group;
-    } else if (kind == "v" || kind == "vn") {
-      Eigen::Vector3d vector;
-      words >> vector.x() >> vector.y() >> vector.z();
-      (kind == "v" ? points : normals).push_back(vector);
-    } else if (kind == "f") {
-      PlaneFace& face = groups[group].emplace_back();
-      size_t point = 0;
-      size_t normal = 0;
-      char slash = '\0';
-      while (words >> point >> slash >> slash >> normal) {
-        face.push_back(points.at(point - 1));
-        EXPECT_EQ(normal, normals.size());
-      }
-      continue;
-    } else {
-      EXPECT_EQ(kind, "#");
-    }
-    EXPECT_FALSE(words.fail()) << line;
-  }
-  ASSERT_EQ(groups.size(), 2u);
-  ExpectFaces(groups["plane_0_floor"], 15.0, {0, 0, 1});
-  ExpectFaces(groups["plane_2_wall"], 3.5, {0, -1, 0});
-}
-
-// A triangle at z = 3; 3DFACE repeats its last corner.
-TEST(PlanesDxf, HasFacesAndOutlinesInLayers) {
+// A triangle at z = 3, twice.
+ExportedPlanes MakeTriangles() {
   ExportedPlane wall;
   wall.plane_class = PlaneClass::kWall;
   wall.coordinates.origin.z() = 3;
   wall.polygons = {{{{0, 0}, {2, 0}, {2, 1}}, {}}};
   ExportedPlanes planes;
-  planes.planes = {wall};
+  planes.planes = {ExportedPlane(), wall, wall};
+  planes.planes[2].id = 7;
+  return planes;
+}
+
+// Indices count from 1 through the file.
+TEST(PlanesObj, HasAGroupForEachPlaneWithFaces) {
+  const std::string corners = "v 2 1 3\nv 0 0 3\nv 2 0 3\n";
+  EXPECT_EQ(Written(&PutPlanesObj, MakeTriangles()),
+            "# planes of the scene, by tsar_planes\n"
+            "g plane_0_wall\nvn 0 0 1\n" +
+                corners +
+                "f 1//1 2//1 3//1\n"
+                "g plane_7_wall\nvn 0 0 1\n" +
+                corners + "f 4//2 5//2 6//2\n");
+}
+
+// 3DFACE repeats the last corner of a triangle.
+TEST(PlanesDxf, HasFacesAndOutlinesInLayers) {
+  ExportedPlanes planes = MakeTriangles();
+  planes.planes.pop_back();
   std::string text = Written(&PutPlanesDxf, planes);
   for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) {
     text[at] = ' ';
@@ -236,8 +218,8 @@ TEST(PlanesDxf, HasFacesAndOutlinesInLayers) {
           layer("OTHER", 7) +
           "  0 ENDTAB   0 ENDSEC   0 SECTION   2 ENTITIES "
           "  0 3DFACE   8 WALL " +
-          point(10, 0, 0) + point(11, 2, 0) + point(12, 2, 1) +
-          point(13, 2, 1) +
+          point(10, 2, 1) + point(11, 0, 0) + point(12, 2, 0) +
+          point(13, 2, 0) +
           "  0 POLYLINE   8 WALL  66 1  10 0  20 0  30 0  70 9 " +
           vertex(0, 0) + vertex(2, 0) + vertex(2, 1) +
           "  0 SEQEND   8 WALL   0 ENDSEC   0 EOF ");
