@@ -26,7 +26,7 @@ py::dict EvaluateDepth(const std::filesystem::path& workspace_path,
                        const std::filesystem::path& mask_path,
                        std::vector<double> tolerances) {
   DepthEvaluationOptions options;
-  options.input_type = ToString(ToMapType(input_type));
+  options.input_type = ToMapType(input_type);
   options.ground_truth_path = ground_truth_path;
   options.mask_path = mask_path;
   options.tolerances = std::move(tolerances);

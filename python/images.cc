@@ -7,7 +7,7 @@
 #include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/tools/import/target_workspace.h"
+#include "colmap_tsar/tools/import/import_workspace.h"
 
 #include <array>
 #include <filesystem>

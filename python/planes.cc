@@ -106,17 +106,15 @@ py::dict ReadPlanes(const std::filesystem::path& workspace_path,
   ExportedPlanes planes;
   {
     const py::gil_scoped_release release;
-    planes = ExportPlanes(OpenWorkspaceWithMaps(workspace_path, type),
-                          {.min_area = min_area},
-                          progress,
-                          [] {
-                            // Ctrl-C is raised where it is seen.
-                            const py::gil_scoped_acquire acquire;
-                            if (PyErr_CheckSignals() != 0) {
-                              throw py::error_already_set();
-                            }
-                            return false;
-                          });
+    planes = ExportPlanes(
+        OpenWorkspaceWithMaps(workspace_path, type), min_area, progress, [] {
+          // Ctrl-C is raised where it is seen.
+          const py::gil_scoped_acquire acquire;
+          if (PyErr_CheckSignals() != 0) {
+            throw py::error_already_set();
+          }
+          return false;
+        });
   }
   py::list list;
   for (const ExportedPlane& plane : planes.planes) {

@@ -7,6 +7,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/store/image_maps.h"
 
 #include <filesystem>
@@ -105,7 +106,7 @@ void FuseCommand::AddTo(OptionSet* set) {
            "Of each square of so many pixels of an image, the one in the "
            "middle becomes a point; 1 gives the densest cloud.",
            {1, kMaxPointSpacing});
-  AddDeviceArguments(group, &devices, set);
+  AddDeviceOptions(group, &options.devices, set);
 }
 
 void FuseCommand::UsePreset() { options.fusion = PresetFusionOptions(preset); }
@@ -113,12 +114,11 @@ void FuseCommand::UsePreset() { options.fusion = PresetFusionOptions(preset); }
 FuseSummary FuseCommand::Run(Progress& progress,
                              const std::function<bool()>& should_stop) const {
   FuseWorkspaceOptions parsed = options;
-  parsed.devices = devices.Parse();
+  parsed.devices.Check();
   if (!bounding_box_path.empty()) {
     parsed.bounding_box = ReadBoundingBox(bounding_box_path);
   }
-  const Workspace workspace =
-      OpenWorkspaceWithMaps(workspace_path, ParseMapType(input_type));
+  const Workspace workspace = OpenWorkspaceWithMaps(workspace_path, input_type);
   std::filesystem::path visibility_path = options.output_path;
   visibility_path += ".vis";
   for (const auto& path : {options.output_path, visibility_path}) {

@@ -5,11 +5,11 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/fusion/fuse_workspace.h"
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace tsar {
@@ -17,11 +17,10 @@ namespace tsar {
 // The arguments of tsar_fuse, from the command line or from Python.
 struct FuseCommand {
   std::filesystem::path workspace_path;
-  std::string input_type;
+  std::optional<MapType> input_type;
   std::filesystem::path bounding_box_path;
   bool overwrite = false;
   std::string preset = "default";
-  DeviceArguments devices;
   // The options that the members above do not hold.
   FuseWorkspaceOptions options;
 

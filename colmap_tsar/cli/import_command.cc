@@ -8,6 +8,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/cli/shared_options.h"
 
 #include <functional>
 #include <iostream>
@@ -51,7 +52,7 @@ void ImportCommand::AddTo(OptionSet* set) {
            "are computed from depth.");
   AddMapType(
       "output_type",
-      &output_type,
+      &options.match.type,
       "The type of maps to write; for acm also which of its depth maps is "
       "taken. Photometric maps are not filtered.",
       set);
@@ -78,7 +79,7 @@ void ImportCommand::AddTo(OptionSet* set) {
            &options.overwrite,
            "Replace an earlier import. A folder with anything else in it, such "
            "as what tsar_refine writes, is never touched.");
-  AddDeviceArguments("TsarImport.", &device, set);
+  AddDeviceOptions("TsarImport.", &options.device, set);
 }
 
 ImportSummary ImportCommand::Run(
@@ -98,8 +99,7 @@ ImportSummary ImportCommand::Run(
                         : format == "apd"     ? ExternalFormat::kApd
                         : format == "openmvs" ? ExternalFormat::kOpenMvs
                                               : ExternalFormat::kDepth;
-  parsed.match.type = *ParseMapType(output_type);
-  parsed.device = device.Parse();
+  parsed.device.Check();
   return ImportWorkspace(parsed, progress, should_stop);
 }
 

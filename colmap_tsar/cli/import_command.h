@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 
 #include <functional>
@@ -16,9 +15,6 @@ namespace tsar {
 // The arguments of tsar_import, from the command line or from Python.
 struct ImportCommand {
   std::string format;
-  std::string output_type = ToString(MapType::kGeometric);
-  DeviceArguments device;
-  // The options that the members above do not hold.
   ImportOptions options;
 
   void AddTo(OptionSet* set);

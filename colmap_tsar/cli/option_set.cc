@@ -204,9 +204,13 @@ void Option::Set(const std::string& text, const std::string& where) const {
     }
   };
   std::visit(
-      [&](auto* value) {
-        using T = std::remove_pointer_t<decltype(value)>;
-        if constexpr (std::is_same_v<T, bool>) {
+      [&](const auto& value) {
+        using T = std::remove_pointer_t<std::decay_t<decltype(value)>>;
+        require(choices.empty() || std::ranges::count(choices, text) > 0,
+                "one of " + Joined(choices, ", "));
+        if constexpr (std::is_same_v<T, TextTarget>) {
+          value.set(text);
+        } else if constexpr (std::is_same_v<T, bool>) {
           const bool is_on = text == "1" || text == "true";
           require(is_on || text == "0" || text == "false", "0 or 1");
           *value = is_on;
@@ -220,8 +224,6 @@ void Option::Set(const std::string& text, const std::string& where) const {
                       RangeText(range));
           *value = parsed;
         } else {
-          require(choices.empty() || std::ranges::count(choices, text) > 0,
-                  "one of " + Joined(choices, ", "));
           *value = text;
         }
       },
@@ -230,9 +232,11 @@ void Option::Set(const std::string& text, const std::string& where) const {
 
 std::string Option::Text() const {
   return std::visit(
-      [](const auto* value) -> std::string {
-        using T = std::remove_cv_t<std::remove_pointer_t<decltype(value)>>;
-        if constexpr (std::is_same_v<T, bool>) {
+      [](const auto& value) -> std::string {
+        using T = std::remove_pointer_t<std::decay_t<decltype(value)>>;
+        if constexpr (std::is_same_v<T, TextTarget>) {
+          return value.get();
+        } else if constexpr (std::is_same_v<T, bool>) {
           return *value ? "1" : "0";
         } else if constexpr (std::is_arithmetic_v<T>) {
           return NumberText(*value);
@@ -245,7 +249,7 @@ std::string Option::Text() const {
 
 std::string Option::ValueHint() const {
   constexpr const char* kHints[] = {
-      "0|1", "INT", "NUMBER", "NUMBER", "TEXT", "PATH"};
+      "0|1", "INT", "NUMBER", "NUMBER", "TEXT", "TEXT", "PATH"};
   return choices.empty() ? kHints[target.index()] : Joined(choices, "|");
 }
 

@@ -3,9 +3,12 @@
 
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -18,9 +21,20 @@ struct OptionRange {
   double max = std::numeric_limits<double>::max();
 };
 
+// A variable of a type that has texts.
+struct TextTarget {
+  std::function<std::string()> get;
+  std::function<void(const std::string&)> set;  // Throws kBadOption.
+};
+
 // The variable that an option sets.
-using OptionTarget = std::
-    variant<bool*, int*, float*, double*, std::string*, std::filesystem::path*>;
+using OptionTarget = std::variant<bool*,
+                                  int*,
+                                  float*,
+                                  double*,
+                                  std::string*,
+                                  TextTarget,
+                                  std::filesystem::path*>;
 
 // One option of a command, from which the command line, ini files, the help,
 // the manual and the keywords of the Python module are made.
@@ -81,6 +95,28 @@ class OptionSet {
                     std::string* value,
                     const std::vector<std::string>& choices,
                     const std::string& description);
+
+  // Adds an option whose value must be one of these, by the names that
+  // ToString() gives them. Value: Enum, or an optional one.
+  template <typename Enum, typename Value>
+  Option& AddEnum(const std::string& name,
+                  Value* value,
+                  const std::vector<Enum>& values,
+                  const std::string& description) {
+    const auto get = [value] {
+      const std::optional<Enum> now(*value);
+      return now ? ToString(*now) : std::string();
+    };
+    const auto set = [value, values](const std::string& text) {
+      *value = *std::ranges::find(
+          values, text, [](Enum candidate) { return ToString(candidate); });
+    };
+    Option& option = Add(name, TextTarget{get, set}, description);
+    for (const Enum candidate : values) {
+      option.choices.push_back(ToString(candidate));
+    }
+    return option;
+  }
 
   // Reads the arguments after argv[0], the program, into the targets. Returns
   // false, without touching any target, when help was asked for and has been

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
@@ -47,19 +48,17 @@ std::string More(int64_t count, const std::string& what) {
   return count > 0 ? ", " + std::to_string(count) + " " + what : "";
 }
 
-// Prints the first images with their reasons, each after a word, and how many
-// more there are.
-template <typename Image>
-void PrintReasons(const std::vector<Image>& images,
-                  const std::string& word,
-                  const std::string& where,
-                  std::ostream& out) {
-  for (size_t i = 0; i < std::min(images.size(), kMaxListed); ++i) {
-    out << "  " << word << Printable(images[i].name + ": " + images[i].reason)
-        << "\n";
+// Prints the first lines, and how many more there are.
+template <typename List, typename LineOf>
+void PrintFirst(const List& list,
+                const LineOf& line_of,
+                std::ostream& out,
+                const std::string& where = "") {
+  for (size_t i = 0; i < std::min(list.size(), kMaxListed); ++i) {
+    out << "  " << Printable(line_of(list[i])) << "\n";
   }
-  if (images.size() > kMaxListed) {
-    out << "  and " << images.size() - kMaxListed << " more" << where << "\n";
+  if (list.size() > kMaxListed) {
+    out << "  and " << list.size() - kMaxListed << " more" << where << "\n";
   }
 }
 
@@ -77,29 +76,38 @@ void PrintMasksAndPriors(const RunSummary& summary, std::ostream& out) {
 
 void PrintImages(const RunSummary& summary, std::ostream& out) {
   const std::string images = Counted(summary.num_images, "image");
-  const std::string shard = "Shard " + ToString(summary.shard) + ", ";
-  switch (summary.pass) {
-    case RefinePass::kObserve:
-      out << shard << images << ": " << summary.num_observed << " observed, "
-          << summary.num_skipped << " observed before or not to be observed\n";
-      PrintMasksAndPriors(summary, out);
-      return;
-    case RefinePass::kModel:
-      out << images << ": the planes of the scene have been found\n";
-      return;
-    case RefinePass::kCompose:
-      out << shard;
-      break;
-    default:
-      break;
+  const bool observes = summary.pass == RefinePass::kObserve;
+  if (summary.pass == RefinePass::kModel) {
+    out << images << ": the planes of the scene have been found\n";
+    return;
   }
-  out << images << ": " << summary.num_refined << " refined"
-      << More(summary.num_skipped, "done before with the same options")
-      << More(static_cast<int64_t>(summary.kept.size()), "kept as they were")
-      << More(summary.num_not_listed, "not in the list") << "\n";
-  PrintMasksAndPriors(summary, out);
-  PrintReasons(
-      summary.kept, "kept ", "; stereo/tsar/manifest.json lists all", out);
+  if (observes || summary.pass == RefinePass::kCompose) {
+    out << "Shard " << ToString(summary.shard) << ", ";
+  }
+  out << images << ": ";
+  if (observes) {
+    out << summary.num_observed << " observed, " << summary.num_skipped
+        << " observed before or not to be observed\n";
+  } else {
+    out << summary.num_refined << " refined"
+        << More(summary.num_skipped, "done before with the same options")
+        << More(static_cast<int64_t>(summary.kept.size()), "kept as they were")
+        << More(summary.num_not_listed, "not in the list") << "\n";
+  }
+  PrintMasksAndPriors(summary,
+                      Count(summary, kPriorsDropped),
+                      " (stereo/tsar/manifest.json says why)",
+                      out);
+  if (observes) {
+    return;
+  }
+  PrintFirst(
+      summary.kept,
+      [](const auto& image) {
+        return "kept " + image.name + ": " + image.reason;
+      },
+      out,
+      "; stereo/tsar/manifest.json lists all");
   if (summary.num_sources_without_maps > 0) {
     out << "  source images left out because they have no maps: "
         << summary.num_sources_without_maps << "\n";
@@ -142,20 +150,19 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
 
 // Prints the next command to run.
 void PrintNext(const RunSummary& summary, std::ostream& out) {
-  switch (summary.pass) {
-    case RefinePass::kObserve:
-      out << "Next, when all shards have been observed: --TsarRefine.pass "
-             "model\n";
+  for (const auto& [pass, next] :
+       {std::pair(RefinePass::kObserve,
+                  "Next, when all shards have been observed: "
+                  "--TsarRefine.pass model\n"),
+        std::pair(RefinePass::kModel,
+                  "Next, for each shard: --TsarRefine.pass compose\n"),
+        std::pair(RefinePass::kCompose,
+                  "Next, when all shards have been composed: "
+                  "--TsarRefine.pass merge\n")}) {
+    if (summary.pass == pass) {
+      out << next;
       return;
-    case RefinePass::kModel:
-      out << "Next, for each shard: --TsarRefine.pass compose\n";
-      return;
-    case RefinePass::kCompose:
-      out << "Next, when all shards have been composed: --TsarRefine.pass "
-             "merge\n";
-      return;
-    default:
-      break;
+    }
   }
   if (summary.RefinedNone()) {
     return;
@@ -215,6 +222,27 @@ void PrintSummary(const RunSummary& summary, std::ostream& out) {
     }
   }
   PrintNext(summary, out);
+  out << std::flush;
+}
+
+void PrintSummary(const RestoreResult& result, std::ostream& out) {
+  out << "Put the original maps of " << Counted(result.num_restored, "image")
+      << " back.\n";
+  for (const auto& [title, paths] :
+       {std::pair("Left these maps as they are, which were written since; the "
+                  "originals before them are now in stereo/tsar/superseded:",
+                  &result.kept),
+        std::pair("What had to make room is now here, and is never touched "
+                  "again:",
+                  &result.superseded),
+        std::pair("Left these refined maps, whose originals are gone:",
+                  &result.lost)}) {
+    if (!paths->empty()) {
+      out << title << "\n";
+      PrintFirst(
+          *paths, [](const auto& path) { return path.string(); }, out);
+    }
+  }
   out << std::flush;
 }
 

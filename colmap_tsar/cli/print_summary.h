@@ -14,6 +14,7 @@
 namespace tsar {
 
 struct ImportSummary;
+struct RestoreResult;
 struct StereoSummary;
 
 // "1 image" or "2 images".
@@ -22,6 +23,10 @@ std::string Counted(int64_t count, const std::string& noun);
 // Prints for the user what was done, the effect, the time, and the next command
 // to run.
 void PrintSummary(const RunSummary& summary, std::ostream& out);
+
+// Prints which maps were put back and which stayed, and the new paths of
+// superseded ones.
+void PrintSummary(const RestoreResult& result, std::ostream& out);
 
 // Prints how many of the images have masks; nothing where none were given.
 void PrintMasks(const std::optional<int64_t>& num_masks,

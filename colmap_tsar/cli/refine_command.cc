@@ -44,7 +44,7 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                        "The dense workspace, as image_undistorter makes it and "
                        "patch_match_stereo fills it.");
   AddMapType("input_type",
-             &command->input_type,
+             &command->workspace.input_type,
              "The maps to refine; the others serve as evidence. If not given: "
              "geometric, or photometric where there are no others.",
              options);
@@ -61,13 +61,13 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                "The folder with depth priors of the undistorted images, of a "
                "network or a sensor: a.jpg.EXT for a.jpg, normals "
                "a.jpg.normal.EXT; npy, exr, pfm, png, tif (docs/guide.md).");
-  options->AddChoice(
+  options->AddEnum<PriorType>(
       "prior_type",
-      &command->prior_type,
-      {ToString(PriorType::kAuto),
-       ToString(PriorType::kMetric),
-       ToString(PriorType::kRelative),
-       ToString(PriorType::kInverse)},
+      &command->workspace.prior_type,
+      {PriorType::kAuto,
+       PriorType::kMetric,
+       PriorType::kRelative,
+       PriorType::kInverse},
       "What they hold. metric: depth times one factor for each image; "
       "relative: the same plus a constant; inverse: 1 / depth times a factor "
       "plus a constant; auto: what fits best.");
@@ -89,16 +89,25 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
                      {"default", "paper"},
                      "The method of this project, or the published one. "
                      "Options that are given come on top.");
-  AddDeviceArguments(group, &command->devices, options);
-  options->Add(group + "shard",
-               &command->shard,
-               "For several machines: the part of the images to work on, i/n "
-               "with i from 0 to n - 1 (docs/cluster.md). If empty, all.");
-  options->AddChoice(group + "pass",
-                     &command->pass,
-                     {"all", "observe", "model", "compose", "merge"},
-                     "What to do of it: observe each shard, then model once, "
-                     "compose each shard, and merge once.");
+  AddDeviceOptions(group, &command->workspace.devices, options);
+  Shard* const shard = &command->workspace.shard;
+  options->Add(
+      group + "shard",
+      TextTarget{
+          [shard] { return shard->count == 1 ? "" : ToString(*shard); },
+          [shard](const std::string& text) { *shard = ParseShard(text); }},
+      "For several machines: the part of the images to work on, i/n "
+      "with i from 0 to n - 1 (docs/cluster.md). If empty, all.");
+  options->AddEnum<RefinePass>(
+      group + "pass",
+      &command->workspace.pass,
+      {RefinePass::kAll,
+       RefinePass::kObserve,
+       RefinePass::kModel,
+       RefinePass::kCompose,
+       RefinePass::kMerge},
+      "What to do of it: observe each shard, then model once, "
+      "compose each shard, and merge once.");
 }
 
 // The members of RefineOptions. Most are for experiments: we know their values
@@ -138,9 +147,17 @@ int RestoreWorkspace(const RefineCommand& command) {
   }
   const WorkspaceLock lock(given.workspace_path);
   const RestoreResult result = Restore(given.workspace_path);
-  std::cout << "Put the original maps of "
-            << Counted(result.num_restored, "image") << " back.\n";
-  ReportRestored(result);
+  PrintSummary(result, std::cout);
+  if (!result.lost.empty()) {
+    const size_t num_others = result.lost.size() - 1;
+    throw Error(
+        ErrorCode::kMismatch,
+        result.lost.front().string() +
+            (num_others == 0 ? std::string()
+                             : " and " + std::to_string(num_others) + " more") +
+            ": this map has been refined, and its original is gone; "
+            "run patch_match_stereo again for this image");
+  }
   return 0;
 }
 
@@ -159,13 +176,7 @@ void RefineCommand::UsePreset() {
 
 RunSummary RefineCommand::Run(Progress& progress,
                               const std::function<bool()>& should_stop) const {
-  WorkspaceRefineOptions parsed = workspace;
-  parsed.prior_type = ParsePriorType(prior_type);
-  parsed.input_type = ParseMapType(input_type);
-  parsed.devices = devices.Parse();
-  parsed.shard = ParseShard(shard);
-  parsed.pass = ParsePass(pass);
-  return RefineWorkspace(parsed, refine, progress, should_stop);
+  return RefineWorkspace(workspace, refine, progress, should_stop);
 }
 
 int RunTsarRefine(int argc, char** argv) {

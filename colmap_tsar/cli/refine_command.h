@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
@@ -14,17 +13,10 @@
 
 namespace tsar {
 
-// The arguments of tsar_refine, from the command line or from Python. Run()
-// parses those that are texts.
+// The arguments of tsar_refine, from the command line or from Python.
 struct RefineCommand {
-  std::string input_type;
-  std::string prior_type = "auto";
   bool restore = false;
   std::string preset = "default";
-  DeviceArguments devices;
-  std::string shard;
-  std::string pass = "all";
-  // The options that the members above do not hold.
   WorkspaceRefineOptions workspace;
   RefineOptions refine;
 

@@ -54,8 +54,7 @@ void ReportCommand::AddTo(OptionSet* options) {
 
 ReportSummary ReportCommand::Run(
     Progress& progress, const std::function<bool()>& should_stop) const {
-  const Workspace workspace =
-      OpenWorkspaceWithMaps(workspace_path, ParseMapType(input_type));
+  const Workspace workspace = OpenWorkspaceWithMaps(workspace_path, input_type);
   PageOptions options = page;
   if (options.report_path.empty()) {
     options.report_path = workspace.Root() / "report";

@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace tsar {
@@ -22,7 +23,7 @@ struct ReportSummary {
 // The arguments of tsar_report, from the command line or from Python.
 struct ReportCommand {
   std::filesystem::path workspace_path;
-  std::string input_type;
+  std::optional<MapType> input_type;
   PageOptions page;
 
   void AddTo(OptionSet* options);

@@ -5,34 +5,21 @@
 
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/device_options.h"
-#include "colmap_tsar/run/store/restore.h"
 
 #include <filesystem>
-#include <optional>
 #include <string>
-#include <vector>
 
 namespace tsar {
 
 // Options that several commands have, and checks of their values.
 
-// DeviceOptions as a user types them.
-struct DeviceArguments {
-  std::string device = ToString(DeviceOptions().choice);
-  std::string gpu_index = GpuIndicesText(DeviceOptions().gpu_indices);
-  // The options that the members above do not hold.
-  DeviceOptions options;
-
-  // Throws kBadOption.
-  DeviceOptions Parse() const;
-};
-
 // Adds the options for the devices and the memory of a command. group: the
 // prefix of their names, such as "TsarRefine.".
-void AddDeviceArguments(const std::string& group,
-                        DeviceArguments* arguments,
-                        OptionSet* options);
+void AddDeviceOptions(const std::string& group,
+                      DeviceOptions* devices,
+                      OptionSet* options);
 
 // Adds a number of CPU threads. remark: sentences after its description, each
 // after a space, or empty.
@@ -41,23 +28,21 @@ void AddNumThreads(const std::string& name,
                    OptionSet* options,
                    const std::string& remark = "");
 
-// Adds a choice of maps, such as --input_type. description: "The maps to ...".
+// Adds a choice of maps, such as --input_type. Value: MapType, or an optional
+// one. description: "The maps to ...".
+template <typename Value>
 void AddMapType(const std::string& name,
-                std::string* value,
+                Value* value,
                 const std::string& description,
-                OptionSet* options);
+                OptionSet* options) {
+  options->AddEnum<MapType>(
+      name, value, {MapType::kGeometric, MapType::kPhotometric}, description);
+}
 
 // Adds --mask_path. effect: what a mask changes, in sentences.
 void AddMaskPath(std::filesystem::path* value,
                  const std::string& effect,
                  OptionSet* options);
-
-// The map type of a value; nothing where that is empty.
-std::optional<MapType> ParseMapType(const std::string& value);
-
-// Prints which maps stayed, and the new paths of superseded ones. Then throws
-// Error kMismatch where refined maps have lost their originals.
-void ReportRestored(const RestoreResult& result);
 
 // Checks, before the work is done, whether a command may write a file to a path
 // that an option gives. Throws Error kNotFound where its folder is missing,

@@ -6,6 +6,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
+#include "colmap_tsar/cli/shared_options.h"
 
 #include <functional>
 #include <iostream>
@@ -37,7 +38,7 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
                &command->overwrite,
                "Replace maps that another program made, or that were made with "
                "other options or from other inputs.");
-  AddDeviceArguments("TsarStereo.", &command->devices, options);
+  AddDeviceOptions("TsarStereo.", &command->devices, options);
 }
 
 void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
@@ -122,14 +123,8 @@ void StereoCommand::AddTo(OptionSet* options) {
 
 StereoSummary StereoCommand::Run(
     Progress& progress, const std::function<bool()>& should_stop) const {
-  const DeviceOptions parsed_devices = devices.Parse();
-  return MatchWorkspace(workspace_path,
-                        parsed_devices,
-                        stereo,
-                        overwrite,
-                        progress,
-                        should_stop,
-                        files);
+  return MatchWorkspace(
+      workspace_path, devices, stereo, overwrite, progress, should_stop, files);
 }
 
 int RunTsarStereo(int argc, char** argv) {

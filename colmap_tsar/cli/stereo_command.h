@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <filesystem>
@@ -14,13 +13,12 @@
 
 namespace tsar {
 
-// The arguments of tsar_stereo, from the command line or from Python. Run()
-// parses those that are texts.
+// The arguments of tsar_stereo, from the command line or from Python.
 struct StereoCommand {
   std::filesystem::path workspace_path;
   StereoImageFiles files;
   bool overwrite = false;
-  DeviceArguments devices;
+  DeviceOptions devices;
   StereoOptions stereo;
 
   void AddTo(OptionSet* options);

@@ -88,33 +88,46 @@ Json ToJson(const DepthEvaluation& evaluation) {
   return json;
 }
 
+void AddTolerances(std::vector<double>* tolerances,
+                   const std::string& description,
+                   OptionSet* options) {
+  const auto get = [tolerances] {
+    TextStream text;
+    for (const double tolerance : *tolerances) {
+      text << (text.str().empty() ? "" : ",") << tolerance;
+    }
+    return text.str();
+  };
+  const auto set = [tolerances](const std::string& text) {
+    *tolerances = ParseTolerances(text);
+  };
+  options->Add("tolerances", TextTarget{get, set}, description);
+}
+
 // Arguments of both evaluations of maps.
 struct MapArguments {
   std::filesystem::path workspace_path;
-  std::string input_type = ToString(MapType::kGeometric);
-  std::filesystem::path ground_truth_path;
-  std::filesystem::path mask_path;
-  std::string tolerances = "0.02,0.1";
+  DepthEvaluationOptions options;
   bool json = false;
 
   // workspace, maps: descriptions. mask_effect: see AddMaskPath.
-  void AddTo(OptionSet* options,
+  void AddTo(OptionSet* set,
              const std::string& workspace,
              const std::string& maps,
              const std::string& mask_effect) {
-    options->AddRequired("workspace_path", &workspace_path, workspace);
-    AddMapType("input_type", &input_type, maps, options);
-    options->Add("ground_truth_path",
-                 &ground_truth_path,
-                 "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 "
-                 "= unknown. If empty, ground_truth/depth in the workspace.");
-    AddMaskPath(&mask_path, mask_effect, options);
-    options->Add("tolerances",
-                 &tolerances,
-                 "A depth is right if it is off by less than this; rising "
-                 "numbers with commas, in units of the model (meters, if it "
-                 "has them).");
-    options->Add("json", &json, "Print JSON instead of a table.");
+    set->AddRequired("workspace_path", &workspace_path, workspace);
+    AddMapType("input_type", &options.input_type, maps, set);
+    set->Add("ground_truth_path",
+             &options.ground_truth_path,
+             "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 "
+             "= unknown. If empty, ground_truth/depth in the workspace.");
+    AddMaskPath(&options.mask_path, mask_effect, set);
+    AddTolerances(&options.tolerances,
+                  "A depth is right if it is off by less than this; rising "
+                  "numbers with commas, in units of the model (meters, if it "
+                  "has them).",
+                  set);
+    set->Add("json", &json, "Print JSON instead of a table.");
   }
 };
 
@@ -137,13 +150,8 @@ int EvaluateDepth(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  DepthEvaluationOptions evaluation_options;
-  evaluation_options.input_type = arguments.input_type;
-  evaluation_options.ground_truth_path = arguments.ground_truth_path;
-  evaluation_options.mask_path = arguments.mask_path;
-  evaluation_options.tolerances = ParseTolerances(arguments.tolerances);
   const DepthEvaluation evaluation =
-      EvaluateDepthMaps(arguments.workspace_path, evaluation_options);
+      EvaluateDepthMaps(arguments.workspace_path, arguments.options);
   PrintEvaluation(ToJson(evaluation), arguments.json);
   return 0;
 }
@@ -165,7 +173,6 @@ int EvaluateCloud(int argc, char** argv) {
   CloudEvaluationOptions evaluation_options;
   std::filesystem::path input_path;
   std::filesystem::path ground_truth_path;
-  std::string tolerances = "0.01,0.02,0.05,0.1";
   bool json = false;
   OptionSet options(
       "tsar_evaluate cloud",
@@ -184,10 +191,10 @@ int EvaluateCloud(int argc, char** argv) {
                       &ground_truth_path,
                       "MeshLab project that lists the scans (PLY, each in its "
                       "scanner's frame) and their poses.");
-  options.Add("tolerances",
-              &tolerances,
-              "Distances up to which a point is right; rising numbers with "
-              "commas, in units of the scans (meters, if they have them).");
+  AddTolerances(&evaluation_options.tolerances,
+                "Distances up to which a point is right; rising numbers with "
+                "commas, in units of the scans (meters, if they have them).",
+                &options);
   options.Add("voxel_size",
               &evaluation_options.voxel_size,
               "Edge length of the voxels, in units of the scans.");
@@ -201,7 +208,6 @@ int EvaluateCloud(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  evaluation_options.tolerances = ParseTolerances(tolerances);
   const CloudEvaluation evaluation =
       EvaluateCloudFile(input_path, ground_truth_path, evaluation_options);
   PrintEvaluation(ToJson(evaluation), json);
@@ -224,7 +230,6 @@ Json ToJson(const FusedPixelEvaluation& evaluation,
 
 int RunEvaluateFusedPixels(int argc, char** argv) {
   MapArguments arguments;
-  DeviceArguments devices;
   OptionSet options(
       "tsar_evaluate fused_pixels",
       "Fuses the maps of a dense workspace by the thresholds of the TSAR-MVS "
@@ -238,23 +243,20 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
                   "Folder of the dense workspace, refined or not.",
                   "Which of the maps to fuse.",
                   "Where a mask is black (0), depths count as missing.");
-  AddDeviceArguments("", &devices, &options);
+  DeviceOptions devices;
+  AddDeviceOptions("", &devices, &options);
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  FusedPixelOptions evaluation_options;
-  evaluation_options.ground_truth_path = arguments.ground_truth_path;
-  evaluation_options.tolerances = ParseTolerances(arguments.tolerances);
-  evaluation_options.devices = devices.Parse();
-  Workspace workspace(arguments.workspace_path,
-                      *ParseMapType(arguments.input_type));
-  workspace.UseMasks(arguments.mask_path);
+  devices.Check();
+  Workspace workspace(arguments.workspace_path, arguments.options.input_type);
+  workspace.UseMasks(arguments.options.mask_path);
   const FusedPixelEvaluation evaluation =
       RunInterruptibly([&](Progress& progress, const auto& should_stop) {
         return EvaluateFusedPixels(
-            workspace, evaluation_options, progress, should_stop);
+            workspace, arguments.options, devices, progress, should_stop);
       });
-  PrintEvaluation(ToJson(evaluation, evaluation_options.tolerances),
+  PrintEvaluation(ToJson(evaluation, arguments.options.tolerances),
                   arguments.json);
   return 0;
 }

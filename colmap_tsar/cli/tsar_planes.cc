@@ -22,6 +22,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 
 namespace tsar {
 namespace {
@@ -40,11 +41,11 @@ struct PlanesCommand {
   std::filesystem::path workspace_path;
   std::filesystem::path output_path;
   std::filesystem::path plan_path;
-  std::string input_type;
-  std::string up = EnumName(kUpAxisNames, UpAxis::kModel);
+  std::optional<MapType> input_type;
+  UpAxis up = UpAxis::kModel;
   double scale = 0.0;
   bool overwrite = false;
-  PlaneExportOptions options;
+  double min_area = 0.0;
 };
 
 void AddOptions(PlanesCommand* command, OptionSet* options) {
@@ -67,19 +68,18 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
       "where only those were refined.",
       options);
   options->Add("min_area",
-               &command->options.min_area,
+               &command->min_area,
                "Planes of a smaller area are left out; in square units of "
                "what is written.",
                {0.0, std::numeric_limits<double>::max()});
-  options->AddChoice("up",
-                     &command->up,
-                     {EnumName(kUpAxisNames, UpAxis::kModel),
-                      EnumName(kUpAxisNames, UpAxis::kY),
-                      EnumName(kUpAxisNames, UpAxis::kZ)},
-                     "The axis of the written coordinates that points up: z "
-                     "for CAD programs, y for most viewers. model: the axes of "
-                     "the sparse model, which point anywhere unless it was "
-                     "aligned.");
+  options->AddEnum<UpAxis>(
+      "up",
+      &command->up,
+      {UpAxis::kModel, UpAxis::kY, UpAxis::kZ},
+      "The axis of the written coordinates that points up: z "
+      "for CAD programs, y for most viewers. model: the axes of "
+      "the sparse model, which point anywhere unless it was "
+      "aligned.");
   options->Add("scale",
                &command->scale,
                "Meters per unit of the sparse model: what is written is in "
@@ -91,11 +91,11 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
 }
 
 void PrintPlanes(const ExportedPlanes& planes,
-                 PlaneFormat format,
+                 PlanesWriter writer,
                  const std::filesystem::path& path) {
   const auto num_written = std::ranges::count_if(
       planes.planes,
-      [&](const ExportedPlane& plane) { return IsWritten(plane, format); });
+      [&](const ExportedPlane& plane) { return IsWritten(plane, writer); });
   const auto num_outlined = std::ranges::count_if(
       planes.planes,
       [](const ExportedPlane& plane) { return !plane.polygons.empty(); });
@@ -106,20 +106,16 @@ void PrintPlanes(const ExportedPlanes& planes,
     std::cout << ", " << num_outlined << " with an outline";
   }
   std::cout << "\n";
-  for (const PlaneClass plane_class : {PlaneClass::kFloor,
-                                       PlaneClass::kCeiling,
-                                       PlaneClass::kWall,
-                                       PlaneClass::kOther}) {
+  for (const auto& [plane_class, name] : kPlaneClassNames) {
     int count = 0;
     double area = 0.0;
     for (const ExportedPlane& plane : planes.planes) {
-      if (plane.plane_class == plane_class && IsWritten(plane, format)) {
+      if (plane.plane_class == plane_class && IsWritten(plane, writer)) {
         ++count;
         area += plane.area;
       }
     }
-    std::cout << "  " << ToString(plane_class) << ": " << count << ", area "
-              << area << "\n";
+    std::cout << "  " << name << ": " << count << ", area " << area << "\n";
   }
   const auto num_left_out = std::ssize(planes.planes) - num_written;
   if (num_left_out > 0) {
@@ -150,7 +146,7 @@ void CheckUse(const PlanesCommand& command) {
                     " is missing; give the file to write, or a floor plan as " +
                     OptionName("plan_path"));
   }
-  if (EnumValue(kUpAxisNames, command.up) == UpAxis::kY) {
+  if (command.up == UpAxis::kY) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("up") + " is for " + OptionName("output_path") +
                     "; give that, too, or leave it out: a floor plan has the "
@@ -160,17 +156,15 @@ void CheckUse(const PlanesCommand& command) {
 }
 
 // Checks the paths of what is to be written.
-void Check(const PlanesCommand& command) {
-  const auto require_writable = [&](const std::filesystem::path& path,
-                                    const std::string& option,
-                                    const std::string& kind) {
+void CheckPaths(const PlanesCommand& command) {
+  for (const auto& [path, option, kind] :
+       {std::tuple(command.output_path, "output_path", "file of planes"),
+        std::tuple(command.plan_path, "plan_path", "floor plan")}) {
     if (!path.empty()) {
       RequireWritableOutput(
           command.workspace_path, path, kind, command.overwrite, option);
     }
-  };
-  require_writable(command.output_path, "output_path", "file of planes");
-  require_writable(command.plan_path, "plan_path", "floor plan");
+  }
   if (std::filesystem::weakly_canonical(command.plan_path) ==
       std::filesystem::weakly_canonical(command.output_path)) {
     throw Error(ErrorCode::kBadOption,
@@ -192,39 +186,36 @@ int RunTsarPlanes(int argc, char** argv) {
     return 0;
   }
   CheckUse(command);
-  std::optional<PlaneFormat> format;
-  std::optional<PlanFormat> plan_format;
-  if (!command.output_path.empty()) {
-    format = ParsePlaneFormat(command.output_path.string());
-  }
-  if (!command.plan_path.empty()) {
-    plan_format = ParsePlanFormat(command.plan_path.string());
-  }
-  const Workspace workspace = OpenWorkspaceWithMaps(
-      command.workspace_path, ParseMapType(command.input_type));
-  Check(command);
+  const PlanesWriter writer = command.output_path.empty()
+                                  ? nullptr
+                                  : PlanesWriterFor(command.output_path);
+  const PlanWriter plan_writer =
+      command.plan_path.empty() ? nullptr : PlanWriterFor(command.plan_path);
+  const Workspace workspace =
+      OpenWorkspaceWithMaps(command.workspace_path, command.input_type);
+  CheckPaths(command);
   if (command.scale > 0.0) {
-    command.options.min_area /= command.scale * command.scale;
+    command.min_area /= command.scale * command.scale;
   }
   ExportedPlanes planes =
       RunInterruptibly([&](Progress& progress, const auto& should_stop) {
-        return ExportPlanes(workspace, command.options, progress, should_stop);
+        return ExportPlanes(workspace, command.min_area, progress, should_stop);
       });
   if (command.scale > 0.0) {
     ScaleToMeters(command.scale, &planes);
   }
   std::optional<FloorPlan> plan;
-  if (plan_format) {
+  if (plan_writer != nullptr) {
     // Before planes are turned, so that its axes are those of --up z always.
     plan = MakeFloorPlan(planes);
   }
-  TurnUp(EnumValue(kUpAxisNames, command.up), &planes);
-  if (format) {
-    WritePlanes(UserPath(command.output_path), *format, planes);
-    PrintPlanes(planes, *format, command.output_path);
+  TurnUp(command.up, &planes);
+  if (writer != nullptr) {
+    WriteFile(command.output_path, writer, planes);
+    PrintPlanes(planes, writer, command.output_path);
   }
   if (plan) {
-    WriteFloorPlan(UserPath(command.plan_path), *plan_format, *plan);
+    WriteFile(command.plan_path, plan_writer, *plan);
     PrintPlan(*plan, command.plan_path);
   }
   return 0;

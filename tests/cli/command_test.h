@@ -74,7 +74,7 @@ class CommandTest : public testing::Test {
     EXPECT_EQ(outcome.exit_code, 1);
     const size_t error = outcome.err.find("ERROR: ");
     ASSERT_NE(error, std::string::npos) << outcome.err;
-    EXPECT_TRUE(error == 0 || outcome.err[0] == '[') << outcome.err;
+    EXPECT_TRUE(error == 0 || outcome.err.find('[') < error) << outcome.err;
     EXPECT_EQ(outcome.err.find('\n', error), outcome.err.size() - 1)
         << outcome.err;
     for (const std::string& text : texts) {

@@ -52,7 +52,6 @@ TEST_F(TsarReportTest, WrongInputIsOneLine) {
   ExpectFailure({"--report_path", root_.string()}, "is no report");
   ExpectFailure({"--report_path", (root_ / "images").string()},
                 "is in the folder images of a workspace");
-  ExpectFailure({"--max_image_size", "99"}, "--max_image_size");
 }
 
 }  // namespace

@@ -36,34 +36,6 @@ Voxel VoxelOf(const Eigen::Vector3d& point, double shift, double voxel_size) {
   return voxel;
 }
 
-struct VoxelSums {
-  double shares = 0;
-  int64_t num_voxels = 0;
-};
-
-void AddVoxel(const PointInVoxel* begin,
-              const PointInVoxel* end,
-              const std::vector<PointVerdict>& verdicts,
-              std::vector<VoxelSums>* sums) {
-  const int num_tolerances = static_cast<int>(sums->size());
-  for (int t = 0; t < num_tolerances; ++t) {
-    int64_t num_good = 0;
-    int64_t num_bad = 0;
-    for (const PointInVoxel* point = begin; point != end; ++point) {
-      const PointVerdict& verdict = verdicts[point->second];
-      if (verdict.first_good <= t) {
-        ++num_good;
-      } else if (verdict.bad_below) {
-        ++num_bad;
-      }
-    }
-    if (num_good + num_bad > 0) {
-      (*sums)[t].shares += static_cast<double>(num_good) / (num_good + num_bad);
-      ++(*sums)[t].num_voxels;
-    }
-  }
-}
-
 constexpr double kCellsPerUnit = 256;
 
 // Beyond this sine of the angle of a beam, all points are tested sooner.
@@ -84,12 +56,6 @@ uint64_t CellKeyOf(const Eigen::Vector3d& direction) {
   return CellKey(CellCoordinate(direction.x()),
                  CellCoordinate(direction.y()),
                  CellCoordinate(direction.z()));
-}
-
-Eigen::Isometry3d AsMotion(const Eigen::Matrix4d& matrix) {
-  Eigen::Isometry3d motion;
-  motion.matrix() = matrix;
-  return motion;
 }
 
 std::vector<double> Completeness(const std::vector<Eigen::Vector3d>& points,
@@ -119,7 +85,7 @@ std::vector<double> Accuracy(const std::vector<Eigen::Vector3d>& points,
   for (const PlacedScan& placed : scans) {
     const LaserScan scan(placed.points, options.beam);
     const Eigen::Isometry3d scan_from_world =
-        AsMotion(placed.world_from_scan).inverse();
+        Eigen::Isometry3d(placed.world_from_scan).inverse();
     threads.ForEach(points.size(), [&](size_t i) {
       const PointVerdict verdict =
           scan.Judge(scan_from_world * points[i], options.tolerances);
@@ -137,29 +103,39 @@ std::vector<double> VoxelMeans(const std::vector<Eigen::Vector3d>& points,
                                const std::vector<PointVerdict>& verdicts,
                                int num_tolerances,
                                double voxel_size) {
-  std::vector<VoxelSums> sums(num_tolerances);
+  std::vector<double> shares(num_tolerances);  // Sums over voxels.
+  std::vector<int64_t> num_voxels(num_tolerances);
   std::vector<PointInVoxel> sorted(points.size());
   for (const double shift : {0.0, 0.5}) {
     for (size_t i = 0; i < points.size(); ++i) {
       sorted[i] = {VoxelOf(points[i], shift, voxel_size), i};
     }
     std::ranges::sort(sorted);
-    const PointInVoxel* const end = sorted.data() + sorted.size();
-    for (const PointInVoxel* begin = sorted.data(); begin != end;) {
-      const PointInVoxel* next =
-          std::find_if(begin, end, [&](const PointInVoxel& point) {
+    for (auto begin = sorted.begin(); begin != sorted.end();) {
+      const auto end =
+          std::find_if(begin, sorted.end(), [&](const PointInVoxel& point) {
             return point.first != begin->first;
           });
-      AddVoxel(begin, next, verdicts, &sums);
-      begin = next;
+      for (int t = 0; t < num_tolerances; ++t) {
+        int64_t num_good = 0;
+        int64_t num_counted = 0;
+        for (auto point = begin; point != end; ++point) {
+          const PointVerdict& verdict = verdicts[point->second];
+          num_good += verdict.first_good <= t;
+          num_counted += verdict.first_good <= t || verdict.bad_below;
+        }
+        if (num_counted > 0) {
+          shares[t] += static_cast<double>(num_good) / num_counted;
+          ++num_voxels[t];
+        }
+      }
+      begin = end;
     }
   }
-  std::vector<double> means;
-  means.reserve(sums.size());
-  for (const VoxelSums& sum : sums) {
-    means.push_back(sum.num_voxels > 0 ? sum.shares / sum.num_voxels : 0);
+  for (int t = 0; t < num_tolerances; ++t) {
+    shares[t] /= static_cast<double>(std::max<int64_t>(num_voxels[t], 1));
   }
-  return means;
+  return shares;
 }
 
 LaserScan::LaserScan(std::vector<Eigen::Vector3d> points, const LaserBeam& beam)
@@ -251,7 +227,7 @@ CloudEvaluation EvaluateCloud(const std::vector<Eigen::Vector3d>& points,
   options.Check();
   std::vector<Eigen::Vector3d> surface;
   for (const PlacedScan& scan : scans) {
-    const Eigen::Isometry3d motion = AsMotion(scan.world_from_scan);
+    const Eigen::Isometry3d motion(scan.world_from_scan);
     for (const Eigen::Vector3d& point : scan.points) {
       surface.push_back(motion * point);
     }

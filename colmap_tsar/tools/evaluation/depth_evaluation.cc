@@ -4,12 +4,14 @@
 #include "colmap_tsar/tools/evaluation/depth_evaluation.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/opencv_threads.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/resize_nearest.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
+#include "colmap_tsar/fusion/fusion_options.h"
 #include "colmap_tsar/fusion/fusion_run.h"
 #include "colmap_tsar/io/image_masks.h"
 #include "colmap_tsar/io/map_io.h"
@@ -21,6 +23,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
+#include <set>
 #include <utility>
 
 #include <opencv2/imgproc.hpp>
@@ -38,17 +42,9 @@ fs::path GroundTruthFolder(const fs::path& workspace_path,
   return given.empty() ? workspace_path / "ground_truth" / "depth" : given;
 }
 
-// The names of all images that have ground truth, in a fixed order.
-std::vector<std::string> ListGroundTruth(const fs::path& folder) {
-  std::vector<std::string> names;
-  if (fs::is_directory(folder)) {
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-      if (entry.path().extension() == ".bin") {
-        names.push_back(
-            fs::relative(entry.path(), folder).replace_extension().string());
-      }
-    }
-  }
+// The names of all images that have ground truth.
+std::set<std::string> ListGroundTruth(const fs::path& folder) {
+  std::set<std::string> names = ListFileNames({folder, {}}, ".bin");
   if (names.empty()) {
     throw Error::File(
         ErrorCode::kNotFound,
@@ -56,53 +52,48 @@ std::vector<std::string> ListGroundTruth(const fs::path& folder) {
         "there are no ground truth depth maps (NAME.bin)",
         "give their folder as " + OptionName("ground_truth_path"));
   }
-  std::ranges::sort(names);
   return names;
 }
 
-// The mask (1) of textureless pixels of the image at this path, resized.
+// The mask of textureless pixels (not 0) of the image at this path, resized.
 Image<uint8_t> FindTextureless(const fs::path& path,
                                Image<uint8_t> photo,
-                               int width,
-                               int height) {
+                               const RasterSize& size) {
   RequireShape(path,
                {photo.Width(), photo.Height()},
-               {width, height},
+               size,
                "its ground truth",
                "give ground truth of this image");
   const cv::Mat gray(photo.Height(), photo.Width(), CV_8UC1, photo.Data());
   cv::Mat resized;
-  cv::resize(gray, resized, cv::Size(width, height), 0, 0, cv::INTER_AREA);
+  cv::resize(gray, resized, {size.width, size.height}, 0, 0, cv::INTER_AREA);
   resized.convertTo(resized, CV_32F);
   const cv::Size window(kTextureWindow, kTextureWindow);
   cv::Mat mean;
   cv::Mat mean_square;
   cv::blur(resized, mean, window);
   cv::blur(resized.mul(resized), mean_square, window);
-  const cv::Mat variance = mean_square - mean.mul(mean);
-  Image<uint8_t> textureless(width, height);
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      textureless(x, y) = variance.at<float>(y, x) < kMaxGrayVariance ? 1 : 0;
-    }
-  }
+  Image<uint8_t> textureless(size.width, size.height);
+  cv::Mat(size.height, size.width, CV_8UC1, textureless.Data()) =
+      mean_square - mean.mul(mean) < kMaxGrayVariance;
   return textureless;
 }
 
-// Adds one image's pixels to the scores of one area, all or the nonzero pixels
-// of a mask of the ground truth. mask: of the estimate, or empty.
+// Adds one image's pixels to the score of its area. mask: of the estimate, or
+// empty. textureless: of the ground truth.
 void AddPixels(const Image<float>& estimate,
                const Image<float>& truth,
                const Image<uint8_t>& mask,
-               const Image<uint8_t>* area,
+               const Image<uint8_t>& textureless,
                DepthScore* score) {
+  const bool is_of_all = score->area == "all";
   const float tolerance = static_cast<float>(score->tolerance);
   for (int y = 0; y < estimate.Height(); ++y) {
     const int truth_y = NearestPixel(y, truth.Height(), estimate.Height());
     for (int x = 0; x < estimate.Width(); ++x) {
       const int truth_x = NearestPixel(x, truth.Width(), estimate.Width());
       const float known = truth(truth_x, truth_y);
-      if (known <= 0 || (area != nullptr && (*area)(truth_x, truth_y) == 0) ||
+      if (known <= 0 || !(is_of_all || textureless(truth_x, truth_y) != 0) ||
           (!mask.Empty() && mask(x, y) != 0)) {
         continue;
       }
@@ -124,46 +115,40 @@ void ScoreImage(const fs::path& photo_path,
   const Image<float> estimate = ReadDepthMap(map_path);
   const Image<float> truth = ReadDepthMap(truth_path);
   const RasterSize size{estimate.Width(), estimate.Height()};
+  const RasterSize truth_size{truth.Width(), truth.Height()};
   RequireShape(map_path,
                size,
-               {truth.Width(), truth.Height()},
+               truth_size,
                "its ground truth",
                "give ground truth of this image");
   Image<uint8_t> photo = ReadGrayPhoto(photo_path);
   const RasterSize photo_size{photo.Width(), photo.Height()};
-  const Image<uint8_t> textureless = FindTextureless(
-      photo_path, std::move(photo), truth.Width(), truth.Height());
+  const Image<uint8_t> textureless =
+      FindTextureless(photo_path, std::move(photo), truth_size);
   Image<uint8_t> mask;
   if (!mask_path.empty()) {
     mask = ResizeMask(ReadImageMask(mask_path, {photo_size, size}), size);
     ++*evaluation->num_masks;
   }
   for (DepthScore& score : evaluation->scores) {
-    AddPixels(estimate,
-              truth,
-              mask,
-              score.area == "all" ? nullptr : &textureless,
-              &score);
+    AddPixels(estimate, truth, mask, textureless, &score);
   }
 }
 
-// The masks of the named images; it is no error if only others have some.
-std::vector<fs::path> FindMasks(const fs::path& folder,
-                                const fs::path& images,
-                                std::vector<std::string> names) {
+// The masks of all images by their names; it is no error if only those without
+// ground truth have some.
+std::map<std::string, fs::path> FindMasks(const fs::path& folder,
+                                          const fs::path& images,
+                                          std::set<std::string> names) {
   RequireNoImageFolder(folder, images, "masks", OptionName("mask_path"));
-  const size_t num_names = names.size();
-  std::error_code error;
-  for (fs::recursive_directory_iterator entry(images, error), end;
-       !error && entry != end;
-       entry.increment(error)) {
-    if (entry->is_regular_file(error)) {
-      names.push_back(entry->path().lexically_relative(images).string());
-    }
+  names.merge(ListFileNames({images, {}}, ""));
+  const std::vector<std::string> list(names.begin(), names.end());
+  const std::vector<fs::path> found =
+      FindImageMasks(folder, list, OptionName("mask_path"));
+  std::map<std::string, fs::path> masks;
+  for (size_t i = 0; i < list.size(); ++i) {
+    masks[list[i]] = found[i];
   }
-  std::vector<fs::path> masks =
-      FindImageMasks(folder, names, OptionName("mask_path"));
-  masks.resize(num_names);
   return masks;
 }
 
@@ -257,6 +242,7 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
   const OpenCvWithoutThreads opencv_without_threads;
   const fs::path truth_folder =
       GroundTruthFolder(workspace_path, options.ground_truth_path);
+  const std::string input_type = ToString(options.input_type);
   const fs::path map_folder = workspace_path / "stereo" / "depth_maps";
 
   DepthEvaluation evaluation;
@@ -265,16 +251,14 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
       evaluation.scores.push_back({area, tolerance});
     }
   }
-  const std::vector<std::string> names = ListGroundTruth(truth_folder);
-  std::vector<fs::path> masks(names.size());
+  const std::set<std::string> names = ListGroundTruth(truth_folder);
+  std::map<std::string, fs::path> masks;
   if (!options.mask_path.empty()) {
     masks = FindMasks(options.mask_path, workspace_path / "images", names);
     evaluation.num_masks = 0;
   }
-  for (size_t i = 0; i < names.size(); ++i) {
-    const std::string& name = names[i];
-    const fs::path map_path =
-        map_folder / (name + "." + options.input_type + ".bin");
+  for (const std::string& name : names) {
+    const fs::path map_path = map_folder / (name + "." + input_type + ".bin");
     if (!Exists(map_path)) {
       ++evaluation.num_images_without_map;
       continue;
@@ -282,13 +266,13 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
     ScoreImage(workspace_path / "images" / name,
                map_path,
                truth_folder / (name + ".bin"),
-               masks[i],
+               masks[name],
                &evaluation);
   }
   if (evaluation.num_images == 0) {
     throw Error::File(ErrorCode::kNotFound,
                       map_folder.string(),
-                      "there is no " + options.input_type +
+                      "there is no " + input_type +
                           " depth map of an image with ground truth",
                       "check " + OptionName("workspace_path") + " and " +
                           OptionName("input_type"));
@@ -298,23 +282,19 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
 
 FusedPixelEvaluation EvaluateFusedPixels(
     const Workspace& workspace,
-    const FusedPixelOptions& options,
+    const DepthEvaluationOptions& options,
+    const DeviceOptions& devices,
     Progress& progress,
     const std::function<bool()>& should_stop) {
   CheckTolerances(options.tolerances);
-  options.fusion.Check();
-  if (options.fusion.point_spacing != 1) {
-    throw Error(ErrorCode::kBadOption,
-                OptionName("point_spacing") + " has to be 1 here");
-  }
+  const FusionOptions fusion = PresetFusionOptions(FusionPreset::kPaper);
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
-  const FusionPlan plan =
-      PlanFusion(workspace, {}, options.fusion.check_num_images);
+  const FusionPlan plan = PlanFusion(workspace, {}, fusion.check_num_images);
   const std::vector<fs::path> truths = FindTruths(
       workspace,
       plan,
       GroundTruthFolder(workspace.Root(), options.ground_truth_path));
-  FusionRun run(workspace, plan, options.fusion, options.devices);
+  FusionRun run(workspace, plan, fusion, devices);
   std::vector<FusedPixelEvaluation> of_images(plan.order.size());
   FusedPixelEvaluation sum;
   sum.num_right.assign(options.tolerances.size(), 0);

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
-#include "colmap_tsar/fusion/fusion_options.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 
@@ -18,8 +17,7 @@
 namespace tsar {
 
 struct DepthEvaluationOptions {
-  // The maps to score: "geometric" or "photometric".
-  std::string input_type = "geometric";
+  MapType input_type = MapType::kGeometric;  // The maps to score.
   // Folder with IMAGE_NAME.bin, depth maps in COLMAP's format (0 = unknown);
   // empty: ground_truth/depth in the workspace.
   std::filesystem::path ground_truth_path;
@@ -61,15 +59,6 @@ struct DepthEvaluation {
 DepthEvaluation EvaluateDepthMaps(const std::filesystem::path& workspace_path,
                                   const DepthEvaluationOptions& options);
 
-struct FusedPixelOptions {
-  // The options that select the fused pixels; point_spacing has to be 1.
-  FusionOptions fusion = PresetFusionOptions("paper");
-  DeviceOptions devices;
-  // As in DepthEvaluationOptions.
-  std::filesystem::path ground_truth_path;
-  std::vector<double> tolerances = {0.02, 0.1};
-};
-
 struct FusedPixelEvaluation {
   int num_images = 0;              // Images with ground truth.
   int64_t num_known = 0;           // Pixels with ground truth.
@@ -78,17 +67,19 @@ struct FusedPixelEvaluation {
 };
 
 // The evaluation of the ablation in the TSAR-MVS paper (section 6.3.1): for
-// each point of the fused cloud, the map's depth in the pixel that became the
+// each point of the cloud that the maps of the workspace's type and its masks
+// give by the paper's thresholds, the map's depth in the pixel that became the
 // point is compared with the ground truth. The paper does not print the total
 // of its percentages; shares here are of these pixels. Where map and ground
 // truth differ in size, the ground truth is looked up at the map's pixels.
 //
 // Throws Error: kNotFound (no image has maps, or no fused image has ground
 // truth), kMismatch (a ground truth is not of the shape of the map), kBadOption
-// (tolerances, point_spacing), and what FusionRun and ReadDepthMap throw.
+// (tolerances), and what FusionRun and ReadDepthMap throw.
 FusedPixelEvaluation EvaluateFusedPixels(
     const Workspace& workspace,
-    const FusedPixelOptions& options,
+    const DepthEvaluationOptions& options,
+    const DeviceOptions& devices,
     Progress& progress,
     const std::function<bool()>& should_stop);
 

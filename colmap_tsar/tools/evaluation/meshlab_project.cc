@@ -4,10 +4,10 @@
 #include "colmap_tsar/tools/evaluation/meshlab_project.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/io/float_map.h"
 
 #include <algorithm>
-#include <iterator>
+#include <cstdint>
 #include <sstream>
 #include <string>
 
@@ -32,21 +32,8 @@ constexpr std::ptrdiff_t kMaxNumTags = 4096;
 }
 
 pt::ptree ReadXml(const std::filesystem::path& path) {
-  InputFile file(path);
-  if (file.IsMissing()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      path.string(),
-                      "there is no such file",
-                      "check the path");
-  }
-  if (!file) {
-    throw Error::File(ErrorCode::kIo,
-                      path.string(),
-                      "the file cannot be opened (" + file.Reason() + ")",
-                      "check that it is a file and that you may read it");
-  }
-  const std::string text((std::istreambuf_iterator<char>(file)),
-                         std::istreambuf_iterator<char>());
+  const std::vector<uint8_t> bytes = ReadFileBytes(path);
+  const std::string text(bytes.begin(), bytes.end());
   if (std::ranges::count(text, '<') > kMaxNumTags) {
     Corrupt(path, "it has too many tags");
   }

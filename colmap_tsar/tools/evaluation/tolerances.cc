@@ -6,19 +6,18 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 
 namespace tsar {
 
 void CheckTolerances(const std::vector<double>& tolerances) {
-  bool ok = !tolerances.empty();
-  double last = 0;
-  for (const double tolerance : tolerances) {
-    ok = ok && std::isfinite(tolerance) && tolerance > last;
-    last = tolerance;
-  }
-  if (!ok) {
+  if (tolerances.empty() || !(tolerances.front() > 0) ||
+      !std::isfinite(tolerances.back()) ||
+      std::ranges::adjacent_find(tolerances, std::not_fn(std::less())) !=
+          tolerances.end()) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("tolerances") +
                     ": must be positive numbers that rise; give a list "

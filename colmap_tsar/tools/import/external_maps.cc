@@ -104,9 +104,7 @@ Vec3f ConvertNormal(const Vec3f& stored,
     const Eigen::Vector3d unit =
         (rotation != nullptr ? Eigen::Vector3d(*rotation * exact) : exact) /
         norm;
-    normal = {static_cast<float>(unit.x()),
-              static_cast<float>(unit.y()),
-              static_cast<float>(unit.z())};
+    normal = ToVec3f(unit);
   }
   return Dot(normal, ray) > 0.f ? -normal : normal;
 }

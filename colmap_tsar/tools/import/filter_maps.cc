@@ -14,7 +14,6 @@
 #include "colmap_tsar/tools/stereo/stereo_views.h"
 
 #include <memory>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -26,13 +25,7 @@ class FilterTask : public ImageTasks<DepthNormal> {
   FilterTask(const Workspace& workspace, std::vector<RefineWorker>& workers)
       : workspace_(workspace), workers_(workers) {}
 
-  ImageReport Begin(size_t index) override {
-    ImageReport report;
-    if (!HasMaps(Problem(index).reference)) {
-      report.outcome = ImageReport::Outcome::kSkipped;
-    }
-    return report;
-  }
+  ImageReport Begin(size_t /*index*/) override { return {}; }
 
   std::vector<int> Views(size_t index) const override {
     std::vector<int> views = Sources(index);
@@ -77,10 +70,8 @@ class FilterTask : public ImageTasks<DepthNormal> {
   }
 
   void Write(size_t index, DepthNormal maps, ImageReport* report) override {
-    const MapPaths paths = workspace_.Paths(
-        Problem(index).reference,
-        workspace_.Type() == MapType::kGeometric ? MapType::kPhotometric
-                                                 : MapType::kGeometric);
+    const MapPaths paths =
+        workspace_.Paths(Problem(index).reference, MapType::kGeometric);
     WriteDepthMap(paths.depth, maps.depth);
     WriteNormalMap(paths.normal, maps.normal);
     report->outcome = ImageReport::Outcome::kDone;
@@ -91,14 +82,12 @@ class FilterTask : public ImageTasks<DepthNormal> {
     return workspace_.Problems()[index];
   }
 
-  bool HasMaps(int image) const {
-    return workspace_.HasMaps(image, workspace_.Type());
-  }
-
   // Those with maps; without a depth map none confirms anything.
   std::vector<int> Sources(size_t index) const {
     std::vector<int> sources = StereoSources(Problem(index), options_);
-    std::erase_if(sources, [&](int source) { return !HasMaps(source); });
+    std::erase_if(sources, [&](int source) {
+      return !workspace_.HasMaps(source, workspace_.Type());
+    });
     return sources;
   }
 
@@ -114,12 +103,15 @@ void FilterMaps(const Workspace& workspace,
                 Progress& progress,
                 const std::function<bool()>& should_stop) {
   const WorkspaceOverview overview = CheckWorkspace(workspace);
-  const size_t num_images = workspace.Problems().size();
+  std::vector<size_t> images;
+  for (size_t i = 0; i < workspace.Problems().size(); ++i) {
+    if (overview.has_maps[workspace.Problems()[i].reference]) {
+      images.push_back(i);
+    }
+  }
   RefineDevices devices = CreateRefineDevices(
-      device_options, PlanStereo(overview), static_cast<int>(num_images));
+      device_options, PlanStereo(overview), static_cast<int>(images.size()));
   FilterTask task(workspace, devices.workers);
-  std::vector<size_t> images(num_images);
-  std::iota(images.begin(), images.end(), 0);
   const PipelineOutcome outcome =
       ImagePipeline<DepthNormal>(
           task,

@@ -13,11 +13,12 @@ namespace tsar {
 
 // Programs that fill bare walls from a prior or by chance leave no holes, and
 // neighboring views agree on what they fill in. Writes, for each image with
-// maps of the workspace's type, the maps of the other type: those depths that
-// enough sources confirm (see FilterHypotheses), and their normals.
+// photometric maps, geometric ones: those depths that enough sources confirm
+// (see FilterHypotheses), and their normals.
 //
 // Throws kInterrupted once should_stop returned true, and the errors of
 // CheckWorkspace, CreateRefineDevices and the readers and writers of maps.
+// workspace: of the photometric type.
 void FilterMaps(const Workspace& workspace,
                 const DeviceOptions& device_options,
                 Progress& progress,

@@ -4,6 +4,7 @@
 #include "colmap_tsar/tools/import/import_checks.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/median.h"
 #include "colmap_tsar/base/option_name.h"
 
 #include <algorithm>
@@ -20,10 +21,6 @@ constexpr double kMaxDegrees = 1.0;
 constexpr double kMaxShareOfExtent = 0.01;
 constexpr double kMaxRatio = 0.02;
 
-const SparseModel::ModelImage& ImageOf(const SparseModel& model, int image) {
-  return model.images[image];
-}
-
 // The diagonal of the bounding box of all camera centers.
 double Extent(const SparseModel& model) {
   Eigen::AlignedBox3d box;
@@ -31,11 +28,6 @@ double Extent(const SparseModel& model) {
     box.extend(image.camera.Center());
   }
   return box.isEmpty() ? 0.0 : box.diagonal().norm();
-}
-
-double Degrees(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
-  const double cosine = ((a * b.transpose()).trace() - 1.0) / 2.0;
-  return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / M_PI;
 }
 
 // The difference of two poses, each component as a share of its tolerance.
@@ -47,130 +39,91 @@ struct PoseError {
   double Sum() const { return rotation + center; }
 };
 
-class CameraChecker {
- public:
-  CameraChecker(const std::vector<AssignedCamera>& cameras,
-                const SparseModel& model,
-                double scale)
-      : cameras_(cameras),
-        model_(model),
-        scale_(scale),
-        extent_(Extent(model)) {}
+Error OtherCamera(const StoredCamera& stored,
+                  const std::string& what,
+                  const std::string& advice) {
+  return Error::File(ErrorCode::kMismatch, stored.file, what, advice);
+}
 
-  void Check() const {
-    for (const AssignedCamera& assigned : cameras_) {
-      if (!IsRight(assigned)) {
-        throw WrongPose(assigned);
-      }
-    }
-    for (const AssignedCamera& assigned : cameras_) {
-      CheckIntrinsics(assigned);
-    }
-  }
+std::string Text(const char* format, double first, double second) {
+  char text[64];
+  std::snprintf(text, sizeof(text), format, first, second);
+  return text;
+}
 
- private:
-  PoseError Compare(const StoredCamera& stored, int image, double scale) const {
-    const Camera& camera = ImageOf(model_, image).camera;
+// extent: that of the model.
+void CheckPose(const AssignedCamera& assigned,
+               const SparseModel& model,
+               double extent,
+               double scale) {
+  const StoredCamera& stored = assigned.camera;
+  const auto error_of = [&](const SparseModel::ModelImage& image) {
+    const Camera& camera = image.camera;
+    const double cosine =
+        ((stored.rotation * camera.rotation.transpose()).trace() - 1.0) / 2.0;
     PoseError error;
-    error.rotation = Degrees(stored.rotation, camera.rotation) / kMaxDegrees;
-    const double distance = (scale * stored.center - camera.Center()).norm();
+    error.rotation =
+        std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / M_PI / kMaxDegrees;
     // A single center has no extent to compare with.
-    if (extent_ > 0.0) {
-      error.center = distance / (kMaxShareOfExtent * extent_);
+    if (extent > 0.0) {
+      error.center = (scale * stored.center - camera.Center()).norm() /
+                     (kMaxShareOfExtent * extent);
     }
     return error;
+  };
+  // The tolerance of rounding in text files.
+  constexpr double kExact = 0.2;
+  const SparseModel::ModelImage& image = model.images[assigned.image];
+  const PoseError own = error_of(image);
+  if (own.Sum() <= kExact) {
+    return;
   }
-
-  bool IsRight(const AssignedCamera& assigned) const {
-    const PoseError own = Compare(assigned.camera, assigned.image, scale_);
-    if (!own.Fits()) {
-      return false;
-    }
-    // The tolerance of rounding in text files.
-    constexpr double kExact = 0.2;
-    return own.Sum() <= kExact ||
-           Compare(assigned.camera, BestImage(assigned.camera), scale_).Sum() >=
-               0.1 * own.Sum();
+  const SparseModel::ModelImage& best =
+      *std::ranges::min_element(model.images, {}, [&](const auto& other) {
+        return error_of(other).Sum();
+      });
+  const PoseError smallest = error_of(best);
+  if (own.Fits() && smallest.Sum() >= 0.1 * own.Sum()) {
+    return;
   }
-
-  int BestImage(const StoredCamera& stored) const {
-    int best = 0;
-    double smallest = INFINITY;
-    for (size_t i = 0; i < model_.images.size(); ++i) {
-      const int image = static_cast<int>(i);
-      const double error = Compare(stored, image, scale_).Sum();
-      if (error < smallest) {
-        smallest = error;
-        best = image;
-      }
-    }
-    return best;
+  if (&best != &image && smallest.Fits()) {
+    throw OtherCamera(
+        stored,
+        "is the camera of " + best.name + ", not of " + image.name +
+            ": the images are in another order",
+        "name the images in their order with " + OptionName("image_list"));
   }
+  throw OtherCamera(
+      stored,
+      "the camera is not that of " + image.name + ", it differs by " +
+          Text("%.2f degrees and %.3g of the scene's extent",
+               own.rotation * kMaxDegrees,
+               own.center * kMaxShareOfExtent),
+      "use maps that were made from this sparse model; for maps in other "
+      "units give " +
+          OptionName("depth_scale"));
+}
 
-  Error WrongPose(const AssignedCamera& assigned) const {
-    const std::string& name = ImageOf(model_, assigned.image).name;
-    const int best = BestImage(assigned.camera);
-    if (best != assigned.image &&
-        Compare(assigned.camera, best, scale_).Fits()) {
-      return Error::File(
-          ErrorCode::kMismatch,
-          assigned.camera.file,
-          "is the camera of " + ImageOf(model_, best).name + ", not of " +
-              name + ": the images are in another order",
-          "name the images in their order with " + OptionName("image_list"));
-    }
-    const PoseError error = Compare(assigned.camera, assigned.image, scale_);
-    char text[96];
-    std::snprintf(text,
-                  sizeof(text),
-                  "by %.2f degrees and %.3g of the scene's extent",
-                  error.rotation * kMaxDegrees,
-                  error.center * kMaxShareOfExtent);
-    return Error::File(
-        ErrorCode::kMismatch,
-        assigned.camera.file,
-        "the camera is not that of " + name + ", it differs " + text,
-        "use maps that were made from this sparse model; for maps in other "
-        "units give " +
-            OptionName("depth_scale"));
+void CheckIntrinsics(const AssignedCamera& assigned, const SparseModel& model) {
+  const SparseModel::ModelImage& image = model.images[assigned.image];
+  const Camera& camera = image.camera;
+  const StoredCamera& stored = assigned.camera;
+  const double x = stored.cx / stored.fx;
+  const double y = stored.cy / stored.fy;
+  const double own_x = camera.cx / camera.fx;
+  const double own_y = camera.cy / camera.fy;
+  const double difference =
+      std::max({std::abs(stored.fx / stored.fy * camera.fy / camera.fx - 1.0),
+                std::abs(x - own_x),
+                std::abs(y - own_y)});
+  if (difference > kMaxRatio) {
+    throw OtherCamera(stored,
+                      "the camera is not that of " + image.name +
+                          ": its principal point over its focal length is " +
+                          Text("%.4g and %.4g, the image's ", x, y) +
+                          Text("%.4g and %.4g", own_x, own_y),
+                      "use maps of the undistorted images of this workspace");
   }
-
-  void CheckIntrinsics(const AssignedCamera& assigned) const {
-    const Camera& camera = ImageOf(model_, assigned.image).camera;
-    const StoredCamera& stored = assigned.camera;
-    const double difference =
-        std::max({std::abs(stored.fx / stored.fy * camera.fy / camera.fx - 1.0),
-                  std::abs(stored.cx / stored.fx - camera.cx / camera.fx),
-                  std::abs(stored.cy / stored.fy - camera.cy / camera.fy)});
-    if (difference > kMaxRatio) {
-      char text[96];
-      std::snprintf(text,
-                    sizeof(text),
-                    "%.4g and %.4g, the image's %.4g and %.4g",
-                    stored.cx / stored.fx,
-                    stored.cy / stored.fy,
-                    camera.cx / camera.fx,
-                    camera.cy / camera.fy);
-      throw Error::File(
-          ErrorCode::kMismatch,
-          stored.file,
-          "the camera is not that of " + ImageOf(model_, assigned.image).name +
-              ": its principal point over its focal length is " + text,
-          "use maps of the undistorted images of this workspace");
-    }
-  }
-
-  const std::vector<AssignedCamera>& cameras_;
-  const SparseModel& model_;
-  double scale_;
-  double extent_;
-};
-
-// Reorders the values.
-double Median(std::vector<double>* values) {
-  const auto middle = values->begin() + values->size() / 2;
-  std::ranges::nth_element(*values, middle);
-  return *middle;
 }
 
 }  // namespace
@@ -178,7 +131,13 @@ double Median(std::vector<double>* values) {
 void CheckCameras(const std::vector<AssignedCamera>& cameras,
                   const SparseModel& model,
                   double scale) {
-  CameraChecker(cameras, model, scale).Check();
+  const double extent = Extent(model);
+  for (const AssignedCamera& assigned : cameras) {
+    CheckPose(assigned, model, extent, scale);
+  }
+  for (const AssignedCamera& assigned : cameras) {
+    CheckIntrinsics(assigned, model);
+  }
 }
 
 SparseComparison CompareWithSparse(const SparseModel& model,
@@ -208,7 +167,7 @@ SparseComparison CompareWithSparse(const SparseModel& model,
   SparseComparison comparison;
   comparison.num_points = static_cast<int>(ratios.size());
   if (!ratios.empty()) {
-    comparison.ratio = Median(&ratios);
+    comparison.ratio = UpperMedian(&ratios);
   }
   return comparison;
 }
@@ -227,7 +186,7 @@ ScaleVerdict JudgeScale(const std::vector<SparseComparison>& comparisons) {
     return verdict;
   }
   verdict.num_images = static_cast<int>(ratios.size());
-  verdict.median = Median(&ratios);
+  verdict.median = UpperMedian(&ratios);
   verdict.smallest = *std::ranges::min_element(ratios);
   verdict.largest = *std::ranges::max_element(ratios);
   const auto num_near = std::ranges::count_if(ratios, [&](double ratio) {

@@ -14,16 +14,19 @@
 #include "colmap_tsar/run/store/output_folder.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/import/filter_maps.h"
-#include "colmap_tsar/tools/import/target_workspace.h"
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <nlohmann/json.hpp>
 
 namespace tsar {
 namespace {
+
+namespace fs = std::filesystem;
 
 constexpr OutputFolderKind kImportFolder = {"import",
                                             "an import",
@@ -60,6 +63,39 @@ bool AreInWorld(const NormalFacing& facing, ExternalFormat format) {
   return format == ExternalFormat::kAcm || format == ExternalFormat::kApd;
 }
 
+// Gives an empty folder what COLMAP's dense stage needs beside maps: the photos
+// of the model's images, as hard links where the file system allows, a copy of
+// the model's files, and configuration files with all images and `__auto__,
+// 20`. Photos that are missing are left out.
+void WriteInputs(const fs::path& source,
+                 const SparseModel& model,
+                 const ContainedPath& root) {
+  const ContainedPath stereo = root / "stereo";
+  for (const ContainedPath& folder : {root / "images",
+                                      root / "sparse",
+                                      stereo / "depth_maps",
+                                      stereo / "normal_maps"}) {
+    CreateFolders(folder);
+  }
+  AtomicFile patch_match(stereo / "patch-match.cfg");
+  AtomicFile fusion(stereo / "fusion.cfg");
+  for (const SparseModel::ModelImage& image : model.images) {
+    patch_match.Stream() << image.name << "\n__auto__, 20\n";
+    fusion.Stream() << image.name << "\n";
+    std::error_code error;
+    // A link to a photo may be relative.
+    const fs::path photo = fs::canonical(source / "images" / image.name, error);
+    if (!error) {
+      LinkOrCopyFile(photo, root / "images" / image.name);
+    }
+  }
+  patch_match.Commit();
+  fusion.Commit();
+  for (const fs::path& file : FindSparseModelFiles(FindModelFolder(source))) {
+    CopyFile(file, root / "sparse" / file.filename());
+  }
+}
+
 class Importer {
  public:
   Importer(const ImportOptions& options,
@@ -68,13 +104,16 @@ class Importer {
       : options_(options),
         progress_(progress),
         should_stop_(should_stop),
-        model_(ReadTargetModel(options.workspace_path)),
-        matched_(MatchImages(options.match, model_)) {
+        model_(ReadTargetModel(options.workspace_path)) {
+    const MatchedMaps matched = MatchImages(options.match, model_);
+    for (const ExternalFiles& files : matched.files) {
+      maps_.push_back({files, model_.images[files.image]});
+    }
     summary_.output_path = options.output_path;
     summary_.type = options.match.type;
     summary_.num_images = static_cast<int>(model_.images.size());
-    summary_.num_imported = static_cast<int>(matched_.files.size());
-    summary_.num_without_image = matched_.num_without_image;
+    summary_.num_imported = static_cast<int>(maps_.size());
+    summary_.num_without_image = matched.num_without_image;
   }
 
   ImportSummary Run() {
@@ -85,9 +124,6 @@ class Importer {
         kImportFolder, options_.output_path, options_.overwrite);
     const ContainedPath root(folder.Temporary(), {});
     CheckFiles();
-    CheckCameras(cameras_,
-                 model_,
-                 options_.depth_scale > 0.0 ? options_.depth_scale : 1.0);
     DecideScales();
     WriteInputs(options_.workspace_path, model_, root);
     // The filter reads maps of the one type and writes those of the other.
@@ -112,57 +148,53 @@ class Importer {
   }
 
   void ThrowIfStopped() const {
-    if (should_stop_ && should_stop_()) {
+    if (should_stop_()) {
       throw Error(ErrorCode::kInterrupted, "interrupted; nothing was imported");
     }
   }
 
-  const std::string& NameOf(const ExternalFiles& files) const {
-    return model_.images[files.image].name;
-  }
-
-  const Camera& CameraOf(const ExternalFiles& files) const {
-    return model_.images[files.image].camera;
-  }
-
-  double BaseScale(bool is_integer) const {
-    constexpr double kMillimeter = 0.001;
-    return options_.depth_scale > 0.0 ? options_.depth_scale
-           : is_integer               ? kMillimeter
-                                      : 1.0;
-  }
-
   // Reads all files once and keeps the data for the checks.
   void CheckFiles() {
-    progress_.Start(static_cast<int>(matched_.files.size()), "Checking:");
-    for (const ExternalFiles& files : matched_.files) {
+    std::vector<AssignedCamera> cameras;
+    progress_.Start(static_cast<int>(maps_.size()), "Checking:");
+    for (Map& map : maps_) {
       ThrowIfStopped();
       const ExternalMaps external =
-          ReadExternalMaps(files, options_.match.format);
-      RequireShape(files.depth,
+          ReadExternalMaps(map.files, options_.match.format);
+      RequireShape(map.files.depth,
                    {external.depth.Width(), external.depth.Height()},
-                   {CameraOf(files).width, CameraOf(files).height},
-                   "the image " + NameOf(files),
+                   {map.image.camera.width, map.image.camera.height},
+                   "the image " + map.image.name,
                    "use maps of the undistorted images of this workspace");
       if (external.camera) {
-        cameras_.push_back({files.image, *external.camera});
+        cameras.push_back({map.files.image, *external.camera});
       }
-      AddFacing(external, CameraOf(files), &facing_);
+      AddFacing(external, map.image.camera, &facing_);
       summary_.num_with_normals += external.normal.Empty() ? 0 : 1;
-      scales_.push_back(BaseScale(external.is_integer));
-      comparisons_.push_back(CompareWithSparse(
-          model_, files.image, ScaledDepth(external.depth, scales_.back())));
+      constexpr double kMillimeter = 0.001;
+      map.scale = options_.depth_scale > 0.0 ? options_.depth_scale
+                  : external.is_integer      ? kMillimeter
+                                             : 1.0;
+      map.sparse = CompareWithSparse(
+          model_, map.files.image, ScaledDepth(external.depth, map.scale));
       if (CountDepths(external.depth) == 0) {
-        summary_.warnings.push_back(files.depth.string() +
+        summary_.warnings.push_back(map.files.depth.string() +
                                     ": no pixel has a depth");
       }
       progress_.Advance(true);
     }
     progress_.Finish();
+    CheckCameras(cameras,
+                 model_,
+                 options_.depth_scale > 0.0 ? options_.depth_scale : 1.0);
   }
 
   void DecideScales() {
-    summary_.scale = JudgeScale(comparisons_);
+    std::vector<SparseComparison> comparisons;
+    for (const Map& map : maps_) {
+      comparisons.push_back(map.sparse);
+    }
+    summary_.scale = JudgeScale(comparisons);
     summary_.has_own_scales = options_.scale_to_sparse;
     if (options_.scale_to_sparse) {
       ScaleEachImage();
@@ -171,14 +203,14 @@ class Importer {
     const ScaleVerdict& scale = summary_.scale;
     if (options_.check_scale && scale.is_consistent &&
         IsOffScale(scale.median)) {
-      const std::string suggestion = Text("%.3g", scales_[0] / scale.median);
       throw Error::File(
           ErrorCode::kMismatch,
           options_.match.input_path.string(),
           "depths are " + Text("%.4g", scale.median) +
               " times those of the sparse points in all images, so they seem "
               "to be in other units",
-          "give " + OptionName("depth_scale") + " " + suggestion + ", or " +
+          "give " + OptionName("depth_scale") + " " +
+              Text("%.3g", maps_[0].scale / scale.median) + ", or " +
               OptionName("check_scale") + " 0 to take them as they are");
     }
     if (scale.num_images == 0) {
@@ -188,15 +220,14 @@ class Importer {
           "right");
     }
     bool is_any_off = false;
-    for (size_t i = 0; i < matched_.files.size(); ++i) {
-      const SparseComparison& comparison = comparisons_[i];
-      if (comparison.num_points >= kMinSparsePoints &&
-          IsOffScale(comparison.ratio)) {
+    for (const Map& map : maps_) {
+      if (map.sparse.num_points >= kMinSparsePoints &&
+          IsOffScale(map.sparse.ratio)) {
         is_any_off = true;
         summary_.warnings.push_back(
-            NameOf(matched_.files[i]) + ": depths are " +
-            Text("%.3g", comparison.ratio) + " times those of its " +
-            std::to_string(comparison.num_points) + " sparse points");
+            map.image.name + ": depths are " + Text("%.3g", map.sparse.ratio) +
+            " times those of its " + std::to_string(map.sparse.num_points) +
+            " sparse points");
       }
     }
     if (!scale.is_consistent && is_any_off) {
@@ -207,33 +238,31 @@ class Importer {
   }
 
   void ScaleEachImage() {
-    for (size_t i = 0; i < matched_.files.size(); ++i) {
-      const SparseComparison& comparison = comparisons_[i];
-      if (comparison.num_points < kMinSparsePoints) {
+    for (Map& map : maps_) {
+      if (map.sparse.num_points < kMinSparsePoints) {
         throw Error::File(ErrorCode::kMismatch,
-                          matched_.files[i].depth.string(),
-                          "only " + std::to_string(comparison.num_points) +
-                              " sparse points of " + NameOf(matched_.files[i]) +
+                          map.files.depth.string(),
+                          "only " + std::to_string(map.sparse.num_points) +
+                              " sparse points of " + map.image.name +
                               " lie on its depth, too few to tell a scale",
                           "take this map away, or go without " +
                               OptionName("scale_to_sparse"));
       }
-      scales_[i] /= comparison.ratio;
+      map.scale /= map.sparse.ratio;
     }
   }
 
-  void WriteMaps(const std::filesystem::path& root, MapType type) {
+  void WriteMaps(const fs::path& root, MapType type) {
     const bool in_world = AreInWorld(facing_, options_.match.format);
-    progress_.Start(static_cast<int>(matched_.files.size()), "Importing:");
-    for (size_t i = 0; i < matched_.files.size(); ++i) {
+    progress_.Start(static_cast<int>(maps_.size()), "Importing:");
+    for (const Map& map : maps_) {
       ThrowIfStopped();
-      const ExternalFiles& files = matched_.files[i];
       const ImportedMaps maps =
-          ConvertMaps(ReadExternalMaps(files, options_.match.format),
-                      CameraOf(files),
-                      scales_[i],
+          ConvertMaps(ReadExternalMaps(map.files, options_.match.format),
+                      map.image.camera,
+                      map.scale,
                       in_world);
-      const MapPaths paths = GetMapPaths(root, NameOf(files), type);
+      const MapPaths paths = GetMapPaths(root, map.image.name, type);
       CreateFolders(paths.depth.Parent());
       CreateFolders(paths.normal.Parent());
       WriteDepthMap(paths.depth, maps.depth);
@@ -246,17 +275,15 @@ class Importer {
     summary_.num_kept = summary_.num_with_depth;
   }
 
-  void Filter(const std::filesystem::path& root) {
-    const Workspace workspace(root, MapType::kPhotometric);
-    const std::function<bool()> never = [] { return false; };
-    FilterMaps(workspace,
+  void Filter(const fs::path& root) {
+    FilterMaps(Workspace(root, MapType::kPhotometric),
                options_.device,
                progress_,
-               should_stop_ ? should_stop_ : never);
+               should_stop_);
     summary_.num_kept = 0;
-    for (const ExternalFiles& files : matched_.files) {
+    for (const Map& map : maps_) {
       const auto paths = [&](MapType type) {
-        return GetMapPaths(root, NameOf(files), type);
+        return GetMapPaths(root, map.image.name, type);
       };
       RemoveFile(paths(MapType::kPhotometric).depth);
       RemoveFile(paths(MapType::kPhotometric).normal);
@@ -265,20 +292,46 @@ class Importer {
     }
   }
 
+  // What is imported of one image.
+  struct Map {
+    ExternalFiles files;
+    const SparseModel::ModelImage& image;
+    double scale = 1.0;
+    SparseComparison sparse{};
+  };
+
   const ImportOptions& options_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
   const SparseModel model_;
-  const MatchedMaps matched_;
   ImportSummary summary_;
-  // For each of matched_.files.
-  std::vector<double> scales_;
-  std::vector<SparseComparison> comparisons_;
-  std::vector<AssignedCamera> cameras_;
+  std::vector<Map> maps_;
   NormalFacing facing_;
 };
 
 }  // namespace
+
+SparseModel ReadTargetModel(const fs::path& root) {
+  std::error_code error;
+  for (const char* folder : {"images", "sparse"}) {
+    if (!fs::is_directory(root / folder, error)) {
+      throw Error::File(ErrorCode::kNotFound,
+                        (root / folder).string(),
+                        "no such folder, so this is not a dense workspace",
+                        "check " + OptionName("workspace_path") +
+                            ", or make the workspace with image_undistorter");
+    }
+  }
+  const fs::path model_folder = FindModelFolder(root);
+  SparseModel model = ReadWorkspaceModel(model_folder);
+  if (model.images.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      model_folder.string(),
+                      "the sparse model holds no images",
+                      "make the workspace again with image_undistorter");
+  }
+  return model;
+}
 
 ImportSummary ImportWorkspace(const ImportOptions& options,
                               Progress& progress,

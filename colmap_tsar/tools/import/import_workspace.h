@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/tools/import/import_checks.h"
 #include "colmap_tsar/tools/import/match_images.h"
@@ -52,6 +53,11 @@ struct ImportOptions {
   DeviceOptions device;  // For the filter of kAcm and kApd.
 };
 
+// Reads the sparse model of a workspace of which only images/ and sparse/ need
+// exist. Throws Error: kNotFound (one is missing or empty), kUnsupported (an
+// image's name leaves the folder), those of ReadSparseModel.
+SparseModel ReadTargetModel(const std::filesystem::path& root);
+
 // Makes a dense workspace of the photos and the sparse model of another one and
 // the maps of another program; it appears when it is complete. Everything is
 // read and checked before the first map is written. Maps may have another size
@@ -64,10 +70,10 @@ struct ImportOptions {
 // depths are in other units than the sparse points, or an image has too few
 // sparse points for scale_to_sparse.
 //
-// should_stop: if given, called before each image. Once it returns true,
+// should_stop: called before each image. Once it returns true,
 // kInterrupted is thrown.
 ImportSummary ImportWorkspace(const ImportOptions& options,
                               Progress& progress,
-                              const std::function<bool()>& should_stop = {});
+                              const std::function<bool()>& should_stop);
 
 }  // namespace tsar

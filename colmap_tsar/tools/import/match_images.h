@@ -8,8 +8,6 @@
 #include "colmap_tsar/tools/import/external_maps.h"
 
 #include <filesystem>
-#include <optional>
-#include <string>
 #include <vector>
 
 namespace tsar {
@@ -49,25 +47,11 @@ struct MatchedMaps {
 // kDepth: files named like the images, including subfolders, with or without
 // the image's extension before their own.
 //
-// Throws Error: kNotFound (no folder, no maps), kMismatch (two maps for one
-// image, an index out of range, a name that matches several images or none),
+// Throws Error: kNotFound (no folder, no maps, no image list), kMismatch (two
+// maps for one image, an index out of range, a name that matches several images
+// or none; the list is empty, or a line of it names no image or one twice),
 // kUnsupported (what has the name of a map is a folder, a FIFO, a device or a
-// dangling link: its image would count as one without a map), and those of
-// OrderImages.
+// dangling link: its image would count as one without a map).
 MatchedMaps MatchImages(const MatchOptions& options, const SparseModel& model);
-
-// The images 0, 1, 2, ... of another program as indices into
-// SparseModel::images. Throws Error: kNotFound (there is no list), kMismatch
-// (the list is empty, or a line names no image of the model or one twice).
-std::vector<int> OrderImages(const MatchOptions& options,
-                             const SparseModel& model);
-
-// The trailing number of a name: 12 for "2333_00000012".
-std::optional<int> TrailingNumber(const std::string& name);
-
-// The image of this index. Throws Error kMismatch with its path if too large.
-int ImageOfNumber(const std::vector<int>& order,
-                  int number,
-                  const std::filesystem::path& path);
 
 }  // namespace tsar

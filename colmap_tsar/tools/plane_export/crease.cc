@@ -43,11 +43,8 @@ Crease Intersect(int first,
 }  // namespace
 
 void CreaseFinder::Add(const PlaneView& view) {
-  std::vector<PlaneProjection> projections;
-  projections.reserve(planes_.size());
-  for (const PlaneCoordinates& coordinates : planes_) {
-    projections.emplace_back(coordinates, view.camera);
-  }
+  const std::vector<PlaneProjection> projections =
+      ProjectionsOf(planes_, view.camera);
   for (int y = 0; y < view.planes.Height(); ++y) {
     for (int x = 0; x < view.planes.Width(); ++x) {
       if (x > 0) {

@@ -32,12 +32,6 @@ constexpr double kCosine30 = 0.8660254037844387;
 // The least length of a meaningful mean of unit vectors.
 constexpr double kMinMeanUp = 0.2;
 
-void Scale(double factor, Ring* ring) {
-  for (Eigen::Vector2d& point : *ring) {
-    point *= factor;
-  }
-}
-
 [[noreturn]] void ThrowNoPlanes(const Workspace& workspace) {
   const std::string type = ToString(workspace.Type());
   if (FindRefinedImages(workspace).empty()) {
@@ -65,10 +59,7 @@ void RequirePlanesOfMaps(const Workspace& workspace,
   for (const int image : images) {
     const MapPaths paths = workspace.Paths(image, workspace.Type());
     const std::optional<ImageRecord> record = ReadRecordIfValid(paths.record);
-    if (!record) {
-      continue;
-    }
-    if (!record->planes.empty() && record->planes != fingerprint) {
+    if (record && !record->planes.empty() && record->planes != fingerprint) {
       throw Error::File(
           ErrorCode::kMismatch,
           model_path.string(),
@@ -134,17 +125,6 @@ PlaneObservations ObservePlanes(const Workspace& workspace,
   });
   seen.creases = crease_finder.Creases();
   return seen;
-}
-
-Vertical VerticalOf(const Workspace& workspace,
-                    const std::vector<int>& images,
-                    const SceneModel& model) {
-  std::vector<Eigen::Vector3d> ups;
-  for (const int image : images) {
-    ups.push_back(
-        -workspace.Model().images[image].camera.rotation.row(1).transpose());
-  }
-  return FindVertical(ups, model.frames);
 }
 
 // Sets what needs no polygons or creases, in the model's coordinates.
@@ -298,16 +278,21 @@ void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes) {
     plane.cell *= meters_per_unit;
     for (PlanePolygon& polygon : plane.polygons) {
       polygon.area *= meters_per_unit * meters_per_unit;
-      Scale(meters_per_unit, &polygon.outline);
+      std::vector<Ring*> rings = {&polygon.outline};
       for (Ring& hole : polygon.holes) {
-        Scale(meters_per_unit, &hole);
+        rings.push_back(&hole);
+      }
+      for (Ring* ring : rings) {
+        for (Eigen::Vector2d& point : *ring) {
+          point *= meters_per_unit;
+        }
       }
     }
   }
 }
 
 ExportedPlanes ExportPlanes(const Workspace& workspace,
-                            const PlaneExportOptions& options,
+                            double min_area,
                             Progress& progress,
                             const std::function<bool()>& is_stopped) {
   const std::filesystem::path model_path = GetSceneModelPath(workspace.Root());
@@ -324,7 +309,11 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
   ExportedPlanes result;
   result.type = ToString(workspace.Type());
   result.num_images = static_cast<int>(images.size());
-  result.vertical = VerticalOf(workspace, images, model);
+  std::vector<Eigen::Vector3d> ups;
+  for (const int image : images) {
+    ups.push_back(-workspace.CameraOf(image).rotation.row(1).transpose());
+  }
+  result.vertical = FindVertical(ups, model.frames);
   result.frames = model.frames;
   for (size_t p = 0; p < model.planes.size(); ++p) {
     ExportedPlane plane = Describe(model.planes[p],
@@ -334,7 +323,7 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
                                    result.vertical);
     plane.id = static_cast<int>(p);
     SetShape(plane.id, &seen, &plane);
-    if (plane.area >= options.min_area) {
+    if (plane.area >= min_area) {
       result.planes.push_back(std::move(plane));
     }
   }

@@ -110,6 +110,10 @@ enum class UpAxis { kModel, kY, kZ };
 inline constexpr EnumNames<UpAxis, 3> kUpAxisNames = {
     {{UpAxis::kModel, "model"}, {UpAxis::kY, "y"}, {UpAxis::kZ, "z"}}};
 
+inline std::string ToString(UpAxis axis) {
+  return EnumName(kUpAxisNames, axis);
+}
+
 // Turns planes about the origin until the vertical is this axis: for z the
 // shortest way; for y then (x, y, z) becomes (x, z, -y), as programs convert
 // files with y up, so that all files of a scene have the same heading. Throws
@@ -119,19 +123,15 @@ void TurnUp(UpAxis axis, ExportedPlanes* planes);
 // Makes all lengths meters; a unit of the sparse model has meters_per_unit > 0.
 void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes);
 
-struct PlaneExportOptions {
-  // The least area of a plane, in square units of the sparse model.
-  double min_area = 0.0;
-};
-
 // The planes of a refined workspace, from its stereo/tsar/planes.bin, with
 // their visible parts in the refined maps of its type. Holds the maps of one
-// image at a time and reads them twice. is_stopped: called before each image.
+// image at a time and reads them twice. min_area: the least area of a plane, in
+// square units of the sparse model. is_stopped: called before each image.
 //
 // Throws Error: kNotFound (no scene planes, or no plane maps), kMismatch (maps,
 // planes and model are not of one run), kInterrupted, and those of the readers.
 ExportedPlanes ExportPlanes(const Workspace& workspace,
-                            const PlaneExportOptions& options,
+                            double min_area,
                             Progress& progress,
                             const std::function<bool()>& is_stopped);
 

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/tools/plane_export/floor_plan.h"
 
-#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
@@ -111,16 +110,6 @@ FloorPlan MakeFloorPlan(const ExportedPlanes& planes) {
   return plan;
 }
 
-PlanFormat ParsePlanFormat(const std::string& path) {
-  const std::string extension = ExtensionOf(path);
-  if (extension != "svg" && extension != "dxf") {
-    throw Error(ErrorCode::kBadOption,
-                OptionName("plan_path") + ": the name " + path +
-                    " does not tell the format; let it end in .svg or .dxf");
-  }
-  return extension == "svg" ? PlanFormat::kSvg : PlanFormat::kDxf;
-}
-
 void PutPlanSvg(const FloorPlan& plan, std::ostream* out) {
   const Eigen::AlignedBox2d bounds = BoundsOf(plan);
   // The picture has y down, and begins at 0: viewers have single precision.
@@ -176,12 +165,9 @@ void PutPlanDxf(const FloorPlan& plan, std::ostream* out) {
   dxf.Finish();
 }
 
-void WriteFloorPlan(const ContainedPath& path,
-                    PlanFormat format,
-                    const FloorPlan& plan) {
-  AtomicFile file(path);
-  (format == PlanFormat::kSvg ? PutPlanSvg : PutPlanDxf)(plan, &file.Stream());
-  file.Commit();
+PlanWriter PlanWriterFor(const std::filesystem::path& path) {
+  return WriterFor<PlanWriter>(
+      path, "plan_path", {{".svg", &PutPlanSvg}, {".dxf", &PutPlanDxf}});
 }
 
 }  // namespace tsar

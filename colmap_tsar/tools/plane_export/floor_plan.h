@@ -3,12 +3,11 @@
 
 #pragma once
 
-#include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
 
 #include <array>
+#include <filesystem>
 #include <ostream>
-#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -35,21 +34,14 @@ inline constexpr double kMaxLean = 5.0;
 // walls.
 FloorPlan MakeFloorPlan(const ExportedPlanes& planes);
 
-enum class PlanFormat {
-  kSvg,  // A picture with a scale bar.
-  kDxf,  // R12 ASCII: a LINE for each segment, in the layer WALL.
-};
-
-// The format by the extension of a path. Throws Error kBadOption.
-PlanFormat ParsePlanFormat(const std::string& path);
-
-// Writes atomically, the same plan as the same bytes; errors as AtomicFile.
-void WriteFloorPlan(const ContainedPath& path,
-                    PlanFormat format,
-                    const FloorPlan& plan);
-
-// Writers of the formats.
+// Writers of the formats; the same plan becomes the same bytes.
+using PlanWriter = void (*)(const FloorPlan& plan, std::ostream* out);
+// A picture with a scale bar.
 void PutPlanSvg(const FloorPlan& plan, std::ostream* out);
+// R12 ASCII: a LINE for each segment, in the layer WALL.
 void PutPlanDxf(const FloorPlan& plan, std::ostream* out);
+
+// The writer by the extension of the option plan_path. Throws Error kBadOption.
+PlanWriter PlanWriterFor(const std::filesystem::path& path);
 
 }  // namespace tsar

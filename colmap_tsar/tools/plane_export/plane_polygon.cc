@@ -50,4 +50,13 @@ bool PlaneProjection::Intersect(double x, double y, Hit* hit) const {
   return true;
 }
 
+std::vector<PlaneProjection> ProjectionsOf(
+    const std::vector<PlaneCoordinates>& planes, const Camera& camera) {
+  std::vector<PlaneProjection> projections;
+  for (const PlaneCoordinates& coordinates : planes) {
+    projections.emplace_back(coordinates, camera);
+  }
+  return projections;
+}
+
 }  // namespace tsar

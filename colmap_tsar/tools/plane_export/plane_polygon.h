@@ -51,6 +51,10 @@ class PlaneProjection {
   Eigen::Matrix3d plane_from_image_;
 };
 
+// Those of planes into a view.
+std::vector<PlaneProjection> ProjectionsOf(
+    const std::vector<PlaneCoordinates>& planes, const Camera& camera);
+
 // A closed line; its last point is joined to its first one.
 using Ring = std::vector<Eigen::Vector2d>;
 

@@ -40,11 +40,8 @@ void ForEachPlanePixel(const PlaneView& view,
   // The largest relative gap: a depth of an edited map or a kept measurement
   // may be off its plane, and rays along the plane exaggerate that.
   constexpr double kMaxGap = 0.1;
-  std::vector<PlaneProjection> projections;
-  projections.reserve(planes.size());
-  for (const PlaneCoordinates& coordinates : planes) {
-    projections.emplace_back(coordinates, view.camera);
-  }
+  const std::vector<PlaneProjection> projections =
+      ProjectionsOf(planes, view.camera);
   PlaneProjection::Hit hit;
   for (int y = 0; y < view.planes.Height(); ++y) {
     for (int x = 0; x < view.planes.Width(); ++x) {

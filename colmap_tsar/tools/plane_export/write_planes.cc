@@ -3,18 +3,12 @@
 
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
-#include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/path.h"
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
-#include <filesystem>
 
 #include <boost/polygon/polygon.hpp>
 #include <nlohmann/json.hpp>
@@ -272,33 +266,9 @@ void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out) {
   }
 }
 
-std::string ExtensionOf(const std::string& path) {
-  return FoldedCase(std::filesystem::path(path).extension().string())
-      .erase(0, 1);
-}
-
-PlaneFormat ParsePlaneFormat(const std::string& path) {
-  const std::string extension = ExtensionOf(path);
-  if (extension == "json") {
-    return PlaneFormat::kJson;
-  }
-  if (extension == "obj") {
-    return PlaneFormat::kObj;
-  }
-  if (extension != "dxf") {
-    throw Error(ErrorCode::kBadOption,
-                OptionName("output_path") + ": the name " + path +
-                    " does not tell the format; let it end in .json, .obj or "
-                    ".dxf");
-  }
-  return PlaneFormat::kDxf;
-}
-
 std::string NumberText(double number) {
   char text[32];
-  const std::to_chars_result result =
-      std::to_chars(text, text + sizeof(text), number);
-  return std::string(text, result.ptr);
+  return {text, std::to_chars(text, text + sizeof(text), number).ptr};
 }
 
 std::vector<PlaneFace> MakeFaces(const ExportedPlane& plane) {
@@ -341,19 +311,16 @@ std::vector<PlaneFace> MakeFaces(const ExportedPlane& plane) {
   return faces;
 }
 
-bool IsWritten(const ExportedPlane& plane, PlaneFormat format) {
-  return format == PlaneFormat::kJson || !plane.polygons.empty();
+bool IsWritten(const ExportedPlane& plane, PlanesWriter writer) {
+  return writer == &PutPlanesJson || !plane.polygons.empty();
 }
 
-void WritePlanes(const ContainedPath& path,
-                 PlaneFormat format,
-                 const ExportedPlanes& planes) {
-  // In the order of PlaneFormat.
-  constexpr std::array kWriters = {
-      &PutPlanesJson, &PutPlanesObj, &PutPlanesDxf};
-  AtomicFile file(path);
-  kWriters[static_cast<size_t>(format)](planes, &file.Stream());
-  file.Commit();
+PlanesWriter PlanesWriterFor(const std::filesystem::path& path) {
+  return WriterFor<PlanesWriter>(path,
+                                 "output_path",
+                                 {{".json", &PutPlanesJson},
+                                  {".obj", &PutPlanesObj},
+                                  {".dxf", &PutPlanesDxf}});
 }
 
 }  // namespace tsar

@@ -3,11 +3,17 @@
 
 #pragma once
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/contained_path.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/tools/plane_export/export_planes.h"
 
+#include <filesystem>
 #include <ostream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -38,20 +44,6 @@ class DxfWriter {
   std::ostream* out_;
 };
 
-// docs/planes.md describes the files.
-enum class PlaneFormat {
-  kJson,  // All members.
-  kObj,   // Faces in groups, plane_ID_CLASS.
-  kDxf,   // R12 ASCII: faces (3DFACE) and outlines (POLYLINE) in a layer for
-          // each class.
-};
-
-// What follows the last dot of a file's name, in lower case.
-std::string ExtensionOf(const std::string& path);
-
-// The format by the extension of a path. Throws Error kBadOption.
-PlaneFormat ParsePlaneFormat(const std::string& path);
-
 // The shortest text that reads as the same number, whatever the locale.
 std::string NumberText(double number);
 
@@ -62,17 +54,48 @@ using PlaneFace = std::vector<Eigen::Vector3d>;
 // Cuts the polygons of a plane into faces, along its second axis.
 std::vector<PlaneFace> MakeFaces(const ExportedPlane& plane);
 
-// Whether a file holds a plane: JSON alone has those without faces.
-bool IsWritten(const ExportedPlane& plane, PlaneFormat format);
-
-// Writes atomically, the same planes as the same bytes; errors as AtomicFile.
-void WritePlanes(const ContainedPath& path,
-                 PlaneFormat format,
-                 const ExportedPlanes& planes);
-
-// Writers of the formats.
+// Writers of the formats, which docs/planes.md describes; the same planes
+// become the same bytes.
+using PlanesWriter = void (*)(const ExportedPlanes& planes, std::ostream* out);
+// All members.
 void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out);
+// Faces in groups, plane_ID_CLASS.
 void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out);
+// R12 ASCII: faces (3DFACE) and outlines (POLYLINE) in a layer for each class.
 void PutPlanesDxf(const ExportedPlanes& planes, std::ostream* out);
+
+// Whether a file holds a plane: JSON alone has those without faces.
+bool IsWritten(const ExportedPlane& plane, PlanesWriter writer);
+
+// The writer with the extension of the path among these. option: that gives the
+// path. Throws Error kBadOption.
+template <typename Writer>
+Writer WriterFor(const std::filesystem::path& path,
+                 const std::string& option,
+                 const std::vector<std::pair<std::string, Writer>>& writers) {
+  const std::string extension = FoldedCase(path.extension().string());
+  std::string extensions;
+  for (const auto& [known, writer] : writers) {
+    if (extension == known) {
+      return writer;
+    }
+    extensions += (extensions.empty() ? "" : " or ") + known;
+  }
+  throw Error(ErrorCode::kBadOption,
+              OptionName(option) + ": the name " + path.string() +
+                  " does not tell the format; let it end in " + extensions);
+}
+// Of the option output_path.
+PlanesWriter PlanesWriterFor(const std::filesystem::path& path);
+
+// Writes atomically; errors as AtomicFile.
+template <typename Content>
+void WriteFile(const std::filesystem::path& path,
+               void (*put)(const Content& content, std::ostream* out),
+               const Content& content) {
+  AtomicFile file(UserPath(path));
+  put(content, &file.Stream());
+  file.Commit();
+}
 
 }  // namespace tsar

@@ -17,13 +17,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 
 namespace tsar {
 namespace {
@@ -58,23 +56,8 @@ constexpr std::array<Part, 5> kParts = {
 // The value of an unused input.
 constexpr const char* kNone = "-";
 // The first line of a file.
-const std::string kHead = std::string("fingerprints ") + kContentHashName;
-
-std::string FingerprintOfSources(const Workspace& workspace,
-                                 const std::vector<int>& sources) {
-  std::string names;
-  for (const int source : sources) {
-    // Names have no line breaks.
-    names += workspace.Model().images[source].name + "\n";
-  }
-  return FingerprintOf(names);
-}
-
-std::string FingerprintOfDepths(const DepthInterval& depths) {
-  TextStream text;
-  text << std::hexfloat << depths.min << " " << depths.max;
-  return FingerprintOf(text.str());
-}
+const std::string kHead =
+    std::string("fingerprints of five inputs, ") + kContentHashName;
 
 StereoInputs FindStereoInputs(const Workspace& workspace,
                               const StereoOptions& options) {
@@ -101,9 +84,17 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
     const std::vector<int> sources = StereoSources(problem, options);
     std::ranges::for_each(sources, find);
     InputState& state = find(problem.reference);
-    state["sources"] = FingerprintOfSources(workspace, sources);
-    state["depths"] = FingerprintOfDepths(
-        StereoDepths(workspace, problem.reference, options));
+    const DepthInterval depths =
+        StereoDepths(workspace, problem.reference, options);
+    TextStream names;
+    for (const int source : sources) {
+      // Names have no line breaks.
+      names << workspace.Model().images[source].name << "\n";
+    }
+    TextStream range;
+    range << std::hexfloat << depths.min << " " << depths.max;
+    state["sources"] = FingerprintOf(names.str());
+    state["depths"] = FingerprintOf(range.str());
   }
   return inputs;
 }
@@ -180,12 +171,6 @@ std::optional<StereoChange> FindStereoChange(const StereoInputs& before,
   return first;
 }
 
-std::string ReadText(const fs::path& path) {
-  InputFile file(path);
-  return std::string(std::istreambuf_iterator<char>(file),
-                     std::istreambuf_iterator<char>());
-}
-
 void RequireUnrefined(const MapPaths& paths) {
   if (fs::exists(paths.original_depth) || fs::exists(paths.original_normal)) {
     throw Error::File(
@@ -197,40 +182,17 @@ void RequireUnrefined(const MapPaths& paths) {
   RequireNoStrayResults(paths);
 }
 
-Error Foreign(const fs::path& path) {
-  return Error::File(ErrorCode::kUnsupported,
-                     path.string(),
-                     "is of another program, or was made with other options",
-                     "give " + OptionName("overwrite") +
-                         " 1 to replace all maps, or work on a copy");
-}
-
-// The error for a map that would be removed without a replacement.
-Error NotListed(const fs::path& path) {
-  return Error::File(ErrorCode::kUnsupported,
-                     path.string(),
-                     "is of another program, or was made with other options, "
-                     "and its image is not in the list",
-                     "leave " + OptionName("image_list_path") +
-                         " out to replace all maps, or work on a copy");
-}
-
-Error Changed(const Workspace& workspace, const StereoChange& change) {
+// A map that would be removed; without a replacement, where it is not listed.
+Error Foreign(const fs::path& path, bool is_listed) {
   return Error::File(
       ErrorCode::kUnsupported,
-      workspace.ImagePath(workspace.Model().IndexOf(change.image)).string(),
-      change.text,
-      "give " + OptionName("overwrite") +
-          " 1 to make all maps anew, or work on a copy");
-}
-
-bool HasSize(const fs::path& path, int width, int height) {
-  try {
-    const MapSize size = ReadMapSize(path);
-    return size.width == width && size.height == height;
-  } catch (const Error&) {
-    return false;  // The file is no map.
-  }
+      path.string(),
+      std::string("is of another program, or was made with other options") +
+          (is_listed ? "" : ", and its image is not in the list"),
+      (is_listed ? "give " + OptionName("overwrite") + " 1 to replace all maps"
+                 : "leave " + OptionName("image_list_path") +
+                       " out to replace all maps") +
+          ", or work on a copy");
 }
 
 // Whether existing maps, perhaps replaced ones, have the sizes of the run's.
@@ -242,8 +204,15 @@ bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
       const MapPaths paths = workspace.Paths(problem.reference, type);
       for (const fs::path& path : {paths.depth.Path(), paths.normal.Path()}) {
-        if (fs::exists(path) && !HasSize(path, width, height)) {
-          return false;
+        try {
+          if (fs::exists(path)) {
+            const MapSize size = ReadMapSize(path);
+            if (size.width != width || size.height != height) {
+              return false;
+            }
+          }
+        } catch (const Error&) {
+          return false;  // The file is no map.
         }
       }
     }
@@ -302,7 +271,10 @@ void ClaimMaps(const Workspace& workspace,
   const StereoInputs inputs = FindStereoInputs(workspace, options);
   std::optional<StereoInputs> known;
   std::optional<StereoChange> change;
-  if (fs::exists(options_path) && ReadText(options_path) == options.Text()) {
+  InputFile options_file(options_path);
+  const std::string known_options(
+      (std::istreambuf_iterator<char>(options_file)), {});
+  if (known_options == options.Text()) {
     known = ReadStereoInputs(inputs_path);
     change = known ? FindStereoChange(*known, inputs) : std::nullopt;
   }
@@ -324,14 +296,22 @@ void ClaimMaps(const Workspace& workspace,
         if (fs::exists(path)) {
           foreign.push_back(path);
           if (overwrite && !is_listed[place]) {
-            throw NotListed(path);
+            throw Foreign(path, /*is_listed=*/false);
           }
         }
       }
     }
   }
   if (!foreign.empty() && !overwrite) {
-    throw change ? Changed(workspace, *change) : Foreign(foreign.front());
+    if (!change) {
+      throw Foreign(foreign.front(), /*is_listed=*/true);
+    }
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        workspace.ImagePath(workspace.Model().IndexOf(change->image)).string(),
+        change->text,
+        "give " + OptionName("overwrite") +
+            " 1 to make all maps anew, or work on a copy");
   }
   for (const ContainedPath& path : foreign) {
     RemoveFile(path);

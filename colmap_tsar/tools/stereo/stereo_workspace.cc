@@ -103,29 +103,6 @@ std::vector<std::vector<size_t>> FindImagesOfPasses(
   return images;
 }
 
-// The summary of what is known before the first pass. images: those whose maps
-// are made, by their indices in Problems().
-StereoSummary SummarizeInputs(const Workspace& workspace,
-                              const StereoOptions& options,
-                              const std::vector<size_t>& images) {
-  StereoSummary summary;
-  summary.workspace_path = workspace.Root();
-  summary.type =
-      options.geom_consistency ? MapType::kGeometric : MapType::kPhotometric;
-  summary.num_images = static_cast<int>(images.size());
-  const std::vector<int> references = workspace.ReferencesOf(images);
-  summary.num_masks = workspace.CountMasks(references);
-  for (const size_t index : images) {
-    const StereoProblem& problem = workspace.Problems()[index];
-    if (problem.sources.empty()) {
-      summary.without_sources.push_back(
-          {workspace.Model().images[problem.reference].name,
-           problem.without_sources});
-    }
-  }
-  return summary;
-}
-
 // Runs all passes on their images and adds the images skipped in the last one
 // to the summary.
 void RunPasses(const Workspace& workspace,
@@ -182,7 +159,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   const StereoPasses passes(workspace, options);
   const std::vector<std::vector<size_t>> images =
       FindImagesOfPasses(workspace, options, passes.NumPasses(), is_listed);
-  StereoSummary summary = SummarizeInputs(workspace, options, images.back());
   if (overview.max_num_sources == 0) {
     throw Error::File(
         ErrorCode::kNotFound,
@@ -194,17 +170,30 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
       CreateRefineDevices(device_options,
                           PlanStereo(overview),
                           static_cast<int>(images.front().size()));
-  summary.device = devices.description;
   ClaimMaps(workspace, options, overwrite, is_listed);
-  const bool is_done = std::ranges::all_of(images.back(), [&](size_t index) {
+  StereoSummary summary;
+  summary.workspace_path = workspace.Root();
+  summary.type =
+      options.geom_consistency ? MapType::kGeometric : MapType::kPhotometric;
+  summary.device = devices.description;
+  summary.num_images = static_cast<int>(images.back().size());
+  summary.num_masks =
+      workspace.CountMasks(workspace.ReferencesOf(images.back()));
+  bool is_done = true;
+  for (const size_t index : images.back()) {
     const StereoProblem& problem = workspace.Problems()[index];
-    return problem.sources.empty() || passes.IsDone(problem.reference);
-  });
-  if (is_done) {
-    // The intermediate files are gone and need not be made again.
-    summary.num_skipped =
-        summary.num_images - static_cast<int>(summary.without_sources.size());
-  } else {
+    if (problem.sources.empty()) {
+      summary.without_sources.push_back(
+          {workspace.Model().images[problem.reference].name,
+           problem.without_sources});
+    } else {
+      is_done = is_done && passes.IsDone(problem.reference);
+    }
+  }
+  summary.num_skipped =
+      summary.num_images - static_cast<int>(summary.without_sources.size());
+  // Otherwise the intermediate files are gone and need not be made again.
+  if (!is_done) {
     RunPasses(workspace,
               options,
               passes,

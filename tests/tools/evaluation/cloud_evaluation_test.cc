@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/tools/evaluation/cloud_evaluation.h"
 
+#include "colmap_tsar/tools/evaluation/tolerances.h"
+
 #include <limits>
 #include <sstream>
 
@@ -64,54 +66,62 @@ std::vector<CloudScore> Score(const Points& points) {
   return evaluation.scores;
 }
 
-TEST(EvaluateCloud, TheScanItselfIsPerfect) {
-  for (const CloudScore& score : Score(Wall())) {
-    EXPECT_DOUBLE_EQ(score.completeness, 1);
-    EXPECT_DOUBLE_EQ(score.accuracy, 1);
-    EXPECT_DOUBLE_EQ(score.f1, 1);
-  }
-}
-
-TEST(EvaluateCloud, AWallShiftedBy15MillimetersIsRightAt2Centimeters) {
-  const auto scores = Score(Scaled(Wall(), 1 - 0.015 / 2));
-  EXPECT_EQ(scores[0].tolerance, 0.01);
-  EXPECT_EQ(scores[0].completeness, 0);
-  EXPECT_EQ(scores[0].accuracy, 0);
-  EXPECT_EQ(scores[0].f1, 0);
-  EXPECT_DOUBLE_EQ(scores[1].completeness, 1);
-  EXPECT_DOUBLE_EQ(scores[1].accuracy, 1);
-}
-
-TEST(EvaluateCloud, HalfAWallIsAccurateAndHalfComplete) {
+TEST(EvaluateCloud, ScoresAWall) {
   Points half;
   for (const Eigen::Vector3d& point : Wall()) {
     if (point.y() < 0) {
       half.push_back(point);
     }
   }
-  const auto scores = Score(half);
-  // The tolerance reaches 4 columns of points, of 200, into the missing half
-  // (the fifth is exactly at the tolerance).
-  EXPECT_NEAR(scores[0].completeness, 0.5 + 4.5 / kSamples, 0.01);
-  EXPECT_DOUBLE_EQ(scores[0].accuracy, 1);
-  EXPECT_NEAR(scores[1].completeness, 0.5 + 9.5 / kSamples, 0.01);
-}
-
-TEST(EvaluateCloud, PointsThatBeamsPassedThroughAreWrong) {
-  const auto scores = Score(Joined(Wall(), Scaled(Wall(), 0.5)));
+  const Points floating = Joined(Wall(), Scaled(Wall(), 0.5));
   // The wall has 40 x 40 voxels in one grid and 41 x 41 in the other, the
   // floating points 20 x 20 and 21 x 21.
-  const double expected = (1600. + 1681.) / (1600. + 1681. + 400. + 441.);
-  EXPECT_NEAR(scores[0].accuracy, expected, 1e-9);
-  EXPECT_NEAR(scores[1].accuracy, expected, 1e-9);
-  EXPECT_DOUBLE_EQ(scores[0].completeness, 1);
-}
-
-TEST(EvaluateCloud, PointsBehindTheWallOrBesideTheScanAreNotCounted) {
-  Points points = Joined(Wall(), Scaled(Wall(), 1.5));
-  points.emplace_back(1, 1, 0);
-  points.emplace_back(-2, 0, 0);
-  EXPECT_DOUBLE_EQ(Score(points)[0].accuracy, 1);
+  const double without_floating =
+      (1600. + 1681.) / (1600. + 1681. + 400. + 441.);
+  const struct {
+    const char* name;
+    Points points;
+    double completeness[2];
+    double accuracy[2];
+    double max_error;
+  } cases[] = {
+      {"the scan itself", Wall(), {1, 1}, {1, 1}, 0},
+      {"nothing", {}, {0, 0}, {0, 0}, 0},
+      {"15 mm too near", Scaled(Wall(), 1 - 0.015 / 2), {0, 1}, {0, 1}, 1e-12},
+      // The tolerance reaches 4 columns of points, of 200, into the missing
+      // half (the fifth is exactly at the tolerance).
+      {"half a wall",
+       half,
+       {0.5 + 4.5 / kSamples, 0.5 + 9.5 / kSamples},
+       {1, 1},
+       0.01},
+      {"what beams passed through",
+       floating,
+       {1, 1},
+       {without_floating, without_floating},
+       1e-9},
+      {"in another order",
+       Points(floating.rbegin(), floating.rend()),
+       {1, 1},
+       {without_floating, without_floating},
+       1e-9},
+      {"behind the wall and beside the scan",
+       Joined(Joined(Wall(), Scaled(Wall(), 1.5)), {{1, 1, 0}, {-2, 0, 0}}),
+       {1, 1},
+       {1, 1},
+       1e-12},
+  };
+  for (const auto& of : cases) {
+    SCOPED_TRACE(of.name);
+    const std::vector<CloudScore> scores = Score(of.points);
+    for (const int t : {0, 1}) {
+      EXPECT_EQ(scores[t].tolerance, 0.01 * (t + 1));
+      EXPECT_NEAR(scores[t].completeness, of.completeness[t], of.max_error);
+      EXPECT_NEAR(scores[t].accuracy, of.accuracy[t], of.max_error);
+    }
+    EXPECT_EQ(scores[0].f1,
+              HarmonicMean(scores[0].completeness, scores[0].accuracy));
+  }
 }
 
 TEST(EvaluateCloud, OneScannerThatSawThroughAPointIsEnough) {
@@ -130,38 +140,17 @@ TEST(EvaluateCloud, OneScannerThatSawThroughAPointIsEnough) {
   EXPECT_NEAR(with_second, 3281. / 3283., 1e-9);
 }
 
-TEST(EvaluateCloud, AnEmptyCloudScoresZero) {
-  for (const CloudScore& score : Score({})) {
-    EXPECT_EQ(score.completeness, 0);
-    EXPECT_EQ(score.accuracy, 0);
-    EXPECT_EQ(score.f1, 0);
-  }
-}
-
-TEST(EvaluateCloud, DoesNotDependOnTheOrderOfPoints) {
-  const Points points = Joined(Wall(), Scaled(Wall(), 0.9));
-  const Points reversed(points.rbegin(), points.rend());
-  EXPECT_EQ(Score(points)[0].accuracy, Score(reversed)[0].accuracy);
-}
-
 TEST(EvaluateCloud, RejectsOptionsThatMeanNothing) {
-  const auto code_with = [](auto change) {
-    CloudEvaluationOptions options;
-    change(&options);
-    return CodeOf([&] { EvaluateCloud({}, {}, options); });
-  };
-  using Options = CloudEvaluationOptions;
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(code_with([](Options* o) { o->tolerances.clear(); }),
-            ErrorCode::kBadOption);
-  EXPECT_EQ(code_with([](Options* o) { o->voxel_size = 0; }),
-            ErrorCode::kBadOption);
-  EXPECT_EQ(code_with([&](Options* o) { o->voxel_size = nan; }),
-            ErrorCode::kBadOption);
-  EXPECT_EQ(code_with([](Options* o) { o->beam.start_radius = -1; }),
-            ErrorCode::kBadOption);
-  EXPECT_EQ(code_with([](Options* o) { o->beam.divergence_degrees = 90; }),
-            ErrorCode::kBadOption);
+  CloudEvaluationOptions bad[5];
+  bad[0].tolerances.clear();
+  bad[1].voxel_size = 0;
+  bad[2].voxel_size = std::numeric_limits<double>::quiet_NaN();
+  bad[3].beam.start_radius = -1;
+  bad[4].beam.divergence_degrees = 90;
+  for (const CloudEvaluationOptions& options : bad) {
+    EXPECT_EQ(CodeOf([&] { EvaluateCloud({}, {}, options); }),
+              ErrorCode::kBadOption);
+  }
 }
 
 class EvaluateCloudFileTest : public FolderTest {
@@ -177,13 +166,6 @@ class EvaluateCloudFileTest : public FolderTest {
     return text.str();
   }
 
-  void WriteProject() const {
-    Write("scans/all.mlp",
-          "<MeshLabProject><MeshGroup><MLMesh filename=\"a.ply\"><MLMatrix44>"
-          "1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh></MeshGroup>"
-          "</MeshLabProject>");
-  }
-
   CloudEvaluation Evaluate() const {
     return EvaluateCloudFile(
         folder_ / "cloud.ply", folder_ / "scans" / "all.mlp", {});
@@ -191,26 +173,19 @@ class EvaluateCloudFileTest : public FolderTest {
 };
 
 TEST_F(EvaluateCloudFileTest, PlacesTheScansByTheirPoses) {
-  WriteProject();
-  Write("scans/a.ply", Ply({{2, 0, 0}}));
+  Write("scans/all.mlp",
+        "<MeshLabProject><MeshGroup><MLMesh filename=\"a.ply\"><MLMatrix44>"
+        "1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1</MLMatrix44></MLMesh></MeshGroup>"
+        "</MeshLabProject>");
   Write("cloud.ply", Ply({{3, 0, 0}}));
+  EXPECT_EQ(CodeOf([&] { Evaluate(); }), ErrorCode::kNotFound);
+  Write("scans/a.ply", Ply({}));
+  EXPECT_EQ(CodeOf([&] { Evaluate(); }), ErrorCode::kMismatch);
+  Write("scans/a.ply", Ply({{2, 0, 0}}));
   const CloudEvaluation evaluation = Evaluate();
   EXPECT_EQ(evaluation.num_points, 1);
   EXPECT_EQ(evaluation.num_scan_points, 1);
   EXPECT_EQ(evaluation.scores.front().f1, 1);
-}
-
-TEST_F(EvaluateCloudFileTest, ScansWithoutPointsAreAnError) {
-  WriteProject();
-  Write("scans/a.ply", Ply({}));
-  Write("cloud.ply", Ply({{3, 0, 0}}));
-  EXPECT_EQ(CodeOf([&] { Evaluate(); }), ErrorCode::kMismatch);
-}
-
-TEST_F(EvaluateCloudFileTest, AMissingScanIsAnError) {
-  WriteProject();
-  Write("cloud.ply", Ply({{3, 0, 0}}));
-  EXPECT_EQ(CodeOf([&] { Evaluate(); }), ErrorCode::kNotFound);
 }
 
 }  // namespace

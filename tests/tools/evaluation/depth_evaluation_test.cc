@@ -30,6 +30,9 @@ class DepthEvaluationTest : public FolderTest {
     fs::create_directories((folder_ / name).parent_path());
     WriteDepthMap(UserPath(folder_ / name), map);
   }
+  void WriteMap(const fs::path& name, int size, float depth) const {
+    WriteMap(name, size, [depth](int, int) { return depth; });
+  }
 
   // Plain gray on the left half, a chessboard of pixels on the right one.
   void WritePicture(const std::string& name, int size) const {
@@ -87,9 +90,10 @@ TEST_F(DepthEvaluationTest, CountsPixelsInAllAndInTexturelessAreas) {
 
 TEST_F(DepthEvaluationTest, ADepthOffByTheToleranceIsWrong) {
   WritePicture("a.pgm", 4);
-  WriteMap(Truth("a.pgm"), 4, [](int, int) { return 2.f; });
-  WriteMap(Map("a.pgm"), 4, [](int, int) { return 2.25f; });
+  WriteMap("elsewhere/a.pgm.bin", 4, 2.f);
+  WriteMap(Map("a.pgm"), 4, 2.25f);
   DepthEvaluationOptions options;
+  options.ground_truth_path = folder_ / "elsewhere";
   options.tolerances = {0.25, 0.26};
   const DepthEvaluation evaluation = EvaluateDepthMaps(folder_, options);
   EXPECT_EQ(evaluation.scores[0].num_right, 0);
@@ -103,7 +107,7 @@ TEST_F(DepthEvaluationTest, LooksGroundTruthUpAtThePixelsOfSmallerMaps) {
     return 1 + 0.1f * (2 * x + 1 + 2 * y + 1);
   });
   DepthEvaluationOptions options;
-  options.input_type = "photometric";
+  options.input_type = MapType::kPhotometric;
   const DepthEvaluation evaluation = EvaluateDepthMaps(folder_, options);
   EXPECT_EQ(evaluation.scores[0].num_right, 400);
   EXPECT_EQ(evaluation.scores[0].num_known, 400);
@@ -113,10 +117,10 @@ TEST_F(DepthEvaluationTest, LooksGroundTruthUpAtThePixelsOfSmallerMaps) {
 TEST_F(DepthEvaluationTest, AddsUpImagesAndReportsMissingMaps) {
   for (const std::string name : {"a.pgm", "b.pgm", "c.pgm"}) {
     WritePicture(name, 8);
-    WriteMap(Truth(name), 8, [](int, int) { return 1.f; });
+    WriteMap(Truth(name), 8, 1.f);
   }
-  WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
-  WriteMap(Map("b.pgm"), 8, [](int, int) { return 2.f; });
+  WriteMap(Map("a.pgm"), 8, 1.f);
+  WriteMap(Map("b.pgm"), 8, 2.f);
   const DepthEvaluation evaluation = EvaluateDepthMaps(folder_, {});
   EXPECT_EQ(evaluation.num_images, 2);
   EXPECT_EQ(evaluation.num_images_without_map, 1);
@@ -124,19 +128,10 @@ TEST_F(DepthEvaluationTest, AddsUpImagesAndReportsMissingMaps) {
   EXPECT_EQ(evaluation.scores[0].Recall(), 0.5);
 }
 
-TEST_F(DepthEvaluationTest, TakesGroundTruthFromAnotherFolder) {
-  WritePicture("a.pgm", 8);
-  WriteMap("elsewhere/a.pgm.bin", 8, [](int, int) { return 1.f; });
-  WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
-  DepthEvaluationOptions options;
-  options.ground_truth_path = folder_ / "elsewhere";
-  EXPECT_EQ(EvaluateDepthMaps(folder_, options).num_images, 1);
-}
-
 TEST_F(DepthEvaluationTest, MaskedPixelsAreNotScored) {
   for (const std::string name : {"a.pgm", "left/b.pgm"}) {
     WritePicture(name, 40);
-    WriteMap(Truth(name), 40, [](int, int) { return 2.f; });
+    WriteMap(Truth(name), 40, 2.f);
     // A quarter each is right, wrong, and a hole.
     WriteMap(Map(name), 20, [](int x, int y) {
       return x < 10 ? (y < 10 ? 2.f : 3.f) : y < 10 ? 0.f : 2.f;
@@ -170,8 +165,8 @@ TEST_F(DepthEvaluationTest, MaskedPixelsAreNotScored) {
 
 TEST_F(DepthEvaluationTest, RefusesMasksThatAreNone) {
   WritePicture("a.pgm", 8);
-  WriteMap(Truth("a.pgm"), 8, [](int, int) { return 1.f; });
-  WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
+  WriteMap(Truth("a.pgm"), 8, 1.f);
+  WriteMap(Map("a.pgm"), 8, 1.f);
   DepthEvaluationOptions options;
   options.mask_path = folder_ / "masks";
   const auto evaluate = [&] { EvaluateDepthMaps(folder_, options); };
@@ -188,38 +183,24 @@ TEST_F(DepthEvaluationTest, RefusesMasksThatAreNone) {
   // The folder of the images, whose names would do.
   options.mask_path = folder_ / "images";
   EXPECT_EQ(CodeOf(evaluate), ErrorCode::kBadOption);
-  options.mask_path = folder_ / "masks";
-  Write("masks/a.pgm.png", "no picture");
-  EXPECT_EQ(CodeOf(evaluate), ErrorCode::kCorrupt);
 }
 
-TEST_F(DepthEvaluationTest, MissingInputsAreNotFound) {
+TEST_F(DepthEvaluationTest, InputsAreThereWholeAndOfTheShapeOfTheGroundTruth) {
   const auto code = [&] {
     return CodeOf([&] { EvaluateDepthMaps(folder_, {}); });
   };
   EXPECT_EQ(code(), ErrorCode::kNotFound);
-  WriteMap(Truth("a.pgm"), 8, [](int, int) { return 1.f; });
+  WriteMap(Truth("a.pgm"), 8, 1.f);
   EXPECT_EQ(code(), ErrorCode::kNotFound);
-  WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
+  WriteMap(Map("a.pgm"), 8, 1.f);
   EXPECT_EQ(code(), ErrorCode::kNotFound);
-  Write("images/a.pgm", "not a picture");
-  EXPECT_EQ(code(), ErrorCode::kCorrupt);
   Write("images/a.pgm", "P5\n8 8\n255\ncut off");
   EXPECT_EQ(code(), ErrorCode::kCorrupt);
   WritePicture("a.pgm", 8);
   EXPECT_EQ(code(), std::nullopt);
-}
-
-TEST_F(DepthEvaluationTest, MapsAndImagesHaveTheShapeOfTheGroundTruth) {
-  const auto code = [&] {
-    return CodeOf([&] { EvaluateDepthMaps(folder_, {}); });
-  };
-  WritePicture("a.pgm", 8);
-  WriteMap(Truth("a.pgm"), 8, [](int, int) { return 1.f; });
-  WriteMap(Map("a.pgm"), 8, [](int, int) { return 1.f; });
   WriteDepthMap(UserPath(folder_ / Map("a.pgm")), Image<float>(8, 3, 1.f));
   EXPECT_EQ(code(), ErrorCode::kMismatch);
-  WriteMap(Map("a.pgm"), 16, [](int, int) { return 1.f; });
+  WriteMap(Map("a.pgm"), 16, 1.f);
   EXPECT_EQ(code(), std::nullopt);
   Write("images/a.pgm", "P5\n8 3\n255\n" + std::string(24, 'x'));
   EXPECT_EQ(code(), ErrorCode::kMismatch);

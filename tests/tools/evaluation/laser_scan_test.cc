@@ -21,22 +21,31 @@ void ExpectVerdict(const PointVerdict& verdict, int first_good, bool bad) {
   EXPECT_EQ(verdict.bad_below, bad);
 }
 
-TEST(LaserScan, KnowsWhatLiesBeforeAtAndBehindASurface) {
+TEST(LaserScan, KnowsWhatItsBeamsTell) {
+  const struct {
+    Eigen::Vector3d point;
+    int first_good;
+    bool is_bad;
+  } cases[] = {
+      {{1, 0, 0}, kNone, true},
+      {{1.97, 0, 0}, 1, true},
+      {{1.995, 0, 0}, 0, true},
+      {{2.005, 0, 0}, 0, false},
+      {{2.03, 0, 0}, 1, false},
+      {{3, 0, 0}, kNone, false},
+      // Outside of the beam.
+      {{1, 0.01, 0}, kNone, false},
+      {{-1, 0, 0}, kNone, false},
+      // Near the surface, but no beam passed there.
+      {{2, 0.004, 0}, kNone, false},
+  };
   const LaserScan scan({{2, 0, 0}}, LaserBeam());
-  ExpectVerdict(scan.Judge({1, 0, 0}, kTolerances), kNone, true);
-  ExpectVerdict(scan.Judge({1.97, 0, 0}, kTolerances), 1, true);
-  ExpectVerdict(scan.Judge({1.995, 0, 0}, kTolerances), 0, true);
-  ExpectVerdict(scan.Judge({2.005, 0, 0}, kTolerances), 0, false);
-  ExpectVerdict(scan.Judge({2.03, 0, 0}, kTolerances), 1, false);
-  ExpectVerdict(scan.Judge({3, 0, 0}, kTolerances), kNone, false);
-}
-
-TEST(LaserScan, KnowsNothingOutsideItsBeams) {
-  const LaserScan scan({{2, 0, 0}}, LaserBeam());
-  ExpectVerdict(scan.Judge({1, 0.01, 0}, kTolerances), kNone, false);
-  ExpectVerdict(scan.Judge({-1, 0, 0}, kTolerances), kNone, false);
-  // Near the surface, but no beam passed there.
-  ExpectVerdict(scan.Judge({2, 0.004, 0}, kTolerances), kNone, false);
+  const LaserScan nothing({}, LaserBeam());
+  for (const auto& [point, first_good, is_bad] : cases) {
+    SCOPED_TRACE(point.transpose());
+    ExpectVerdict(scan.Judge(point, kTolerances), first_good, is_bad);
+    ExpectVerdict(nothing.Judge(point, kTolerances), kNone, false);
+  }
 }
 
 TEST(LaserScan, BeamsWidenWithTheDistance) {
@@ -46,12 +55,6 @@ TEST(LaserScan, BeamsWidenWithTheDistance) {
   ExpectVerdict(scan.Judge({10, 0.99 * radius, 0}, kTolerances), kNone, true);
   ExpectVerdict(scan.Judge({10, 1.01 * radius, 0}, kTolerances), kNone, false);
   ExpectVerdict(scan.Judge({1, 0.99 * radius, 0}, kTolerances), kNone, false);
-}
-
-TEST(LaserScan, WithoutPointsNothingIsKnown) {
-  const LaserScan scan({}, LaserBeam());
-  ExpectVerdict(scan.Judge({1, 0, 0}, kTolerances), kNone, false);
-  ExpectVerdict(scan.Judge({0, 0, 0}, kTolerances), kNone, false);
 }
 
 // The search through cells finds the same beams as looking at all of them.
@@ -117,51 +120,44 @@ constexpr PointVerdict kGood{0, true};
 constexpr PointVerdict kBad{1, true};
 constexpr PointVerdict kUncounted{1, false};
 
-TEST(VoxelMeans, WeighVoxelsAlikeHoweverManyPointsTheyHold) {
-  const std::vector<Eigen::Vector3d> points = {
-      {0.3, 0.3, 0.3}, {-9.7, 0.3, 0.3}, {-9.7, 0.3, 0.3}, {-9.7, 0.3, 0.3}};
-  EXPECT_EQ(VoxelMeans(points, {kGood, kBad, kBad, kBad}, 1, 1.0),
-            std::vector<double>{0.5});
-}
-
-TEST(VoxelMeans, TakeTheShareWithinAVoxel) {
-  const std::vector<Eigen::Vector3d> points(4, {0.3, 0.3, 0.3});
-  EXPECT_EQ(VoxelMeans(points, {kGood, kBad, kBad, kBad}, 1, 1.0),
-            std::vector<double>{0.25});
-}
-
-TEST(VoxelMeans, AverageTwoGridsShiftedByHalfAVoxel) {
-  // One voxel in the first grid, two in the shifted one: (0.5 + 1 + 0) / 3.
-  const std::vector<Eigen::Vector3d> points = {{0.2, 0.1, 0.1},
-                                               {0.8, 0.1, 0.1}};
-  EXPECT_EQ(VoxelMeans(points, {kGood, kBad}, 1, 1.0),
-            std::vector<double>{0.5});
-  EXPECT_DOUBLE_EQ(
-      VoxelMeans({{0.2, 0.1, 0.1}, {0.2, 0.1, 0.1}, {0.8, 0.1, 0.1}},
-                 {kGood, kGood, kBad},
-                 1,
-                 1.0)[0],
-      (2.0 / 3 + 1 + 0) / 3);
-}
-
-TEST(VoxelMeans, LeaveOutWhatIsNotCounted) {
-  const std::vector<Eigen::Vector3d> points = {
-      {0.3, 0.3, 0.3}, {0.3, 0.3, 0.3}, {9.3, 0.3, 0.3}};
-  EXPECT_EQ(VoxelMeans(points, {kGood, kUncounted, kUncounted}, 1, 1.0),
-            std::vector<double>{1.0});
-  EXPECT_EQ(VoxelMeans({{0, 0, 0}}, {kUncounted}, 1, 1.0),
-            std::vector<double>{0.0});
-  EXPECT_EQ(VoxelMeans({}, {}, 2, 1.0), (std::vector<double>{0.0, 0.0}));
-}
-
-TEST(VoxelMeans, FollowTheTolerances) {
-  EXPECT_EQ(VoxelMeans({{0, 0, 0}}, {{1, true}}, 3, 1.0),
-            (std::vector<double>{0.0, 1.0, 1.0}));
-}
-
-TEST(VoxelMeans, StandPointsOfAnySize) {
-  EXPECT_EQ(VoxelMeans({{1e300, -1e300, 0}, {0, 0, 0}}, {kGood, kBad}, 1, 0.01),
-            std::vector<double>{0.5});
+TEST(VoxelMeans, AreSharesOfVoxels) {
+  const Eigen::Vector3d here(0.3, 0.3, 0.3);
+  const Eigen::Vector3d far(-9.7, 0.3, 0.3);
+  const Eigen::Vector3d left(0.2, 0.1, 0.1);
+  const Eigen::Vector3d right(0.8, 0.1, 0.1);
+  const struct {
+    const char* name;
+    std::vector<Eigen::Vector3d> points;
+    std::vector<PointVerdict> verdicts;
+    std::vector<double> means;  // One for each tolerance.
+  } cases[] = {
+      {"voxels weigh alike",
+       {here, far, far, far},
+       {kGood, kBad, kBad, kBad},
+       {0.5}},
+      {"within a voxel",
+       {here, here, here, here},
+       {kGood, kBad, kBad, kBad},
+       {0.25}},
+      {"one voxel in the first grid, two in the one shifted by half a voxel",
+       {left, left, right},
+       {kGood, kGood, kBad},
+       {(2.0 / 3 + 1 + 0) / 3}},
+      {"not counted", {here, here, far}, {kGood, kUncounted, kUncounted}, {1}},
+      {"none counted", {here}, {kUncounted}, {0}},
+      {"no points", {}, {}, {0, 0}},
+      {"by the tolerances", {here}, {{1, true}}, {0, 1, 1}},
+      {"far away", {{1e300, -1e300, 0}, here}, {kGood, kBad}, {0.5}},
+  };
+  for (const auto& [name, points, verdicts, means] : cases) {
+    SCOPED_TRACE(name);
+    const std::vector<double> found =
+        VoxelMeans(points, verdicts, static_cast<int>(means.size()), 1.0);
+    ASSERT_EQ(found.size(), means.size());
+    for (size_t t = 0; t < means.size(); ++t) {
+      EXPECT_DOUBLE_EQ(found[t], means[t]);
+    }
+  }
 }
 
 }  // namespace

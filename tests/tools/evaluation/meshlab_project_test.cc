@@ -20,18 +20,16 @@ TEST(Tolerances, AreReadFromAList) {
 
 TEST(Tolerances, ListsThatAreNoneAreErrors) {
   for (const char* text : {"",
-                           ",",
                            "0.1,",
                            ",0.1",
                            "0.1 0.2",
-                           "0.1;0.2",
                            "x",
                            "0.2,0.1",
                            "0.1,0.1",
                            "0",
                            "-1",
                            "nan",
-                           "inf"}) {
+                           "0.1,inf"}) {
     EXPECT_EQ(CodeOf([&] { ParseTolerances(text); }), ErrorCode::kBadOption)
         << text;
   }
@@ -62,9 +60,6 @@ class MeshlabProjectTest : public FolderTest {
   std::vector<MeshlabScan> Read(const std::string& content) {
     return ReadMeshlabProject(Write("scans.mlp", content));
   }
-  std::optional<ErrorCode> Failure(const std::string& content) {
-    return CodeOf([&] { Read(content); });
-  }
 };
 
 TEST_F(MeshlabProjectTest, ReadsFilesAndPoses) {
@@ -80,42 +75,35 @@ TEST_F(MeshlabProjectTest, ReadsFilesAndPoses) {
   EXPECT_TRUE(scans[1].world_from_scan.isIdentity(0));
 }
 
-TEST_F(MeshlabProjectTest, MissingFileIsNotFound) {
+TEST_F(MeshlabProjectTest, RefusesWhatIsNoProjectOfScans) {
   EXPECT_EQ(CodeOf([&] { ReadMeshlabProject(folder_ / "none.mlp"); }),
             ErrorCode::kNotFound);
-}
-
-TEST_F(MeshlabProjectTest, OtherContentIsCorrupt) {
-  for (const std::string& content :
-       {std::string(),
-        std::string("ply\n"),
-        std::string("<MeshLabProject><MeshGroup>"),
-        std::string("<Other/>"),
-        Project(""),
-        Project(Mesh("label=\"a\"", kMatrix)),
-        Project(Mesh("filename=\"\"", kMatrix)),
-        Project("<MLMesh filename=\"a.ply\"/>"),
-        Project(Mesh("filename=\"a.ply\"", "1 0 0 0 0 1 0 0")),
-        Project(Mesh("filename=\"a.ply\"", "one two"))}) {
-    EXPECT_EQ(Failure(content), ErrorCode::kCorrupt) << content;
-  }
-}
-
-TEST_F(MeshlabProjectTest, DeepNestingIsCorruptAndDoesNotOverflowTheStack) {
-  std::string content;
+  const std::string ply = "filename=\"a.ply\"";
+  std::string deep;  // The parser is recursive.
   for (int i = 0; i < 1000000; ++i) {
-    content += "<a>";
+    deep += "<a>";
   }
-  EXPECT_EQ(Failure(content), ErrorCode::kCorrupt);
-}
-
-TEST_F(MeshlabProjectTest, MatricesThatAreNoRigidMotionAreUnsupported) {
-  for (const char* matrix : {"2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1",
-                             "-1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1",
-                             "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2"}) {
-    EXPECT_EQ(Failure(Project(Mesh("filename=\"a.ply\"", matrix))),
-              ErrorCode::kUnsupported)
-        << matrix;
+  const std::pair<std::string, ErrorCode> cases[] = {
+      {"", ErrorCode::kCorrupt},
+      {"ply\n", ErrorCode::kCorrupt},
+      {"<MeshLabProject><MeshGroup>", ErrorCode::kCorrupt},
+      {"<Other/>", ErrorCode::kCorrupt},
+      {deep, ErrorCode::kCorrupt},
+      {Project(""), ErrorCode::kCorrupt},
+      {Project(Mesh("label=\"a\"", kMatrix)), ErrorCode::kCorrupt},
+      {Project(Mesh("filename=\"\"", kMatrix)), ErrorCode::kCorrupt},
+      {Project("<MLMesh " + ply + "/>"), ErrorCode::kCorrupt},
+      {Project(Mesh(ply, "1 0 0 0 0 1 0 0")), ErrorCode::kCorrupt},
+      {Project(Mesh(ply, "one two")), ErrorCode::kCorrupt},
+      // No rigid motions.
+      {Project(Mesh(ply, "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1")),
+       ErrorCode::kUnsupported},
+      {Project(Mesh(ply, "-1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1")),
+       ErrorCode::kUnsupported},
+      {Project(Mesh(ply, "1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 2")),
+       ErrorCode::kUnsupported}};
+  for (const auto& [content, code] : cases) {
+    EXPECT_EQ(CodeOf([&] { Read(content); }), code) << content.substr(0, 500);
   }
 }
 

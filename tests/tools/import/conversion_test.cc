@@ -15,13 +15,17 @@ namespace {
 constexpr Intrinsics kIntrinsics = {50.f, 40.f, 15.5f, 12.f};
 
 // The depth of the plane normal . x = offset.
-Image<float> DrawPlane(const Vec3f& normal, float offset) {
-  Image<float> depth(32, 24);
-  for (int y = 0; y < depth.Height(); ++y) {
-    for (int x = 0; x < depth.Width(); ++x) {
-      const Vec3f ray =
-          kIntrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
-      depth(x, y) = offset / Dot(normal, ray);
+Image<float> DrawPlane(const Vec3f& normal,
+                       float offset,
+                       const Intrinsics& intrinsics = kIntrinsics,
+                       int width = 32,
+                       int height = 24) {
+  Image<float> depth(width, height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      depth(x, y) = offset / Dot(normal,
+                                 intrinsics.Ray(static_cast<float>(x),
+                                                static_cast<float>(y)));
     }
   }
   return depth;
@@ -100,13 +104,7 @@ TEST(NormalsFromDepth, StandExtremeDepthsAndSmallMaps) {
 }
 
 Camera TurnedCamera() {
-  Camera camera;
-  camera.width = 8;
-  camera.height = 6;
-  camera.fx = 10.0;
-  camera.fy = 10.0;
-  camera.cx = 4.0;
-  camera.cy = 3.0;
+  Camera camera = {8, 6, 10.0, 10.0, 4.0, 3.0};
   camera.rotation =
       Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, -1, 2).normalized())
           .toRotationMatrix();
@@ -116,17 +114,14 @@ Camera TurnedCamera() {
 TEST(ConvertMaps, TurnsWorldNormalsIntoTheCamerasFrame) {
   const Camera camera = TurnedCamera();
   const Eigen::Vector3d expected = Eigen::Vector3d(0.2, 0.3, -1).normalized();
-  const Eigen::Vector3f world =
-      (camera.rotation.transpose() * expected).cast<float>();
   ExternalMaps external;
   external.depth = Image<float>(8, 6, 2.f);
-  external.normal = Image<Vec3f>(8, 6, Vec3f{world.x(), world.y(), world.z()});
+  external.normal =
+      Image<Vec3f>(8, 6, ToVec3f(camera.rotation.transpose() * expected));
   // Of another length, and the other way around.
   external.normal(1, 1) = external.normal(1, 1) * -7.f;
   for (const Vec3f& n : ConvertMaps(external, camera, 1.0, true).normal) {
-    EXPECT_NEAR(n.x, expected.x(), 1e-6);
-    EXPECT_NEAR(n.y, expected.y(), 1e-6);
-    EXPECT_NEAR(n.z, expected.z(), 1e-6);
+    EXPECT_LT(Norm(n - ToVec3f(expected)), 1e-6f);
   }
 }
 
@@ -149,17 +144,10 @@ TEST(ConvertMaps, KeepsUnitNormalsBitByBitAndComputesMissingOnes) {
 TEST(ConvertMaps, UsesTheIntrinsicsOfTheMapsSize) {
   // A slanted plane in a map of half the image's size.
   const Camera camera = TurnedCamera();
-  const Intrinsics half = camera.Resized(4, 3).GetIntrinsics();
   const Vec3f normal = Normalized(Vec3f{0.1f, 0.05f, -1.f});
   ExternalMaps external;
-  external.depth = Image<float>(4, 3);
-  for (int y = 0; y < 3; ++y) {
-    for (int x = 0; x < 4; ++x) {
-      external.depth(x, y) =
-          -2.f /
-          Dot(normal, half.Ray(static_cast<float>(x), static_cast<float>(y)));
-    }
-  }
+  external.depth =
+      DrawPlane(normal, -2.f, camera.Resized(4, 3).GetIntrinsics(), 4, 3);
   const ImportedMaps maps = ConvertMaps(external, camera, 1.0, false);
   EXPECT_LT(Norm(maps.normal(1, 1) - normal), 1e-5f);
 }

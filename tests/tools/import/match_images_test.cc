@@ -14,13 +14,15 @@ class MatchImagesTest : public testing::Test {
  protected:
   MatchImagesTest() {
     for (const char* name : {"b.jpg", "sub/c.jpg", "a.jpg"}) {
-      SparseModel::ModelImage image;
-      image.name = name;
-      model_.images.push_back(image);
+      AddImage(name);
     }
-    model_.IndexNames();
     options_.input_path = folder_.Path() / "in";
     std::filesystem::create_directories(options_.input_path);
+  }
+
+  void AddImage(const char* name) {
+    model_.images.emplace_back().name = name;
+    model_.IndexNames();
   }
 
   void Write(const std::string& name, const std::string& text = "x") const {
@@ -50,8 +52,9 @@ class MatchImagesTest : public testing::Test {
     return lines;
   }
 
-  void ExpectMismatch(const std::vector<std::string>& texts) const {
-    ExpectError(ErrorCode::kMismatch, texts, [&] { Match(); });
+  void ExpectRefused(const std::vector<std::string>& texts,
+                     ErrorCode code = ErrorCode::kMismatch) const {
+    ExpectError(code, texts, [&] { Match(); });
   }
 
   TemporaryFolder folder_;
@@ -85,16 +88,16 @@ TEST_F(MatchImagesTest, FindsNumberedFolders) {
 }
 
 TEST_F(MatchImagesTest, RefusesNumberedFoldersThatAreUnclear) {
-  ExpectError(ErrorCode::kNotFound, {"in:", "2333_00000000"}, [&] { Match(); });
+  ExpectRefused({"in:", "2333_00000000"}, ErrorCode::kNotFound);
   Write("ACMM/2333_00000000/depths.dmb");
   Write("ACMP/2333_00000000/depths.dmb");
-  ExpectMismatch({"ACMM", "ACMP", "input_path"});
+  ExpectRefused({"ACMM", "ACMP", "input_path"});
   std::filesystem::remove_all(options_.input_path / "ACMP");
   Write("ACMM/other_00000000/depths.dmb");
-  ExpectMismatch({"other_00000000", "b.jpg", "2333_00000000"});
+  ExpectRefused({"other_00000000", "b.jpg", "2333_00000000"});
   std::filesystem::remove_all(options_.input_path / "ACMM/other_00000000");
   Write("ACMM/2333_00000003/depths.dmb");
-  ExpectMismatch({"2333_00000003", "images 0 to 2", "image_list"});
+  ExpectRefused({"2333_00000003", "images 0 to 2", "image_list"});
 }
 
 TEST_F(MatchImagesTest, FindsOpenMvsMapsByStoredName) {
@@ -111,25 +114,20 @@ TEST_F(MatchImagesTest, FindsOpenMvsMapsByStoredName) {
                                    "a.jpg: in/depth0008.dmap"));
   EXPECT_EQ(MatchImages(options_, model_).num_without_image, 1);
   WriteDmap("depth0009.dmap", "again/a.jpg");
-  ExpectMismatch({"depth0009.dmap", "a.jpg", "depth0008.dmap"});
+  ExpectRefused({"depth0009.dmap", "a.jpg", "depth0008.dmap"});
 }
 
 TEST_F(MatchImagesTest, TellsOpenMvsNamesThatFitNoneOrSeveral) {
   options_.format = ExternalFormat::kOpenMvs;
   WriteDmap("depth0001.dmap", "images/00001.jpg");
-  ExpectError(ErrorCode::kNotFound, {"images/00001.jpg", "image_list"}, [&] {
-    Match();
-  });
+  ExpectRefused({"images/00001.jpg", "image_list"}, ErrorCode::kNotFound);
   options_.image_list = folder_.Path() / "list.txt";
   WriteText(options_.image_list, "b.jpg\na.jpg\n");
   EXPECT_THAT(Match(), testing::ElementsAre("a.jpg: in/depth0001.dmap"));
   options_.image_list.clear();
-  SparseModel::ModelImage twin;
-  twin.name = "other/a.jpg";
-  model_.images.push_back(twin);
-  model_.IndexNames();
+  AddImage("other/a.jpg");
   WriteDmap("depth0001.dmap", "a.png");
-  ExpectMismatch({"depth0001.dmap", "a.jpg", "other/a.jpg"});
+  ExpectRefused({"depth0001.dmap", "a.jpg", "other/a.jpg"});
 }
 
 TEST_F(MatchImagesTest, FindsDepthImagesByName) {
@@ -146,31 +144,33 @@ TEST_F(MatchImagesTest, FindsDepthImagesByName) {
                                    "a.jpg: in/a.png normals/a.exr"));
   EXPECT_EQ(MatchImages(options_, model_).num_without_image, 2);
   Write("a.jpg.pfm");
-  ExpectMismatch({"a.png", "a.jpg", "a.jpg.pfm"});
+  ExpectRefused({"a.png", "a.jpg", "a.jpg.pfm"});
+  AddImage("a.bmp");
+  options_.normal_path.clear();
+  ExpectRefused({"a.png", "a.jpg", "a.bmp", "extension"});
+  std::filesystem::remove(options_.input_path / "a.png");
+  EXPECT_EQ(Match()[1], "a.jpg: in/a.jpg.pfm");
 }
 
 TEST_F(MatchImagesTest, FindsNumberedDepthImagesByList) {
   options_.format = ExternalFormat::kDepth;
   Write("frame_00.tif");
   Write("frame_01.tif");
-  ExpectError(
-      ErrorCode::kNotFound, {"such as b.png", "image_list"}, [&] { Match(); });
+  ExpectRefused({"such as b.png", "image_list"}, ErrorCode::kNotFound);
   options_.image_list = folder_.Path() / "list.txt";
   WriteText(options_.image_list, "sub/c.jpg\nb.jpg\n");
   EXPECT_THAT(Match(),
               testing::ElementsAre("b.jpg: in/frame_01.tif",
                                    "sub/c.jpg: in/frame_00.tif"));
-  options_.image_list = folder_.Path() / "none.txt";
-  ExpectError(
-      ErrorCode::kNotFound, {"none.txt", "image_list"}, [&] { Match(); });
+  WriteText(options_.image_list, "b.jpg\nb.jpg\n");
+  ExpectRefused({"list.txt: line 2 names b.jpg a second time"});
 }
 
 // Its image would count as one without a map.
 TEST_F(MatchImagesTest, RefusesWhatHasTheNameOfAMapAndIsNoFile) {
   const auto expect_refused = [&](const std::filesystem::path& path) {
     const auto expect = [&](const std::string& what) {
-      ExpectError(
-          ErrorCode::kUnsupported, {path.string(), what}, [&] { Match(); });
+      ExpectRefused({path.string(), what}, ErrorCode::kUnsupported);
       std::filesystem::remove(path);
     };
     std::filesystem::remove(path);
@@ -194,19 +194,6 @@ TEST_F(MatchImagesTest, RefusesWhatHasTheNameOfAMapAndIsNoFile) {
   Write("ACMM/2333_00000001/depths.dmb");
   expect_refused(options_.input_path / "ACMM/2333_00000001/depths.dmb");
   expect_refused(options_.input_path / "ACMM/2333_00000000/normals.dmb");
-}
-
-TEST_F(MatchImagesTest, RefusesStemsOfTwoImages) {
-  options_.format = ExternalFormat::kDepth;
-  SparseModel::ModelImage twin;
-  twin.name = "a.png";
-  model_.images.push_back(twin);
-  model_.IndexNames();
-  Write("a.npy");
-  ExpectMismatch({"a.npy", "a.jpg", "a.png", "extension"});
-  std::filesystem::remove(options_.input_path / "a.npy");
-  Write("a.jpg.npy");
-  EXPECT_THAT(Match(), testing::ElementsAre("a.jpg: in/a.jpg.npy"));
 }
 
 }  // namespace

@@ -20,11 +20,11 @@ namespace {
 
 class ExportPlanesTest : public testing::Test {
  protected:
-  ExportedPlanes Export(const PlaneExportOptions& options = {}) const {
+  ExportedPlanes Export(double min_area = 0.0) const {
     std::ostringstream output;
     Progress progress(output, false);
     return ExportPlanes(
-        Workspace(room_.root, MapType::kGeometric), options, progress, [] {
+        Workspace(room_.root, MapType::kGeometric), min_area, progress, [] {
           return false;
         });
   }
@@ -34,6 +34,13 @@ class ExportPlanesTest : public testing::Test {
   }
   std::filesystem::path PlanesPath() const {
     return GetMapPaths(room_.root, "v3.png", MapType::kGeometric).planes;
+  }
+  static void WritePlaneMap(const std::filesystem::path& path, int value) {
+    cv::imwrite(path.string(),
+                cv::Mat(RoomWorkspace::kHeight,
+                        RoomWorkspace::kWidth,
+                        CV_16UC1,
+                        cv::Scalar(value)));
   }
 
   void ExpectAreasOfTheRoom(const ExportedPlanes& exported) const {
@@ -119,34 +126,19 @@ TEST_F(ExportPlanesTest, DescribesThePlanes) {
     }
     EXPECT_EQ(num_pixels, plane.num_pixels);
     EXPECT_GT(plane.images.size(), 3u);
-  }
-}
-
-// Walls, floor and ceiling are rectangles between the very same corners.
-TEST_F(ExportPlanesTest, PlanesMeetAtTheirCreases) {
-  room_.Write();
-  const ExportedPlanes exported = Export();
-  for (int p = 0; p < RoomWorkspace::kUnseen; ++p) {
-    SCOPED_TRACE(p);
-    const ExportedPlane& plane = exported.planes[p];
+    // Walls, floor and ceiling are rectangles between the very same corners.
     const Ring& outline = plane.polygons[0].outline;
     EXPECT_EQ(outline.size(), 4u);
     for (const Eigen::Vector2d& corner : outline) {
-      const Eigen::Vector3d point = plane.coordinates.ToWorld(corner);
+      const Eigen::Vector3d point = axes.ToWorld(corner);
       EXPECT_NEAR(std::abs(point.x() - 2.5), 2.5, 1e-9);
       EXPECT_NEAR(std::abs(point.y()), 1.25, 1e-9);
       EXPECT_NEAR(std::abs(point.z() - 2.0), 2.0, 1e-9);
     }
   }
-}
-
-TEST_F(ExportPlanesTest, LeavesSmallPlanesOut) {
-  room_.Write();
-  PlaneExportOptions options;
-  options.min_area = 11.5;
-  const ExportedPlanes exported = Export(options);
-  ASSERT_EQ(exported.planes.size(), 3u);
-  EXPECT_EQ(exported.planes[2].id, RoomWorkspace::kFront);
+  const ExportedPlanes large = Export(11.5);
+  ASSERT_EQ(large.planes.size(), 3u);
+  EXPECT_EQ(large.planes[2].id, RoomWorkspace::kFront);
 }
 
 TEST_F(ExportPlanesTest, WantsARefinedWorkspaceWithPlanes) {
@@ -165,11 +157,7 @@ TEST_F(ExportPlanesTest, TakesAModelWithoutPlanes) {
   ExpectFailure(ErrorCode::kMismatch, {"plane_maps", "of 0"});
   for (const auto& map :
        std::filesystem::directory_iterator(room_.root / "stereo/plane_maps")) {
-    cv::imwrite(map.path().string(),
-                cv::Mat(RoomWorkspace::kHeight,
-                        RoomWorkspace::kWidth,
-                        CV_16UC1,
-                        cv::Scalar(0)));
+    WritePlaneMap(map.path(), 0);
   }
   EXPECT_TRUE(Export().planes.empty());
 }
@@ -181,11 +169,7 @@ TEST_F(ExportPlanesTest, RefusesMapsThatDoNotFit) {
   ExpectFailure(ErrorCode::kMismatch, {PlanesPath().string(), "another size"});
   WriteText(PlanesPath(), good.substr(0, good.size() / 2));
   ExpectFailure(ErrorCode::kCorrupt, {PlanesPath().string()});
-  cv::imwrite(PlanesPath().string(),
-              cv::Mat(RoomWorkspace::kHeight,
-                      RoomWorkspace::kWidth,
-                      CV_16UC1,
-                      cv::Scalar(RoomWorkspace::kNumPlanes + 1)));
+  WritePlaneMap(PlanesPath(), RoomWorkspace::kNumPlanes + 1);
   ExpectFailure(ErrorCode::kMismatch,
                 {PlanesPath().string(), "names plane 7 of 7"});
   WriteText(GetSceneModelPath(room_.root).Path(), "planes");
@@ -213,9 +197,10 @@ TEST_F(ExportPlanesTest, CanBeStopped) {
   Progress progress(output, false);
   int num_asked = 0;
   ExpectError(ErrorCode::kInterrupted, {"nothing was written"}, [&] {
-    ExportPlanes(Workspace(room_.root, MapType::kGeometric), {}, progress, [&] {
-      return ++num_asked > 3;
-    });
+    ExportPlanes(
+        Workspace(room_.root, MapType::kGeometric), 0.0, progress, [&] {
+          return ++num_asked > 3;
+        });
   });
 }
 

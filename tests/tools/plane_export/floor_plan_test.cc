@@ -58,8 +58,7 @@ std::vector<std::vector<double>> LinesOf(const std::string& svg) {
   return lines;
 }
 
-std::string Written(void (*put)(const FloorPlan&, std::ostream*),
-                    const FloorPlan& plan) {
+std::string Written(PlanWriter put, const FloorPlan& plan) {
   std::ostringstream out;
   put(plan, &out);
   return out.str();
@@ -142,14 +141,12 @@ TEST(FloorPlan, IsADrawingForCad) {
                                 "  0\nENDSEC\n  0\nEOF\n"));
 }
 
-TEST(PlanFormat, IsReadFromTheName) {
-  EXPECT_EQ(ParsePlanFormat("a/plan.SVG"), PlanFormat::kSvg);
-  EXPECT_EQ(ParsePlanFormat("plan.dxf"), PlanFormat::kDxf);
-  for (const char* path : {"plan", "plan.png", "plan."}) {
-    ExpectError(ErrorCode::kBadOption, {"plan_path", path, ".svg"}, [&] {
-      ParsePlanFormat(path);
-    });
-  }
+TEST(PlanWriter, IsReadFromTheName) {
+  EXPECT_EQ(PlanWriterFor("a/plan.SVG"), &PutPlanSvg);
+  EXPECT_EQ(PlanWriterFor("plan.dxf"), &PutPlanDxf);
+  ExpectError(ErrorCode::kBadOption,
+              {"plan_path", "plan.png", ".svg or .dxf"},
+              [] { PlanWriterFor("plan.png"); });
 }
 
 }  // namespace

@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <sstream>
 
@@ -64,7 +63,7 @@ ExportedPlanes MakePlanes() {
   return planes;
 }
 
-std::string Written(void (*put)(const ExportedPlanes&, std::ostream*),
+std::string Written(PlanesWriter put,
                     const ExportedPlanes& planes = MakePlanes()) {
   std::ostringstream out;
   put(planes, &out);
@@ -123,160 +122,107 @@ TEST(MakeFaces, CoversDrawnPolygons) {
   }
 }
 
-TEST(PlaneFormat, IsReadFromTheName) {
-  EXPECT_EQ(ParsePlaneFormat("a/planes.JSON"), PlaneFormat::kJson);
-  EXPECT_EQ(ParsePlaneFormat("planes.obj"), PlaneFormat::kObj);
-  EXPECT_EQ(ParsePlaneFormat("planes.dxf"), PlaneFormat::kDxf);
+TEST(PlanesWriter, IsReadFromTheName) {
+  EXPECT_EQ(PlanesWriterFor("a/planes.JSON"), &PutPlanesJson);
+  EXPECT_EQ(PlanesWriterFor("planes.obj"), &PutPlanesObj);
+  EXPECT_EQ(PlanesWriterFor("planes.dxf"), &PutPlanesDxf);
   for (const char* path : {"planes", "planes.txt", "planes.", ".json"}) {
     ExpectError(ErrorCode::kBadOption, {"output_path", path, ".json"}, [&] {
-      ParsePlaneFormat(path);
+      PlanesWriterFor(path);
     });
   }
 }
 
 TEST(PlanesJson, TellsEverything) {
   const Json json = Json::parse(Written(&PutPlanesJson));
-  EXPECT_EQ(json["format"], "tsar_planes");
-  EXPECT_EQ(json["version"], 1);
-  EXPECT_EQ(json["maps"], "geometric");
-  EXPECT_EQ(json["num_images"], 2);
-  EXPECT_EQ(json["vertical"], Json({0, 0, 1}));
-  EXPECT_EQ(json["vertical_from"], "manhattan_frame");
-  EXPECT_EQ(json["frames"][0][1], Json({0, 1, 0}));
   ASSERT_EQ(json["planes"].size(), 3u);
-  const Json& floor = json["planes"][0];
-  EXPECT_EQ(floor["id"], 0);
-  EXPECT_EQ(floor["class"], "floor");
-  EXPECT_EQ(floor["normal"], Json({0, 0, 1}));
-  EXPECT_EQ(floor["offset"], -3.0);
-  EXPECT_EQ(floor["covariance"], Json({{1, 0, 0}, {0, 2, 0}, {0, 0, nullptr}}));
-  EXPECT_EQ(floor["area"], 15.0);
-  EXPECT_EQ(floor["share_measured"], 0.75);
-  EXPECT_EQ(floor["frame"], 0);
-  EXPECT_EQ(floor["axis"], 2);
-  EXPECT_EQ(floor["meets"], Json({2}));
-  EXPECT_EQ(floor["images"][0],
-            Json({{"name", "left/a.png"}, {"num_pixels", 8}}));
-  EXPECT_EQ(floor["polygons"][0]["outline"][2], Json({1000004.0, 4.25, 3.0}));
-  EXPECT_EQ(floor["polygons"][0]["holes"][0].size(), 4u);
+  EXPECT_EQ(json["planes"][0], Json::parse(R"({
+    "id": 0, "class": "floor", "normal": [0, 0, 1], "offset": -3.0,
+    "center": [1000000.0, 0.25, 3], "axis_s": [1, 0, 0], "axis_t": [0, 1, 0],
+    "covariance": [[1, 0, 0], [0, 2, 0], [0, 0, null]],
+    "area": 15.0, "resolution": 0.0, "share_measured": 0.75, "support": 0.0,
+    "num_pixels": 12, "component": 0, "frame": 0, "axis": 2, "meets": [2],
+    "images": [{"name": "left/a.png", "num_pixels": 8},
+               {"name": "b\ufffd.png", "num_pixels": 4}],
+    "polygons": [{
+      "outline": [[1000000, 0.25, 3], [1000004, 0.25, 3], [1000004, 4.25, 3],
+                  [1000000, 4.25, 3]],
+      "holes": [[[1000001, 1.25, 3], [1000001, 2.25, 3], [1000002, 2.25, 3],
+                 [1000002, 1.25, 3]]]}]})"));
   EXPECT_TRUE(json["planes"][1]["frame"].is_null());
   EXPECT_TRUE(json["planes"][1]["polygons"].empty());
   EXPECT_EQ(json["planes"][2]["polygons"].size(), 2u);
+  Json head = json;
+  head.erase("planes");
+  EXPECT_EQ(head, Json::parse(R"({
+    "format": "tsar_planes", "version": 1, "maps": "geometric",
+    "num_images": 2, "unit": "model",
+    "from_model": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+    "vertical": [0, 0, 1], "vertical_from": "manhattan_frame",
+    "frames": [[[1, 0, 0], [0, 1, 0], [0, 0, 1]]]})"));
+  const Json none = Json::parse(Written(&PutPlanesJson, {}));
+  EXPECT_TRUE(none["vertical"].is_null());
+  EXPECT_EQ(none["vertical_from"], "none");
+  EXPECT_TRUE(none["planes"].empty());
 }
 
-TEST(PlanesJson, KnowsNoVertical) {
+// A triangle at z = 3, twice.
+ExportedPlanes MakeTriangles() {
+  ExportedPlane wall;
+  wall.plane_class = PlaneClass::kWall;
+  wall.coordinates.origin.z() = 3;
+  wall.polygons = {{{{0, 0}, {2, 0}, {2, 1}}, {}}};
   ExportedPlanes planes;
-  const Json json = Json::parse(Written(&PutPlanesJson, planes));
-  EXPECT_TRUE(json["vertical"].is_null());
-  EXPECT_EQ(json["vertical_from"], "none");
-  EXPECT_TRUE(json["planes"].empty());
+  planes.planes = {ExportedPlane(), wall, wall};
+  planes.planes[2].id = 7;
+  return planes;
 }
 
-TEST(PlanesObj, HasAGroupForEachPlane) {
-  std::istringstream in(Written(&PutPlanesObj));
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Eigen::Vector3d> normals;
-  std::map<std::string, std::vector<PlaneFace>> groups;
-  std::string group;
-  std::string line;
-  while (std::getline(in, line)) {
-    std::istringstream words(line);
-    std::string kind;
-    words >> kind;
-    if (kind == "g") {
-      words >> group;
-    } else if (kind == "v" || kind == "vn") {
-      Eigen::Vector3d vector;
-      words >> vector.x() >> vector.y() >> vector.z();
-      (kind == "v" ? points : normals).push_back(vector);
-    } else if (kind == "f") {
-      PlaneFace& face = groups[group].emplace_back();
-      size_t point = 0;
-      size_t normal = 0;
-      char slash = '\0';
-      while (words >> point >> slash >> slash >> normal) {
-        face.push_back(points.at(point - 1));
-        EXPECT_EQ(normal, normals.size());
-      }
-      continue;
-    } else {
-      EXPECT_EQ(kind, "#");
-    }
-    EXPECT_FALSE(words.fail()) << line;
-  }
-  ASSERT_EQ(groups.size(), 2u);
-  ExpectFaces(groups["plane_0_floor"], 15.0, {0, 0, 1});
-  ExpectFaces(groups["plane_2_wall"], 3.5, {0, -1, 0});
+// Indices count from 1 through the file.
+TEST(PlanesObj, HasAGroupForEachPlaneWithFaces) {
+  const std::string corners = "v 2 1 3\nv 0 0 3\nv 2 0 3\n";
+  EXPECT_EQ(Written(&PutPlanesObj, MakeTriangles()),
+            "# planes of the scene, by tsar_planes\n"
+            "g plane_0_wall\nvn 0 0 1\n" +
+                corners +
+                "f 1//1 2//1 3//1\n"
+                "g plane_7_wall\nvn 0 0 1\n" +
+                corners + "f 4//2 5//2 6//2\n");
 }
 
-// A DXF file as its pairs of code and value.
-std::vector<std::pair<int, std::string>> ReadDxf(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::pair<int, std::string>> pairs;
-  std::string code;
-  std::string value;
-  while (std::getline(in, code)) {
-    EXPECT_TRUE(static_cast<bool>(std::getline(in, value)));
-    EXPECT_EQ(code.size(), 3u);
-    pairs.emplace_back(std::stoi(code), value);
-  }
-  return pairs;
-}
-
+// 3DFACE repeats the last corner of a triangle.
 TEST(PlanesDxf, HasFacesAndOutlinesInLayers) {
-  const auto pairs = ReadDxf(Written(&PutPlanesDxf));
-  ASSERT_GT(pairs.size(), 10u);
-  EXPECT_EQ(pairs[3], std::pair(1, std::string("AC1009")));
-  EXPECT_EQ(pairs[4], std::pair(9, std::string("$INSUNITS")));
-  EXPECT_EQ(pairs[5], std::pair(70, std::string("0")));
-  EXPECT_EQ(pairs.back(), std::pair(0, std::string("EOF")));
-  int num_open_sections = 0;
-  std::vector<std::string> layers;
-  std::map<std::string, std::vector<PlaneFace>> faces;
-  std::map<std::string, std::vector<int>> outlines;  // Numbers of corners.
-  for (size_t i = 0; i < pairs.size(); ++i) {
-    if (pairs[i].first != 0) {
-      continue;
-    }
-    const std::string& kind = pairs[i].second;
-    std::map<int, std::string> values;
-    for (size_t j = i + 1; j < pairs.size() && pairs[j].first != 0; ++j) {
-      values[pairs[j].first] = pairs[j].second;
-    }
-    if (kind == "SECTION") {
-      ++num_open_sections;
-    } else if (kind == "ENDSEC") {
-      --num_open_sections;
-    } else if (kind == "LAYER") {
-      layers.push_back(values[2]);
-    } else if (kind == "3DFACE") {
-      const auto corner = [&](int number) {
-        return Eigen::Vector3d(std::stod(values.at(10 + number)),
-                               std::stod(values.at(20 + number)),
-                               std::stod(values.at(30 + number)));
-      };
-      PlaneFace face = {corner(0), corner(1), corner(2), corner(3)};
-      if (face[2] == face[3]) {
-        face.pop_back();
-      }
-      faces[values[8]].push_back(face);
-    } else if (kind == "POLYLINE") {
-      EXPECT_EQ(values[66], "1");
-      EXPECT_EQ(values[70], "9");
-      outlines[values[8]].push_back(0);
-    } else if (kind == "VERTEX") {
-      EXPECT_EQ(values[70], "32");
-      ++outlines.at(values[8]).back();
-    }
+  ExportedPlanes planes = MakeTriangles();
+  planes.planes.pop_back();
+  std::string text = Written(&PutPlanesDxf, planes);
+  for (size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) {
+    text[at] = ' ';
   }
-  EXPECT_EQ(num_open_sections, 0);
-  EXPECT_EQ(layers,
-            (std::vector<std::string>{"FLOOR", "CEILING", "WALL", "OTHER"}));
-  EXPECT_EQ(faces.size(), 2u);
-  ExpectFaces(faces["FLOOR"], 15.0, {0, 0, 1});
-  ExpectFaces(faces["WALL"], 3.5, {0, -1, 0});
-  EXPECT_EQ(outlines["FLOOR"], (std::vector<int>{4, 4}));
-  EXPECT_EQ(outlines["WALL"], (std::vector<int>{4, 3}));
+  const auto layer = [](const std::string& name, int color) {
+    return "  0 LAYER   2 " + name + "  70 0  62 " + std::to_string(color) +
+           "   6 CONTINUOUS ";
+  };
+  const auto point = [](int first, int x, int y) {
+    return " " + std::to_string(first) + " " + std::to_string(x) + "  " +
+           std::to_string(first + 10) + " " + std::to_string(y) + "  " +
+           std::to_string(first + 20) + " 3 ";
+  };
+  const auto vertex = [&](int x, int y) {
+    return "  0 VERTEX   8 WALL " + point(10, x, y) + " 70 32 ";
+  };
+  EXPECT_EQ(
+      text,
+      "  0 SECTION   2 HEADER   9 $ACADVER   1 AC1009   9 $INSUNITS  70 0   "
+      "0 ENDSEC   0 SECTION   2 TABLES   0 TABLE   2 LAYER  70 4 " +
+          layer("FLOOR", 3) + layer("CEILING", 5) + layer("WALL", 1) +
+          layer("OTHER", 7) +
+          "  0 ENDTAB   0 ENDSEC   0 SECTION   2 ENTITIES "
+          "  0 3DFACE   8 WALL " +
+          point(10, 2, 1) + point(11, 0, 0) + point(12, 2, 0) +
+          point(13, 2, 0) +
+          "  0 POLYLINE   8 WALL  66 1  10 0  20 0  30 0  70 9 " +
+          vertex(0, 0) + vertex(2, 0) + vertex(2, 1) +
+          "  0 SEQEND   8 WALL   0 ENDSEC   0 EOF ");
 }
 
 TEST(ScaleToMeters, ScalesLengthsAndNoAngles) {
@@ -331,19 +277,6 @@ TEST(TurnUp, NeedsAVertical) {
   ExpectError(ErrorCode::kUnsupported, {"up", "leave the option out"}, [&] {
     TurnUp(UpAxis::kZ, &planes);
   });
-}
-
-TEST(WritePlanes, WritesEmptyFilesOfAllFormats) {
-  TemporaryFolder folder;
-  for (const char* name : {"planes.json", "planes.obj", "planes.dxf"}) {
-    const std::filesystem::path path = folder.Path() / name;
-    const PlaneFormat format = ParsePlaneFormat(path.string());
-    WritePlanes(UserPath(path), format, {});
-    const std::string empty = ReadText(path);
-    EXPECT_FALSE(empty.empty());
-    WritePlanes(UserPath(path), format, MakePlanes());
-    EXPECT_GT(ReadText(path).size(), empty.size());
-  }
 }
 
 }  // namespace

@@ -49,12 +49,12 @@ class WritePageTest : public testing::Test {
     options_.report_path = root_ / "report";
   }
 
-  int Write() const {
+  int Write(bool is_stopped = false) const {
     std::ostringstream out;
     Progress progress(out, false);
     return WritePage(
-        Workspace(root_, MapType::kGeometric), options_, progress, [] {
-          return false;
+        Workspace(root_, MapType::kGeometric), options_, progress, [&] {
+          return is_stopped;
         });
   }
   std::string Html() const {
@@ -157,27 +157,8 @@ TEST_F(WritePageTest, ThreadsChangeNothing) {
   EXPECT_TRUE(ReadTree(options_.report_path) == by_one);
 }
 
-TEST_F(WritePageTest, ListsAllItsFiles) {
-  Write();
-  std::istringstream list(ReadText(options_.report_path / "tsar_report.txt"));
-  std::vector<std::string> names;
-  for (std::string name; std::getline(list, name);) {
-    names.push_back(name);
-  }
-  std::ranges::sort(names);
-  std::vector<std::string> found;
-  for (const auto& [path, content] : ReadTree(options_.report_path)) {
-    if (content != "folder") {
-      found.push_back(path);
-    }
-  }
-  EXPECT_EQ(names, found);
-}
-
 TEST_F(WritePageTest, GoesIntoNoFolderOfInputs) {
   for (const char* folder : {"images", "sparse", "stereo"}) {
-    options_.report_path = root_ / folder / "report";
-    ExpectFailure(ErrorCode::kUnsupported, {folder, "report_path"});
     fs::create_directory_symlink(root_ / folder, folder_.Path() / folder);
     options_.report_path = folder_.Path() / folder / "report";
     ExpectFailure(ErrorCode::kUnsupported, {folder, "report_path"});
@@ -194,12 +175,8 @@ TEST_F(WritePageTest, PicturesKeepToTheGivenSize) {
 
 TEST_F(WritePageTest, StopsWhenAskedAndLeavesNothing) {
   const auto before = ReadTree(root_);
-  std::ostringstream out;
-  Progress progress(out, false);
   ExpectError(ErrorCode::kInterrupted, {"no page was written"}, [&] {
-    WritePage(Workspace(root_, MapType::kGeometric), options_, progress, [] {
-      return true;
-    });
+    Write(/*is_stopped=*/true);
   });
   EXPECT_TRUE(ReadTree(root_) == before);
 }
@@ -215,22 +192,6 @@ TEST_F(WritePageTest, DamagedMapsAreOneErrorAndNoPage) {
   ExpectFailure(ErrorCode::kCorrupt, {kinds.string(), "unknown value 8"});
   WriteText(root_ / "stereo/confidence_maps/a.png.geometric.png", "no picture");
   ExpectFailure(ErrorCode::kCorrupt, {"confidence_maps/a.png.geometric.png"});
-}
-
-TEST(WritePage, WantsARefinedWorkspace) {
-  const TemporaryFolder folder;
-  MakeTestWorkspace(folder.Path());
-  std::ostringstream out;
-  Progress progress(out, false);
-  PageOptions options;
-  options.report_path = folder.Path() / "report";
-  ExpectError(ErrorCode::kNotFound, {"run tsar_refine on it first"}, [&] {
-    WritePage(
-        Workspace(folder.Path(), MapType::kGeometric), options, progress, [] {
-          return false;
-        });
-  });
-  EXPECT_FALSE(fs::exists(options.report_path));
 }
 
 }  // namespace

@@ -2,11 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
-#include <chrono>
 #include <utility>
 #include <vector>
 
@@ -58,21 +56,10 @@ TEST_F(StereoWorkspaceTest, NeverRemovesMapsThatTheListLeavesOut) {
   WriteText(root_ / "stereo/depth_maps/v1.png.geometric.bin", "of COLMAP");
   image_list_path_ = folder_.Path() / "list.txt";
   WriteText(image_list_path_, "v0.png\n");
-  const auto before = Maps();
-  ExpectError(ErrorCode::kUnsupported, "another program", [&] { Run(); });
-  ExpectError(ErrorCode::kUnsupported, "not in the list", [&] { Run(true); });
-  EXPECT_TRUE(Maps() == before);
+  ExpectRefused(ErrorCode::kUnsupported, "another program");
+  ExpectRefused(ErrorCode::kUnsupported, "not in the list", true);
   WriteText(image_list_path_, "v9.png\n");
-  ExpectError(ErrorCode::kMismatch, "line 1 names v9.png", [&] { Run(true); });
-  EXPECT_TRUE(Maps() == before);
-}
-
-TEST_F(StereoWorkspaceTest, ASecondRunHasNothingToDo) {
-  Run();
-  const auto first = ReadTree(root_);
-  const StereoSummary again = Run();
-  EXPECT_EQ(again.num_skipped, 4);
-  EXPECT_TRUE(ReadTree(root_) == first);
+  ExpectRefused(ErrorCode::kMismatch, "line 1 names v9.png", true);
 }
 
 TEST_F(StereoWorkspaceTest, GoesOnAfterAnInterruptionInAnyPass) {
@@ -113,34 +100,11 @@ TEST_F(StereoWorkspaceTest, GoesOnAfterAnInterruptionInAnyPass) {
 
 TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
   MakeSyntheticWorkspace(root_);
-  const auto before = ReadTree(root_);
-  ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
-  const auto after = ReadTree(root_);
-  for (const auto& [name, content] : before) {
-    EXPECT_TRUE(after.at(name) == content) << name;
-  }
+  ExpectRefused(ErrorCode::kUnsupported, "overwrite 1");
   Run(/*overwrite=*/true);
   // Now they are its own, but of other options.
   options_.num_iterations = 1;
-  ExpectError(ErrorCode::kUnsupported, "other options", [&] { Run(); });
-}
-
-TEST_F(StereoWorkspaceTest, RefusesARefinedWorkspaceAndLeavesItAsItIs) {
-  // Smaller images have no superpixel that could be refined.
-  options_.max_image_size = SyntheticWorkspace::kWidth / 2;
-  Run();
-  WorkspaceRefineOptions refine;
-  refine.workspace_path = root_;
-  refine.devices.choice = DeviceChoice::kCpu;
-  std::ostringstream log;
-  Progress progress(log, false);
-  const RunSummary refined =
-      RefineWorkspace(refine, {}, progress, [] { return false; });
-  EXPECT_EQ(refined.num_refined, 4);
-  const auto before = ReadTree(root_);
-  ExpectError(
-      ErrorCode::kUnsupported, "restore 1", [&] { Run(/*overwrite=*/true); });
-  EXPECT_TRUE(ReadTree(root_) == before);
+  ExpectRefused(ErrorCode::kUnsupported, "other options");
 }
 
 TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
@@ -149,33 +113,25 @@ TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
   const MapPaths paths = workspace.Paths(3, MapType::kGeometric);
   CreateFolders(paths.original_depth.Parent());
   std::filesystem::copy_file(paths.depth, paths.original_depth);
-  const auto before = Maps();
-  ExpectError(
-      ErrorCode::kUnsupported, "restore 1", [&] { Run(/*overwrite=*/true); });
-  EXPECT_TRUE(Maps() == before);
+  ExpectRefused(ErrorCode::kUnsupported, "restore 1", true);
 }
 
 TEST_F(StereoWorkspaceTest, NamesWhatHasChanged) {
   Run();
-  const auto expected = Maps();
-  const auto touch = [&](const std::string& name) {
-    const std::filesystem::path path = root_ / "images" / name;
-    std::filesystem::last_write_time(
-        path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
-  };
-  touch("v1.png");
-  ExpectError(ErrorCode::kUnsupported,
-              "images/v1.png: its photo has changed since the maps were made; "
-              "give overwrite 1 to make all maps anew",
-              [&] { Run(); });
-  touch("left/v2.png");
-  ExpectError(ErrorCode::kUnsupported,
-              "images/left/v2.png: its photo has changed since the maps were "
-              "made, and 1 other image has changed, too; give overwrite 1",
-              [&] { Run(); });
-  EXPECT_TRUE(Maps() == expected);
+  const auto expected = ReadTree(root_);
+  EXPECT_EQ(Run().num_skipped, 4);
+  EXPECT_TRUE(ReadTree(root_) == expected);
+  Touch(root_ / "images/v1.png");
+  ExpectRefused(ErrorCode::kUnsupported,
+                "images/v1.png: its photo has changed since the maps were "
+                "made; give overwrite 1 to make all maps anew");
+  Touch(root_ / "images/left/v2.png");
+  ExpectRefused(ErrorCode::kUnsupported,
+                "images/left/v2.png: its photo has changed since the maps were "
+                "made, and 1 other image has changed, too; give overwrite 1");
+  const auto maps = Maps();
   EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
-  EXPECT_TRUE(Maps() == expected);
+  EXPECT_TRUE(Maps() == maps);
   EXPECT_EQ(Run().num_skipped, 4);
 }
 
@@ -185,13 +141,12 @@ TEST_F(StereoWorkspaceTest, BeginsAnewWhereThereIsNothingToLose) {
   const auto expected = Maps();
   const std::filesystem::path inputs = root_ / "stereo/tsar_stereo/inputs.txt";
   const std::string text = ReadText(inputs);
-  for (const std::string& broken : {std::string("a b c d v0.png\n"),
+  for (const std::string& broken : {std::string("a b c d e f v0.png\n"),
                                     text.substr(text.find('\n') + 1),
                                     text.substr(0, text.find('\n') + 20),
                                     std::string()}) {
     WriteText(inputs, broken);
-    ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
-    EXPECT_TRUE(Maps() == expected);
+    ExpectRefused(ErrorCode::kUnsupported, "overwrite 1");
     RemoveMaps(root_);
     std::filesystem::remove_all(root_ / "stereo/cost_maps");
     EXPECT_EQ(Run().num_skipped, 0);
@@ -208,7 +163,7 @@ TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
   const std::filesystem::path path =
       workspace.DepthPath(1, MapType::kGeometric);
   WriteDepthMap(UserPath(path), Image<float>(kMapHeight, kMapWidth, 5.f));
-  ExpectError(ErrorCode::kUnsupported, "overwrite 1", [&] { Run(); });
+  ExpectRefused(ErrorCode::kUnsupported, "overwrite 1");
   EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);
   EXPECT_EQ(ReadMapSize(path).width, kMapWidth);
 }

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -33,6 +34,12 @@ class StereoWorkspaceTest : public testing::Test {
     options_.max_image_size = kMapWidth;
   }
 
+  // Two seconds later than before.
+  static void Touch(const std::filesystem::path& path) {
+    std::filesystem::last_write_time(
+        path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
+  }
+
   static void RemoveMaps(const std::filesystem::path& root) {
     for (const char* folder : {"depth_maps", "normal_maps"}) {
       std::filesystem::remove_all(root / "stereo" / folder);
@@ -58,17 +65,13 @@ class StereoWorkspaceTest : public testing::Test {
         {image_list_path_, mask_path_});
   }
 
-  void ExpectError(ErrorCode code,
-                   const std::string& text,
-                   const std::function<void()>& function) {
-    try {
-      function();
-      FAIL() << "no error";
-    } catch (const Error& error) {
-      EXPECT_EQ(error.Code(), code);
-      EXPECT_NE(std::string(error.what()).find(text), std::string::npos)
-          << error.what();
-    }
+  // Expects that a run fails and changes no map.
+  void ExpectRefused(ErrorCode code,
+                     const std::string& text,
+                     bool overwrite = false) {
+    const auto before = Maps();
+    ExpectError(code, {text}, [&] { Run(overwrite); });
+    EXPECT_TRUE(Maps() == before);
   }
 
   std::map<std::string, std::string> Maps() const {
