@@ -21,37 +21,19 @@ struct FilterKernel {
   HypothesisFilterOptions options;
   float max_cos_angle;
 
-  // Whether the depth map of the source reprojects the point to the pixel.
-  TSAR_HD bool IsConsistent(const SourceView& source,
-                            int x,
-                            int y,
-                            const Vec3f& point) const {
-    return IsConsistentWith(reference.intrinsics,
-                            source,
-                            x,
-                            y,
-                            point,
-                            options.geom_consistency_max_cost,
-                            max_cos_angle);
-  }
-
-  // patch: that of the pixel; plane: may be invalid.
-  TSAR_HD float Cost(const SourceView& source,
-                     const ReferencePatch& patch,
-                     const Plane& plane) const {
-    return plane.Valid() ? PatchCost(patch, reference.intrinsics, source, plane)
-                         : kUndefinedCost;
-  }
-
-  TSAR_HD bool IsMatch(float cost) const {
-    return cost != kUndefinedCost && cost <= 1.f - options.min_ncc;
-  }
-
   TSAR_HD float operator()(int x, int y) const {
     const float depth = reference.depth(x, y);
     const Vec3f ray = reference.intrinsics.Ray(x, y);
-    const bool follows = FollowsPrior(x, y, ray, depth);
-    return IsConfirmed(x, y, ray, depth, !follows) ? depth : 0.f;
+    const Plane plane = Plane::FromPoint(ray, depth, reference.normal(x, y));
+    if (!(depth > 0.f) || !plane.Valid()) {
+      return 0.f;
+    }
+    if (FollowsPrior(x, y, ray, depth)) {
+      return AreEnoughConsistent(x, y, ray * depth, plane, nullptr) ? depth
+                                                                    : 0.f;
+    }
+    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
+    return AreEnoughConsistent(x, y, ray * depth, plane, &patch) ? depth : 0.f;
   }
 
   TSAR_HD bool FollowsPrior(int x, int y, const Vec3f& ray, float depth) const {
@@ -64,23 +46,6 @@ struct FilterKernel {
            OwnTexture(reference.gray, x, y) < options.min_distinct_texture;
   }
 
-  TSAR_HD bool IsConfirmed(
-      int x, int y, const Vec3f& ray, float depth, bool must_match) const {
-    if (!(depth > 0.f)) {
-      return false;
-    }
-    const Plane plane = Plane::FromPoint(ray, depth, reference.normal(x, y));
-    if (!plane.Valid()) {
-      return false;
-    }
-    const Vec3f point = ray * depth;
-    if (!must_match) {
-      return AreEnoughConsistent(x, y, point, plane, nullptr);
-    }
-    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    return AreEnoughConsistent(x, y, point, plane, &patch);
-  }
-
   // patch: the window that the sources must match as well; may be null.
   TSAR_HD bool AreEnoughConsistent(int x,
                                    int y,
@@ -90,11 +55,37 @@ struct FilterKernel {
     int num_consistent = 0;
     for (int s = 0; s < num_sources; ++s) {
       if (IsConsistent(sources[s], x, y, point) &&
-          (patch == nullptr || IsMatch(Cost(sources[s], *patch, plane)))) {
+          (patch == nullptr || IsMatch(sources[s], *patch, plane))) {
         ++num_consistent;
       }
     }
     return num_consistent >= options.min_num_consistent;
+  }
+
+  // Whether the point has a reprojection error and a triangulation angle within
+  // the limits.
+  TSAR_HD bool IsConsistent(const SourceView& source,
+                            int x,
+                            int y,
+                            const Vec3f& point) const {
+    SeenThroughSource seen;
+    if (!LookThroughSource(reference.intrinsics, source, point, &seen) ||
+        !seen.IsWithin(options.geom_consistency_max_cost, x, y)) {
+      return false;
+    }
+    // Directions from the point to the cameras.
+    const RelativePose& pose = source.from_reference;
+    const Vec3f to_source =
+        -TransposeTimes(pose.rotation, pose.translation) - point;
+    return Dot(-point, to_source) <=
+           max_cos_angle * Norm(point) * Norm(to_source);
+  }
+
+  TSAR_HD bool IsMatch(const SourceView& source,
+                       const ReferencePatch& patch,
+                       const Plane& plane) const {
+    const float cost = PatchCost(patch, reference.intrinsics, source, plane);
+    return cost != kUndefinedCost && cost <= 1.f - options.min_ncc;
   }
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "tests/matching/patch_match_fixture.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
 
 namespace tsar {
@@ -61,15 +62,14 @@ TEST_F(PatchMatchPriorTest, CostsTellTheDistanceFromThePrior) {
   // A prior beyond by half its sigma of 1 %, and by five times as much.
   const Image<float> half = costs(0.005f);
   const Image<float> far = costs(0.05f);
-  for (int y = kMargin; y < kHeight - kMargin; ++y) {
-    for (int x = kMargin; x < kWidth - kMargin; ++x) {
-      ASSERT_NEAR(on(x, y), without(x, y), 1e-5f);
-      ASSERT_NEAR(half(x, y),
-                  without(x, y) + 0.25f * options_.prior_weight,
-                  0.01f * options_.prior_weight);
-      ASSERT_NEAR(far(x, y), without(x, y) + options_.prior_weight, 1e-5f);
-    }
-  }
+  ForEachPixel(
+      kMargin, kWidth - kMargin, kMargin, kHeight - kMargin, [&](int x, int y) {
+        ASSERT_NEAR(on(x, y), without(x, y), 1e-5f);
+        ASSERT_NEAR(half(x, y),
+                    without(x, y) + 0.25f * options_.prior_weight,
+                    0.01f * options_.prior_weight);
+        ASSERT_NEAR(far(x, y), without(x, y) + options_.prior_weight, 1e-5f);
+      });
 }
 
 // The left half keeps the planes that it has, right or wrong; the other finds
@@ -78,27 +78,22 @@ TEST_F(PatchMatchPriorTest, PixelsKeepTheirPlanesIfToldSo) {
   TexturedPlane scene = Scene(kTilt);
   const Buffer<SourceView> sources = Images(scene);
   Image<uint8_t> keeps(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth / 2; ++x) {
-      keeps(x, y) = 1;
-    }
-  }
+  ForEachPixel(kWidth / 2, kHeight, [&](int x, int y) { keeps(x, y) = 1; });
   const Image<Plane> drawn = Draw().ToHost();
   const Image<Plane> found =
       Run(scene, sources, Draw(), 1, {}, DeviceCopies(*device_)(keeps)).planes;
   const Image<float>& depth = scene.Depth();
   int num_right = 0;
-  for (int y = kMargin; y < kHeight - kMargin; ++y) {
-    for (int x = kMargin; x < kWidth - kMargin; ++x) {
-      if (x < kWidth / 2) {
-        ASSERT_EQ(std::memcmp(&found(x, y), &drawn(x, y), sizeof(Plane)), 0);
-      } else {
-        const float error =
-            found(x, y).Depth(intrinsics_.Ray(x, y)) / depth(x, y) - 1.f;
-        num_right += std::abs(error) < 0.005f ? 1 : 0;
-      }
-    }
-  }
+  ForEachPixel(
+      kMargin, kWidth - kMargin, kMargin, kHeight - kMargin, [&](int x, int y) {
+        if (x < kWidth / 2) {
+          ASSERT_EQ(std::memcmp(&found(x, y), &drawn(x, y), sizeof(Plane)), 0);
+        } else {
+          const float error =
+              found(x, y).Depth(intrinsics_.Ray(x, y)) / depth(x, y) - 1.f;
+          num_right += std::abs(error) < 0.005f ? 1 : 0;
+        }
+      });
   EXPECT_GT(num_right, 0.95 * (kWidth / 2 - kMargin) * (kHeight - 2 * kMargin));
 }
 

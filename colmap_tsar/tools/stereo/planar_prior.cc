@@ -340,7 +340,7 @@ StereoMaps MatchUnderPrior(const ViewData& reference,
   PatchMatchInputs inputs{view, source_views, StreamOf(stream, kUnderPrior)};
   inputs.prior = prior.View();
   inputs.keeps_plane = keeps_plane.View();
-  PlaneMaps maps = UpdateMaps(reference, inputs, search, device);
+  DepthNormalImages maps = UpdateMaps(reference, inputs, search, device);
   HypothesisFilterOptions filter =
       FilterOptions(options, static_cast<int>(sources.size()));
   filter.min_num_consistent =
