@@ -107,9 +107,9 @@ void CollectView(const Image<float>& depth_map,
   const MatchingCosts costs =
       ComputeMatchingCosts(views.Reference(), views.Sources(), device);
   const DeviceImage<uint8_t> agreement =
-      CountAgreeingSources(views.Reference(), views.Sources(), {}, device);
+      CountAgreeingSources(views.Reference(), views.Sources(), device);
   const DeviceImage<float> discontinuity =
-      ComputeDiscontinuity(depth, views.Scale(), {}, device);
+      ComputeDiscontinuity(depth, views.Scale(), device);
   const auto add = [&](const std::string& name, const Image<float>& score) {
     Collect(score, depth_map, truth, &(*table)[name]);
   };

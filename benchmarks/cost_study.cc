@@ -73,13 +73,16 @@ double FullWindowCost(const Sampler& sample,
          sum_ab = 0;
   for (int dy = -kPatchRadius; dy <= kPatchRadius; ++dy) {
     for (int dx = -kPatchRadius; dx <= kPatchRadius; ++dx) {
-      float mapped_x = 0;
-      float mapped_y = 0;
-      if (!homography.Map(x + dx, y + dy, &mapped_x, &mapped_y)) {
+      const auto mapped = [&](int row) {
+        const float* h = homography.h + 3 * row;
+        return h[0] * (x + dx) + h[1] * (y + dy) + h[2];
+      };
+      const float z = mapped(2);
+      if (!(z > 0)) {
         return kUndefinedCost;
       }
       const double a = sample(x + dx, y + dy);
-      const double b = sample_other(mapped_x, mapped_y);
+      const double b = sample_other(mapped(0) / z, mapped(1) / z);
       const double w =
           std::exp(-(dx * dx + dy * dy) /
                        (2. * kPatchSpatialSigma * kPatchSpatialSigma) -

@@ -8,8 +8,8 @@
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/view/filter/discontinuity.h"
 #include "colmap_tsar/view/filter/reliability.h"
-#include "colmap_tsar/view/regions/assign_region_planes.h"
 #include "colmap_tsar/view/regions/edges.h"
+#include "colmap_tsar/view/superpixels/superpixel_planes.h"
 
 #include <cmath>
 #include <memory>
@@ -91,7 +91,7 @@ std::vector<StageCase> MatchingCases(const StageInputs& in) {
        (4.0 + 4.0 * sources + 1.0) * pixels,
        [&in] {
          CountAgreeingSources(
-             in.views.Reference(), in.views.Sources(), {}, in.device);
+             in.views.Reference(), in.views.Sources(), in.device);
        }},
       // Bytes: three costs, the confidence.
       {"Confidence",
@@ -104,7 +104,7 @@ std::vector<StageCase> MatchingCases(const StageInputs& in) {
        8.0 * pixels,
        [&in] {
          ComputeDiscontinuity(
-             in.views.Hypotheses().depth, in.views.Scale(), {}, in.device);
+             in.views.Hypotheses().depth, in.views.Scale(), in.device);
        }},
       // Bytes: depth, two terms and the agreement, the score and the mask.
       {"Aggregation",
@@ -128,7 +128,7 @@ std::vector<StageCase> MatchingCases(const StageInputs& in) {
 std::vector<StageCase> RefinementCases(const StageInputs& in) {
   const double pixels = in.NumPixels();
   const double raster = in.NumRasterPixels();
-  const double slic_rounds = SlicOptions().num_iterations;
+  const double slic_rounds = kNumSlicIterations;
   const double rounds = in.options.num_iterations;
   const auto reliable = std::make_shared<DeviceImage<uint8_t>>();
   return {
@@ -138,8 +138,10 @@ std::vector<StageCase> RefinementCases(const StageInputs& in) {
        slic_rounds * raster,
        slic_rounds * 2.0 * 20.0 * raster,
        [&in] {
-         ComputeSuperpixels(
-             in.views.RasterColor(), in.raster_score.View(), {}, in.device);
+         ComputeSuperpixels(in.views.RasterColor(),
+                            in.raster_score.View(),
+                            in.options.superpixel_size,
+                            in.device);
        }},
       // Items: samples times hypotheses. Bytes: samples and labels, once.
       {"SuperpixelPlanes",
@@ -150,6 +152,7 @@ std::vector<StageCase> RefinementCases(const StageInputs& in) {
                              in.samples.View(),
                              in.views.RasterIntrinsics(),
                              in.views.Scale(),
+                             static_cast<float>(in.options.min_plane_support),
                              {},
                              in.device);
        }},
@@ -162,15 +165,12 @@ std::vector<StageCase> RefinementCases(const StageInputs& in) {
        rounds * kTaps * pixels,
        rounds * (16.0 + 3.0 + 4.0 + 2.0 + 2.0 * 12.0) * pixels,
        [&in, reliable] {
-         RefineByCorrelation(in.views.Hypotheses(),
+         RefineByCorrelation(in.views,
                              in.score.View(),
                              std::move(*reliable),
-                             in.views.Color(),
                              in.superpixels,
-                             in.views.Raster(),
-                             in.views.ReferenceCamera(),
-                             in.views.Scale(),
-                             {},
+                             in.options,
+                             0,
                              in.device);
        },
        [&in, reliable] {
@@ -196,7 +196,9 @@ std::vector<StageCase> SegmentationCases(const StageInputs& in) {
       {"Hough",
        raster,
        2.0 * raster,
-       [&in] { DrawLineSegments(in.edges.View(), in.hough, in.device); }},
+       [&in] {
+         DrawLineSegments(in.edges.View(), in.hough_max_gap, in.device);
+       }},
       // Bytes: edges, the labels written and read once each.
       {"FindRegions",
        raster,
@@ -252,19 +254,16 @@ std::vector<StageCase> CompositionCases(const StageInputs& in) {
        [&in, own] { *own = in.OwnMap(); }},
       // R2. Items: P per round, of which few are holes. Bytes: each round looks
       // for holes in the depth; what it fills depends on the scene.
-      {"InterpolateHoles",
+      {"FillHoles",
        rounds * pixels,
        rounds * 4.0 * pixels,
        [&in, composed] {
-         WeightedMedianOptions filter =
-             in.MedianOptions(2.0 * in.options.window_radius);
-         filter.min_support = 1.f / 3.f;
-         InterpolateHoles(in.views.Color(),
-                          in.views.MapIntrinsics(),
-                          in.options.num_iterations,
-                          filter,
-                          &composed->map,
-                          in.device);
+         FillHoles(in.views.Color(),
+                   in.views.MapIntrinsics(),
+                   in.options,
+                   in.options.num_iterations,
+                   composed.get(),
+                   in.device);
        },
        [&in, composed] { *composed = in.Compose(in.OwnMap()); }},
   };

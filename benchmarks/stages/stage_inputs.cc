@@ -8,7 +8,6 @@
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/view/filter/discontinuity.h"
 #include "colmap_tsar/view/filter/reliability.h"
-#include "colmap_tsar/view/regions/assign_region_planes.h"
 #include "colmap_tsar/view/regions/edges.h"
 
 #include <algorithm>
@@ -40,15 +39,15 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
     : device(target),
       view_set(set),
       views(set.reference, UploadViews(set.SourcePointers(), device), device),
-      hough(MakeHoughOptions(options, views.RasterScale())),
+      hough_max_gap(ScaledLength(options.hough_max_gap, views.RasterScale())),
       min_region_size(MinRegionSize(options, views.RasterScale())),
       plane_options(MakeRegionPlaneOptions(options, views.RasterScale(), 0)),
       costs(ComputeMatchingCosts(views.Reference(), views.Sources(), device)),
       agreement(
-          CountAgreeingSources(views.Reference(), views.Sources(), {}, device)),
+          CountAgreeingSources(views.Reference(), views.Sources(), device)),
       confidence(ComputeConfidence(costs, device)),
       discontinuity(ComputeDiscontinuity(
-          views.Hypotheses().depth, views.Scale(), {}, device)),
+          views.Hypotheses().depth, views.Scale(), device)),
       score(AggregateScores(views.Hypotheses().depth,
                             confidence.View(),
                             discontinuity.View(),
@@ -56,18 +55,17 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
                             {},
                             device)),
       raster_score(ReduceNearest(score.View(), views.Raster(), device)),
-      superpixels(ComputeSuperpixels(
-          views.RasterColor(), raster_score.View(), {}, device)),
+      superpixels(ComputeSuperpixels(views.RasterColor(),
+                                     raster_score.View(),
+                                     options.superpixel_size,
+                                     device)),
       correlation(
-          RefineByCorrelation(views.Hypotheses(),
+          RefineByCorrelation(views,
                               score.View(),
                               SelectReliable(score.View(), MinScore(), device),
-                              views.Color(),
                               superpixels,
-                              views.Raster(),
-                              views.ReferenceCamera(),
-                              views.Scale(),
-                              {},
+                              options,
+                              0,
                               device)),
       samples(SampleMeasurements(views.Hypotheses().depth,
                                  score.View(),
@@ -82,7 +80,7 @@ StageInputs::StageInputs(const ViewSet& set, Device& target)
       edges(DetectRobertsEdges(views.RasterColor(),
                                static_cast<float>(options.edge_threshold),
                                device)),
-      borders(DrawLineSegments(edges.View(), hough, device)),
+      borders(DrawLineSegments(edges.View(), hough_max_gap, device)),
       regions(FindRegions(borders.View(), min_region_size, device)),
       region_planes(FitRegionPlanes(
           regions, samples.View(), views.Scale(), plane_options, device)),
@@ -108,7 +106,6 @@ ComposedMap StageInputs::Compose(DepthNormalImages own) const {
                      views.OnMap(superpixel_planes),
                      views.OnMap(pixel_planes)},
                     views.Scale(),
-                    {},
                     device);
 }
 

@@ -5,13 +5,14 @@
 
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/compose.h"
+#include "colmap_tsar/view/correlation.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/regions/edges.h"
 #include "colmap_tsar/view/regions/region_planes.h"
 #include "colmap_tsar/view/stage_options.h"
-#include "colmap_tsar/view/superpixels/correlation.h"
 #include "colmap_tsar/view/superpixels/slic.h"
+#include "colmap_tsar/view/superpixels/weighted_median.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -50,7 +51,7 @@ class StageInputs {
   const ViewSet& view_set;
   const RefineOptions options;
   const DeviceViews views;
-  const HoughOptions hough;
+  const int hough_max_gap;
   const int min_region_size;
   const RegionPlaneOptions plane_options;
   const MatchingCosts costs;

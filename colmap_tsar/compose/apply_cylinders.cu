@@ -3,11 +3,9 @@
 
 #include "colmap_tsar/compose/apply_cylinders.h"
 
-#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
-#include "colmap_tsar/view/depth_confidence.h"
 
 #include <cmath>
 
@@ -66,34 +64,6 @@ struct ApplyKernel {
   static constexpr float kLeastVariance = 1e-30f;
 };
 
-struct ConfidenceKernel {
-  ImageView<const float> variances;
-  ImageView<float> confidence;
-
-  TSAR_HD void operator()(int x, int y) const {
-    if (variances(x, y) > 0.f) {
-      confidence(x, y) = kConfidenceOfCylinder;
-    }
-  }
-};
-
-struct SigmaOfCylindersKernel {
-  ImageView<const float> variances;
-  DepthResolution resolution;
-  ImageView<const float> depth;
-  ImageView<uint16_t> sigma;
-  float on_cylinder;
-
-  TSAR_HD void operator()(int x, int y) const {
-    const float z = depth(x, y);
-    if (variances(x, y) > 0.f && z > 0.f) {
-      const float matching = on_cylinder * z * resolution.RelativeDepthError(z);
-      sigma(x, y) =
-          ToPositiveHalf(sqrtf(matching * matching + variances(x, y)));
-    }
-  }
-};
-
 }  // namespace
 
 DeviceImage<float> ApplyCylinders(const std::vector<CameraCylinder>& cylinders,
@@ -119,31 +89,6 @@ DeviceImage<float> ApplyCylinders(const std::vector<CameraCylinder>& cylinders,
                           composed->Views(),
                           variances.View()});
   return variances;
-}
-
-void SetConfidenceOfCylinders(const DeviceImage<float>& variances,
-                              DeviceImage<float>* confidence,
-                              Device& device) {
-  ParallelFor(device,
-              variances.Width(),
-              variances.Height(),
-              ConfidenceKernel{variances.View(), confidence->View()});
-}
-
-void SetSigmaOfCylinders(const DeviceImage<float>& variances,
-                         const DepthResolution& resolution,
-                         const DepthNormalImages& map,
-                         const SceneSigmaOptions& options,
-                         DeviceImage<uint16_t>* sigma,
-                         Device& device) {
-  ParallelFor(device,
-              variances.Width(),
-              variances.Height(),
-              SigmaOfCylindersKernel{variances.View(),
-                                     resolution,
-                                     map.depth.View(),
-                                     sigma->View(),
-                                     options.on_cylinder});
 }
 
 }  // namespace tsar

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/compose/depth_sigma.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/scene/cylinders.h"
 #include "colmap_tsar/view/compose.h"
@@ -21,26 +20,13 @@ namespace tsar {
 // distinct texture that another view confirms, except close to the outlines.
 // Replaced pixels have the provenance kInterpolated. flags: see
 // MeasurementFlags; intrinsics: both of the map. Returns the variance of each
-// depth on a cylinder, 0 where it is on none; empty without cylinders.
+// depth on a cylinder, above 0, and 0 where it is on none; empty without
+// cylinders.
 DeviceImage<float> ApplyCylinders(const std::vector<CameraCylinder>& cylinders,
                                   ImageView<const uint8_t> flags,
                                   const Intrinsics& intrinsics,
                                   const DepthResolution& resolution,
                                   ComposedMap* composed,
                                   Device& device);
-
-// Sets the confidence of the depths on cylinders. variances: see above.
-void SetConfidenceOfCylinders(const DeviceImage<float>& variances,
-                              DeviceImage<float>* confidence,
-                              Device& device);
-
-// Sets the standard deviations (RefinedMaps::sigma) of those that still have a
-// depth.
-void SetSigmaOfCylinders(const DeviceImage<float>& variances,
-                         const DepthResolution& resolution,
-                         const DepthNormalImages& map,
-                         const SceneSigmaOptions& options,
-                         DeviceImage<uint16_t>* sigma,
-                         Device& device);
 
 }  // namespace tsar

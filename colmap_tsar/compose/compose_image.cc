@@ -26,15 +26,6 @@
 namespace tsar {
 namespace {
 
-// planes: of each label.
-DeviceImage<Plane> PlaneImage(const Image<uint16_t>& labels,
-                              const std::vector<Plane>& planes,
-                              Device& device) {
-  return PlanesOfLabels(DeviceImage<uint16_t>(device, labels).View(),
-                        Buffer<Plane>(device, planes),
-                        device);
-}
-
 // The superpixel of each pixel after refinement of borders. Marks measurements
 // that an edge in front fattened as not trusted.
 Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
@@ -126,9 +117,11 @@ RefineResult ComposeImage(
                 view, views[0], found, scene.borders, &flags, device)
           : evidence.superpixels;
   timer.Finish("borders");
-  const DeviceImage<Plane> scene_planes =
-      PlaneImage(superpixels, PlanesOfSuperpixels(found), device);
   const DeviceImage<uint16_t> device_superpixels(device, superpixels);
+  const DeviceImage<Plane> scene_planes =
+      PlanesOfLabels(device_superpixels.View(),
+                     Buffer<Plane>(device, PlanesOfSuperpixels(found)),
+                     device);
   const Buffer<ComposedSuperpixel> of_superpixel(
       device, DescribeSuperpixels(found, evidence.prior.normals));
   const DeviceImage<float> texture = RasterTexture(evidence, device);
@@ -170,34 +163,29 @@ RefineResult ComposeImage(
             device);
   const auto min_fill_confidence =
       static_cast<float>(options.min_fill_confidence);
-  DeviceImage<float> confidence = ComputeSceneConfidence(composed,
-                                                         inputs,
-                                                         surfaces,
-                                                         evidence.resolution,
-                                                         evidence.noise,
-                                                         min_fill_confidence,
-                                                         device);
+  DeviceImage<float> confidence =
+      ComputeSceneConfidence(composed,
+                             inputs,
+                             surfaces,
+                             evidence.resolution,
+                             variances_on_cylinders.View(),
+                             evidence.noise,
+                             min_fill_confidence,
+                             device);
   FillByPrior(inputs, min_fill_confidence, &composed, &confidence, device);
-  SetConfidenceOfCylinders(variances_on_cylinders, &confidence, device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
                device);
   if (options.sigma_maps) {
-    const SceneSigmaOptions sigma_options;
-    DeviceImage<uint16_t> sigma = ComputeSceneSigma(composed,
-                                                    inputs,
-                                                    evidence.resolution,
-                                                    evidence.noise,
-                                                    sigma_options,
-                                                    device);
-    SetSigmaOfCylinders(variances_on_cylinders,
-                        evidence.resolution,
-                        composed.map,
-                        sigma_options,
-                        &sigma,
-                        device);
-    result.maps.sigma = sigma.ToHost();
+    result.maps.sigma = ComputeSceneSigma(composed,
+                                          inputs,
+                                          evidence.resolution,
+                                          variances_on_cylinders.View(),
+                                          evidence.noise,
+                                          {},
+                                          device)
+                            .ToHost();
   }
   timer.Finish("composition");
   const DeviceImage<uint16_t> plane_ids(device, PlaneIds(superpixels, found));
@@ -209,7 +197,7 @@ RefineResult ComposeImage(
   timer.Finish("download");
   if (options.photometric && !sources.empty()) {
     // This follows all tests of whether depths lie exactly on their planes.
-    RestoreDetail(view, sources, evidence.resolution, {}, &composed, device);
+    RestoreDetail(view, sources, evidence.resolution, &composed, device);
     timer.Finish("photometric");
   }
   Download(composed, confidence, view.MapIntrinsics(), &result.maps);

@@ -154,11 +154,15 @@ struct ComposeSceneKernel {
   }
 };
 
+// The confidence of depths on cylinders between their outlines.
+constexpr float kConfidenceOfCylinder = 0.9f;
+
 struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
   ImageView<const float> depth;
   ImageView<const uint8_t> provenance;
   ImageView<const ViewVotes> votes;
+  ImageView<const float> variances_on_cylinders;
   DepthResolution resolution;
   float noise;
   float min_fill_confidence;
@@ -166,6 +170,9 @@ struct SceneConfidenceKernel {
   TSAR_HD float operator()(int x, int y) const {
     if (!(depth(x, y) > 0.f)) {
       return 0.f;
+    }
+    if (!variances_on_cylinders.Empty() && variances_on_cylinders(x, y) > 0.f) {
+      return kConfidenceOfCylinder;
     }
     const DepthEvidence evidence = EvidenceAt(x, y);
     const bool is_measured =
@@ -199,16 +206,9 @@ struct SceneConfidenceKernel {
         return IsOnPlane(inputs.scene_planes, x, y, depth(x, y))
                    ? DepthKind::kMoved
                    : DepthKind::kStanding;
-      default:
-        return KindOfFill(SuperpixelAt(inputs, x, y).evidence);
-    }
-  }
-
-  TSAR_HD static DepthKind KindOfFill(LabelEvidence evidence) {
-    switch (evidence) {
-      case LabelEvidence::kMeasured:
+      case Provenance::kRegionPlane:
         return DepthKind::kFilled;
-      case LabelEvidence::kCarried:
+      case Provenance::kOtherViews:
         return DepthKind::kCarried;
       default:
         return DepthKind::kGuessed;
@@ -310,13 +310,15 @@ ComposedMap ComposeScene(DepthNormalImages own,
   return composed;
 }
 
-DeviceImage<float> ComputeSceneConfidence(const ComposedMap& composed,
-                                          const ComposeSceneInputs& inputs,
-                                          const ViewSurfaces& surfaces,
-                                          const DepthResolution& resolution,
-                                          float noise,
-                                          float min_fill_confidence,
-                                          Device& device) {
+DeviceImage<float> ComputeSceneConfidence(
+    const ComposedMap& composed,
+    const ComposeSceneInputs& inputs,
+    const ViewSurfaces& surfaces,
+    const DepthResolution& resolution,
+    ImageView<const float> variances_on_cylinders,
+    float noise,
+    float min_fill_confidence,
+    Device& device) {
   const std::vector<DeviceImage<ViewVotes>> votes =
       CountViewVotes(surfaces,
                      inputs.scene_planes.intrinsics,
@@ -329,6 +331,7 @@ DeviceImage<float> ComputeSceneConfidence(const ComposedMap& composed,
                                                 composed.map.depth.View(),
                                                 composed.provenance.View(),
                                                 votes[0].View(),
+                                                variances_on_cylinders,
                                                 resolution,
                                                 noise,
                                                 min_fill_confidence});

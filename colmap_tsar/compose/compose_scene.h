@@ -75,14 +75,17 @@ ComposedMap ComposeScene(DepthNormalImages own,
 
 // The probability that each depth is correct to 1 %; 0 where there is none, and
 // where a filled depth lies on the right surface with a probability below
-// min_fill_confidence. noise: see ViewEvidence.
-DeviceImage<float> ComputeSceneConfidence(const ComposedMap& composed,
-                                          const ComposeSceneInputs& inputs,
-                                          const ViewSurfaces& surfaces,
-                                          const DepthResolution& resolution,
-                                          float noise,
-                                          float min_fill_confidence,
-                                          Device& device);
+// min_fill_confidence. noise: see ViewEvidence. variances_on_cylinders: of
+// ApplyCylinders(); may be empty.
+DeviceImage<float> ComputeSceneConfidence(
+    const ComposedMap& composed,
+    const ComposeSceneInputs& inputs,
+    const ViewSurfaces& surfaces,
+    const DepthResolution& resolution,
+    ImageView<const float> variances_on_cylinders,
+    float noise,
+    float min_fill_confidence,
+    Device& device);
 
 // Fills pixels without a depth by the prior where that lies on the right
 // surface with a probability of at least min_fill_confidence.

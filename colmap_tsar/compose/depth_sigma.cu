@@ -47,6 +47,7 @@ struct SigmaKernel {
 struct SceneSigmaKernel {
   ComposeSceneInputs inputs;
   DepthResolution resolution;
+  ImageView<const float> variances_on_cylinders;
   float noise;
   SceneSigmaOptions options;
   ImageView<const float> depth;
@@ -57,14 +58,20 @@ struct SceneSigmaKernel {
     if (!(z > 0.f)) {
       return 0;
     }
+    if (!variances_on_cylinders.Empty() && variances_on_cylinders(x, y) > 0.f) {
+      const float matching =
+          options.on_cylinder * z * resolution.RelativeDepthError(z);
+      return ToPositiveHalf(
+          sqrtf(matching * matching + variances_on_cylinders(x, y)));
+    }
     const auto source = static_cast<Provenance>(provenance(x, y));
     if (source == Provenance::kPrior) {
       return ToPositiveHalf(z * inputs.prior.At(x, y).sigma);
     }
     const ComposedSuperpixel& superpixel = SuperpixelAt(inputs, x, y);
     const bool is_on_plane = IsOnPlane(inputs.scene_planes, x, y, z);
-    const float matching = Matching(source, is_on_plane, superpixel.evidence) *
-                           resolution.RelativeDepthError(z);
+    const float matching =
+        Matching(source, is_on_plane) * resolution.RelativeDepthError(z);
     // The plane's variance relative to the squared depth, which is the same for
     // 1/z.
     const float of_plane =
@@ -77,19 +84,15 @@ struct SceneSigmaKernel {
 
   // The error of matching, in addition to that of the plane, in relative depths
   // of one pixel of disparity.
-  TSAR_HD float Matching(Provenance source,
-                         bool is_on_plane,
-                         LabelEvidence evidence) const {
-    if (source == Provenance::kInterpolated) {
-      return options.interpolated;
-    }
-    if (source == Provenance::kMeasured) {
-      return is_on_plane ? options.moved : noise * options.standing;
-    }
-    switch (evidence) {
-      case LabelEvidence::kMeasured:
+  TSAR_HD float Matching(Provenance source, bool is_on_plane) const {
+    switch (source) {
+      case Provenance::kInterpolated:
+        return options.interpolated;
+      case Provenance::kMeasured:
+        return is_on_plane ? options.moved : noise * options.standing;
+      case Provenance::kRegionPlane:
         return options.filled_measured;
-      case LabelEvidence::kCarried:
+      case Provenance::kOtherViews:
         return options.filled_carried;
       default:
         return options.filled_guessed;
@@ -99,17 +102,20 @@ struct SceneSigmaKernel {
 
 }  // namespace
 
-DeviceImage<uint16_t> ComputeSceneSigma(const ComposedMap& composed,
-                                        const ComposeSceneInputs& inputs,
-                                        const DepthResolution& resolution,
-                                        float noise,
-                                        const SceneSigmaOptions& options,
-                                        Device& device) {
+DeviceImage<uint16_t> ComputeSceneSigma(
+    const ComposedMap& composed,
+    const ComposeSceneInputs& inputs,
+    const DepthResolution& resolution,
+    ImageView<const float> variances_on_cylinders,
+    float noise,
+    const SceneSigmaOptions& options,
+    Device& device) {
   return MapPixels<uint16_t>(device,
                              inputs.flags.width,
                              inputs.flags.height,
                              SceneSigmaKernel{inputs,
                                               resolution,
+                                              variances_on_cylinders,
                                               fmaxf(noise, kMinNoise),
                                               options,
                                               composed.map.depth.View(),

@@ -23,7 +23,7 @@ struct SceneSigmaOptions {
   // For measurements off the plane, as a multiple of ViewEvidence::noise.
   float standing = 3.2f;
   float interpolated = 0.74f;
-  // In addition to the error of the cylinder (SetSigmaOfCylinders).
+  // In addition to the error of the cylinder.
   float on_cylinder = 0.1f;
 };
 
@@ -38,13 +38,16 @@ struct ViewSigmaOptions {
 
 // The standard deviation of each depth of a map that ComposeScene made, in the
 // units of the map, as positive halves (arithmetic.h); 0 where there is no
-// depth. inputs: as for the composition. noise: ViewEvidence::noise.
-DeviceImage<uint16_t> ComputeSceneSigma(const ComposedMap& composed,
-                                        const ComposeSceneInputs& inputs,
-                                        const DepthResolution& resolution,
-                                        float noise,
-                                        const SceneSigmaOptions& options,
-                                        Device& device);
+// depth. inputs: as for the composition. variances_on_cylinders: of
+// ApplyCylinders(); may be empty. noise: ViewEvidence::noise.
+DeviceImage<uint16_t> ComputeSceneSigma(
+    const ComposedMap& composed,
+    const ComposeSceneInputs& inputs,
+    const DepthResolution& resolution,
+    ImageView<const float> variances_on_cylinders,
+    float noise,
+    const SceneSigmaOptions& options,
+    Device& device);
 
 // The standard deviations where an image is refined on its own.
 DeviceImage<uint16_t> ComputeSigma(const ComposedMap& composed,

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
 
@@ -15,15 +16,26 @@
 namespace tsar {
 namespace {
 
+// Smaller offsets, in pixels of disparity, may be errors of matching and leave
+// the surface as it is.
+constexpr float kMinOffset = 0.08f;
+// The largest change of depth, relative to it.
+constexpr float kMaxDepthChange = 0.01f;
+// Pixels between others with an offset, at most twice this far apart, take
+// their neighbors' offsets.
+constexpr int kClosingRadius = 7;
+// The scale at which offsets are averaged, and their largest standard
+// deviation.
+constexpr float kSmoothingSigma = 3.f;
+constexpr float kMaxDeviation = 0.15f;
 // The reach of the smoothing, in its standard deviations.
 constexpr float kSmoothingReach = 3.f;
 
 struct KnownOffsetKernel {
   ImageView<const float> weight;
-  ImageView<uint8_t> mask;
 
-  TSAR_HD void operator()(int x, int y) const {
-    mask(x, y) = weight(x, y) > 0.f ? 1 : 0;
+  TSAR_HD uint8_t operator()(int x, int y) const {
+    return weight(x, y) > 0.f ? 1 : 0;
   }
 };
 
@@ -58,7 +70,6 @@ struct MoveKernel {
   ImageView<const float> weight;
   ImageView<const uint8_t> is_among_known;
   DepthResolution resolution;
-  PhotometricOptions options;
   int reach;  // Pixels to either side, at most kMaxReach.
   // Weights by distance in pixels.
   float gaussian[kMaxReach + 1];
@@ -93,9 +104,8 @@ struct MoveKernel {
     const float variance = squares / sum_weights - mean * mean;
     const float own = depth(x, y);
     const float moved = DepthAtOffset(own, mean, resolution);
-    if (variance < options.max_deviation * options.max_deviation &&
-        fabsf(mean) >= options.min_offset &&
-        fabsf(moved - own) <= options.max_depth_change * own) {
+    if (variance < kMaxDeviation * kMaxDeviation && fabsf(mean) >= kMinOffset &&
+        fabsf(moved - own) <= kMaxDepthChange * own) {
       depth(x, y) = moved;
     }
   }
@@ -122,27 +132,24 @@ void CloseMask(int radius, DeviceImage<uint8_t>* mask, Device& device) {
 // Moves the depths that have significant offsets.
 void MoveDepths(const PhotometricOffsets& offsets,
                 const DepthResolution& resolution,
-                const PhotometricOptions& options,
                 DeviceImage<float>* depth,
                 Device& device) {
-  DeviceImage<uint8_t> is_among_known(device, depth->Width(), depth->Height());
-  ParallelFor(device,
-              depth->Width(),
-              depth->Height(),
-              KnownOffsetKernel{offsets.weight.View(), is_among_known.View()});
-  CloseMask(options.closing_radius, &is_among_known, device);
-  MoveKernel move{
-      offsets.offset.View(),
-      offsets.weight.View(),
-      std::as_const(is_among_known).View(),
-      resolution,
-      options,
-      std::min(static_cast<int>(kSmoothingReach * options.smoothing_sigma),
-               MoveKernel::kMaxReach),
-      {},
-      depth->View()};
+  DeviceImage<uint8_t> is_among_known =
+      MapPixels<uint8_t>(device,
+                         depth->Width(),
+                         depth->Height(),
+                         KnownOffsetKernel{offsets.weight.View()});
+  CloseMask(kClosingRadius, &is_among_known, device);
+  MoveKernel move{offsets.offset.View(),
+                  offsets.weight.View(),
+                  std::as_const(is_among_known).View(),
+                  resolution,
+                  std::min(static_cast<int>(kSmoothingReach * kSmoothingSigma),
+                           MoveKernel::kMaxReach),
+                  {},
+                  depth->View()};
   for (int i = 0; i <= move.reach; ++i) {
-    const float distance = static_cast<float>(i) / options.smoothing_sigma;
+    const float distance = static_cast<float>(i) / kSmoothingSigma;
     move.gaussian[i] = ExpOfNegative(-0.5f * distance * distance);
   }
   ParallelFor(device, depth->Width(), depth->Height(), move);
@@ -154,7 +161,6 @@ void RestoreDetail(
     const DeviceReference& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,
     const DepthResolution& resolution,
-    const PhotometricOptions& options,
     ComposedMap* composed,
     Device& device) {
   const DeviceImage<float> gray = ComputeGray(reference.color.View(), device);
@@ -171,9 +177,8 @@ void RestoreDetail(
                                  device_views,
                                  resolution,
                                  EstimateNoise(gray.View(), device)};
-  MoveDepths(MeasureOffsets(*composed, inputs, options, device),
+  MoveDepths(MeasureOffsets(*composed, inputs, device),
              resolution,
-             options,
              &composed->map.depth,
              device);
 }

@@ -23,7 +23,6 @@ void RestoreDetail(
     const DeviceReference& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,
     const DepthResolution& resolution,
-    const PhotometricOptions& options,
     ComposedMap* composed,
     Device& device);
 

@@ -14,12 +14,23 @@
 namespace tsar {
 namespace {
 
+// The largest standard deviation of an offset by its texture, and the largest
+// difference of the offsets of two halves of the sources, in pixels of
+// disparity.
+constexpr float kMaxSigma = 0.1f;
+constexpr float kMaxDifferenceOfHalves = 0.2f;
+constexpr int kMinNumSources = 4;
+// The least texture of the pixel itself, in variances of the noise.
+constexpr float kMinTexture = 8.f;
+// The largest distance from the pixel of the centroid of the texture that
+// determines the offset.
+constexpr float kMaxTextureDistance = 1.25f;
 // The window is wide enough for NCC to be robust to noise, and small enough for
 // detail.
 constexpr float kWindowRadius = 3.f;
 constexpr float kStep = 0.25f;  // In pixels of disparity.
-// Offsets are tried beyond max_offset: where the last one is the best, it is
-// another surface.
+// Offsets are tried beyond kMaxPhotometricOffset: where the last one is the
+// best, it is another surface.
 constexpr int kNumSteps = 5;  // To either side.
 constexpr int kNumOffsets = 2 * kNumSteps + 1;
 // The part of 1 - NCC^2 by interpolation and surfaces that are not flat, in
@@ -86,7 +97,6 @@ struct OffsetKernel {
   int num_sources;
   DepthResolution resolution;
   NoiseCurve noise;
-  PhotometricOptions options;
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
   ImageView<const uint8_t> provenance;
@@ -108,7 +118,7 @@ struct OffsetKernel {
     const float noise_variance = noise.Variance(gray(x, y));
     const Vec3f ray = intrinsics.Ray(x, y);
     const Plane plane = Plane::FromPoint(ray, own, normal(x, y));
-    if (!(OwnTexture(gray, x, y) > options.min_texture * noise_variance) ||
+    if (!(OwnTexture(gray, x, y) > kMinTexture * noise_variance) ||
         !plane.Valid()) {
       return PhotometricOffsets::kNeverMoves;
     }
@@ -130,7 +140,7 @@ struct OffsetKernel {
         ++num_seen;
       }
     }
-    if (num_seen < options.min_num_sources || !IsAmidTexture(x, y, motion)) {
+    if (num_seen < kMinNumSources || !IsAmidTexture(x, y, motion)) {
       return 0.f;
     }
     OffsetCurve halves[2];
@@ -158,10 +168,9 @@ struct OffsetKernel {
     }
     const float curvature = all.Curvature(best);
     *offset = kStep * (all.Peak(best) - static_cast<float>(kNumSteps));
-    if (!(curvature * options.max_sigma * options.max_sigma > kStep * kStep) ||
-        !(fabsf(*offset) <= options.max_offset) ||
-        !(kStep * fabsf(peaks[0] - peaks[1]) <=
-          options.max_difference_of_halves)) {
+    if (!(curvature * kMaxSigma * kMaxSigma > kStep * kStep) ||
+        !(fabsf(*offset) <= kMaxPhotometricOffset) ||
+        !(kStep * fabsf(peaks[0] - peaks[1]) <= kMaxDifferenceOfHalves)) {
       return 0.f;
     }
     return 1.f / fmaxf(kStep * kStep / curvature, kMinSigma * kMinSigma);
@@ -252,7 +261,7 @@ struct OffsetKernel {
         sum_y += weight * static_cast<float>(dy);
       }
     }
-    const float max_distance = options.max_texture_distance * sum;
+    const float max_distance = kMaxTextureDistance * sum;
     return sum > 0.f &&
            sum_x * sum_x + sum_y * sum_y < max_distance * max_distance;
   }
@@ -269,7 +278,6 @@ struct OffsetKernel {
 
 PhotometricOffsets MeasureOffsets(const ComposedMap& composed,
                                   const PhotometricInputs& inputs,
-                                  const PhotometricOptions& options,
                                   Device& device) {
   const int width = composed.map.depth.Width();
   const int height = composed.map.depth.Height();
@@ -284,7 +292,6 @@ PhotometricOffsets MeasureOffsets(const ComposedMap& composed,
                            static_cast<int>(inputs.sources.Size()),
                            inputs.resolution,
                            inputs.noise,
-                           options,
                            composed.map.depth.View(),
                            composed.map.normal.View(),
                            composed.provenance.View(),

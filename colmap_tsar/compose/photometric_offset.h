@@ -13,33 +13,9 @@
 
 namespace tsar {
 
-// Conditions for moving a pixel off its surface. Offsets are in pixels of
-// disparity.
-struct PhotometricOptions {
-  // Smaller offsets may be errors of matching and leave the surface as it is.
-  float min_offset = 0.08f;
-  // Larger offsets are of another surface, or an edge in front.
-  float max_offset = 0.8f;
-  // The largest change of depth, relative to it.
-  float max_depth_change = 0.01f;
-  // The largest standard deviation of an offset by its texture, and the largest
-  // difference of the offsets of two halves of the sources.
-  float max_sigma = 0.1f;
-  float max_difference_of_halves = 0.2f;
-  int min_num_sources = 4;
-  // The least texture of the pixel itself, in variances of the noise.
-  float min_texture = 8.f;
-  // The largest distance from the pixel of the centroid of the texture that
-  // determines the offset.
-  float max_texture_distance = 1.25f;
-  // Pixels between others with an offset, at most twice this far apart, take
-  // their neighbors' offsets.
-  int closing_radius = 7;
-  // The scale at which offsets are averaged, and their largest standard
-  // deviation.
-  float smoothing_sigma = 3.f;
-  float max_deviation = 0.15f;
-};
+// Larger offsets, in pixels of disparity, are of another surface, or an edge in
+// front.
+constexpr float kMaxPhotometricOffset = 0.8f;
 
 // The largest number of sources: more cost time and memory, and see the surface
 // from farther away.
@@ -79,7 +55,6 @@ TSAR_HD inline float DepthAtOffset(float depth,
 // reliability.
 PhotometricOffsets MeasureOffsets(const ComposedMap& composed,
                                   const PhotometricInputs& inputs,
-                                  const PhotometricOptions& options,
                                   Device& device);
 
 }  // namespace tsar

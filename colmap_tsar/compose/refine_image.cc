@@ -16,7 +16,6 @@
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/find_surfaces.h"
-#include "colmap_tsar/view/stage_options.h"
 #include "colmap_tsar/view/stage_timer.h"
 
 #include <cmath>
@@ -112,9 +111,18 @@ RefineResult RefineImage(
   timer.Finish("upload");
   const Surfaces surfaces =
       FindSurfaces(reference, image_id, options, &views, device, &timer);
-  const PlaneRaster region_planes = views.OnMap(surfaces.region_planes);
-  ComposedMap composed =
-      ComposeSurfaces(region_planes, options, surfaces, &views, device);
+  DeviceImage<Plane> superpixel_planes;
+  if (options.superpixel_planes && surfaces.superpixels.count > 0) {
+    superpixel_planes = PlanesOfLabels(
+        surfaces.superpixels.labels.View(), surfaces.superpixel_planes, device);
+  }
+  ComposedMap composed = ComposeMap(std::move(views.hypotheses),
+                                    {surfaces.trusted.View(),
+                                     views.OnMap(superpixel_planes),
+                                     views.OnMap(surfaces.region_planes),
+                                     surfaces.confirmations.View()},
+                                    views.Scale(),
+                                    device);
   FillHoles(views.Color(),
             views.MapIntrinsics(),
             options,
@@ -157,7 +165,7 @@ RefineResult MeasureImage(
       gray.ToHost(),
       PackFlags(surfaces.trusted.View(), surfaces.confirmations.View(), device)
           .ToHost(),
-      views.ReferenceCamera(),
+      views.camera,
       reference.prior});
   timer.Finish("download");
   return result;

@@ -23,7 +23,12 @@ constexpr float kToleranceInErrors = 0.5f;
 constexpr float kMinTolerance = 3e-3f;
 
 struct TransferFlagsKernel {
-  JudgedHypotheses judged;
+  // Of a reduced view (ReduceView): its MeasurementFlags and hypotheses.
+  ImageView<const uint8_t> judged;
+  DepthNormalViews hypotheses;
+  Intrinsics reduced;
+  int factor;
+  // Of the map.
   ImageView<const float> depth;
   Intrinsics intrinsics;
   DepthResolution resolution;
@@ -32,13 +37,12 @@ struct TransferFlagsKernel {
   // hypothesis.
   TSAR_HD bool IsOnPlane(
       int column, int row, const Vec3f& ray, float own, float tolerance) const {
-    const float judged_depth = judged.hypotheses.depth(column, row);
+    const float judged_depth = hypotheses.depth(column, row);
     if (!(judged_depth > 0.f)) {
       return false;
     }
-    const Plane plane = Plane::FromPoint(judged.intrinsics.Ray(column, row),
-                                         judged_depth,
-                                         judged.hypotheses.normal(column, row));
+    const Plane plane = Plane::FromPoint(
+        reduced.Ray(column, row), judged_depth, hypotheses.normal(column, row));
     // A normal that faces away does not determine the slant.
     const float on_ray = plane.Valid() ? plane.Depth(ray) : judged_depth;
     return fabsf(on_ray - own) <= tolerance * own;
@@ -52,11 +56,10 @@ struct TransferFlagsKernel {
           fmaxf(kToleranceInErrors * resolution.RelativeDepthError(own),
                 kMinTolerance);
       const Vec3f ray = intrinsics.Ray(x, y);
-      const int factor = judged.factor;
       int nearest = INT_MAX;
       for (int row = y / factor - 1; row <= y / factor + 1; ++row) {
         for (int column = x / factor - 1; column <= x / factor + 1; ++column) {
-          if (!judged.flags.Contains(column, row)) {
+          if (!judged.Contains(column, row)) {
             continue;
           }
           // The offset from the center of the square, in half pixels; the
@@ -67,7 +70,7 @@ struct TransferFlagsKernel {
           if (distance < nearest &&
               IsOnPlane(column, row, ray, own, tolerance)) {
             nearest = distance;
-            flags = judged.flags(column, row);
+            flags = judged(column, row);
           }
         }
       }
@@ -107,23 +110,6 @@ struct ReduceKernel {
 
 }  // namespace
 
-DeviceImage<uint8_t> TransferFlags(const JudgedHypotheses& judged,
-                                   ImageView<const float> depth,
-                                   const Intrinsics& intrinsics,
-                                   const DepthResolution& resolution,
-                                   Device& device) {
-  if (judged.factor == 1) {
-    DeviceImage<uint8_t> copy(device, depth.width, depth.height);
-    Copy(device, judged.flags.data, judged.flags.NumPixels(), copy.View().data);
-    return copy;
-  }
-  return MapPixels<uint8_t>(
-      device,
-      depth.width,
-      depth.height,
-      TransferFlagsKernel{judged, depth, intrinsics, resolution});
-}
-
 DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
                                    const ViewData& reference,
                                    const DeviceReference& view,
@@ -148,14 +134,17 @@ DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
   }
   const DepthNormalImages reduced =
       ReduceHypotheses(view, reference.is_to_refine, factor, device);
-  return TransferFlags({flags.View(),
-                        {reduced.depth.View(), reduced.normal.View()},
-                        ReduceCamera(view.camera, factor).GetIntrinsics(),
-                        factor},
-                       view.hypotheses.depth.View(),
-                       view.MapIntrinsics(),
-                       evidence.resolution,
-                       device);
+  return MapPixels<uint8_t>(
+      device,
+      view.Width(),
+      view.Height(),
+      TransferFlagsKernel{flags.View(),
+                          reduced.Views(),
+                          ReduceCamera(view.camera, factor).GetIntrinsics(),
+                          factor,
+                          view.hypotheses.depth.View(),
+                          view.MapIntrinsics(),
+                          evidence.resolution});
 }
 
 DeviceImage<uint8_t> PackFlags(ImageView<const uint8_t> trusted,

@@ -3,8 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
@@ -15,30 +13,15 @@
 
 namespace tsar {
 
-// The hypotheses of a reduced view (ReduceView) and their flags.
-struct JudgedHypotheses {
-  ImageView<const uint8_t> flags;  // MeasurementFlags
-  DepthNormalViews hypotheses;
-  Intrinsics intrinsics;
-  int factor = 1;
-};
-
-// Transfers flags to the pixels of the map: each takes that of the reduced
-// pixel that covers it, if its own depth lies on the plane of the hypothesis
-// judged there; otherwise that of the nearest of the eight pixels around for
-// which this holds, since no depth represents a square across an edge; and 0 if
-// there is none. A depth lies on the plane within half of RelativeDepthError()
-// of the judged map, and within 0.3 % in any case. A factor of 1 leaves the
-// flags unchanged.
-// depth, intrinsics: of the map.
-DeviceImage<uint8_t> TransferFlags(const JudgedHypotheses& judged,
-                                   ImageView<const float> depth,
-                                   const Intrinsics& intrinsics,
-                                   const DepthResolution& resolution,
-                                   Device& device);
-
-// Transfers ViewEvidence::flags at any reduction. view: the reference in the
-// device's memory. Throws kMismatch where it is of another map.
+// Transfers ViewEvidence::flags, those of a view reduced by any factor, to the
+// pixels of the map: each takes that of the reduced pixel that covers it, if
+// its own depth lies on the plane of the hypothesis judged there; otherwise
+// that of the nearest of the eight pixels around for which this holds, since no
+// depth represents a square across an edge; and 0 if there is none. A depth
+// lies on the plane within half of RelativeDepthError() of the judged map, and
+// within 0.3 % in any case. A factor of 1 leaves the flags unchanged. view: the
+// reference in the device's memory. Throws kMismatch where it is of another
+// map.
 DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
                                    const ViewData& reference,
                                    const DeviceReference& view,

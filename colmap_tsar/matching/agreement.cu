@@ -11,11 +11,16 @@
 namespace tsar {
 namespace {
 
+// The largest reprojection error of an agreeing source after forward and
+// backward reprojection, in pixels of the map: the limit of COLMAP's fusion.
+constexpr float kMaxReprojectionError = 2.f;
+// The largest depth error of an agreeing source, as a fraction of depth.
+constexpr float kMaxDepthError = 0.01f;
+
 struct AgreementKernel {
   ReferenceView reference;
   const SourceView* sources;
   int num_sources;
-  AgreementOptions options;
 
   TSAR_HD uint8_t operator()(int x, int y) const {
     const float depth = reference.depth(x, y);
@@ -34,14 +39,9 @@ struct AgreementKernel {
                       int x,
                       int y) const {
     SeenThroughSource seen;
-    if (!LookThroughSource(reference.intrinsics, source, point, &seen) ||
-        !(fabsf(seen.point.z - point.z) <= options.max_depth_error * point.z)) {
-      return false;
-    }
-    const float du = seen.x - x;
-    const float dv = seen.y - y;
-    return du * du + dv * dv <=
-           options.max_reprojection_error * options.max_reprojection_error;
+    return LookThroughSource(reference.intrinsics, source, point, &seen) &&
+           fabsf(seen.point.z - point.z) <= kMaxDepthError * point.z &&
+           seen.IsWithin(kMaxReprojectionError, x, y);
   }
 };
 
@@ -49,15 +49,13 @@ struct AgreementKernel {
 
 DeviceImage<uint8_t> CountAgreeingSources(const ReferenceView& reference,
                                           const Buffer<SourceView>& sources,
-                                          const AgreementOptions& options,
                                           Device& device) {
-  return MapPixels<uint8_t>(device,
-                            reference.depth.width,
-                            reference.depth.height,
-                            AgreementKernel{reference,
-                                            sources.Data(),
-                                            static_cast<int>(sources.Size()),
-                                            options});
+  return MapPixels<uint8_t>(
+      device,
+      reference.depth.width,
+      reference.depth.height,
+      AgreementKernel{
+          reference, sources.Data(), static_cast<int>(sources.Size())});
 }
 
 }  // namespace tsar

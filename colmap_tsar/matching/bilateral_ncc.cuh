@@ -194,18 +194,6 @@ struct PlaneHomography {
     set_row(1, second.fy * b + second.cy * c);
     set_row(2, c);
   }
-
-  // Maps (x, y); returns false if the point lies behind the second camera.
-  TSAR_HD bool Map(float x, float y, float* mapped_x, float* mapped_y) const {
-    const float z = h[6] * x + h[7] * y + h[8];
-    if (!(z > 0.f)) {
-      return false;
-    }
-    const float inverse = 1.f / z;
-    *mapped_x = (h[0] * x + h[1] * y + h[2]) * inverse;
-    *mapped_y = (h[3] * x + h[4] * y + h[5]) * inverse;
-    return true;
-  }
 };
 
 // The homography about the center of a window: it maps the position at (dx, dy)

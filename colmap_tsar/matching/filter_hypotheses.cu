@@ -19,49 +19,48 @@ struct FilterKernel {
   HypothesisFilterOptions options;
   float max_cos_angle;
 
-  // Whether the depth map of the source reprojects the point to the pixel.
+  TSAR_HD float operator()(int x, int y) const {
+    const float depth = reference.depth(x, y);
+    const Vec3f ray = reference.intrinsics.Ray(x, y);
+    const Plane plane = Plane::FromPoint(ray, depth, reference.normal(x, y));
+    if (!(depth > 0.f) || !plane.Valid()) {
+      return 0.f;
+    }
+    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
+    int num_confirming = 0;
+    for (int s = 0; s < num_sources; ++s) {
+      if (IsConsistent(sources[s], x, y, ray * depth) &&
+          IsMatch(sources[s], patch, plane)) {
+        ++num_confirming;
+      }
+    }
+    return num_confirming >= options.min_num_consistent ? depth : 0.f;
+  }
+
+  // Whether the point has a reprojection error and a triangulation angle within
+  // the limits.
   TSAR_HD bool IsConsistent(const SourceView& source,
                             int x,
                             int y,
                             const Vec3f& point) const {
-    return IsConsistentWith(reference.intrinsics,
-                            source,
-                            x,
-                            y,
-                            point,
-                            options.geom_consistency_max_cost,
-                            max_cos_angle);
+    SeenThroughSource seen;
+    if (!LookThroughSource(reference.intrinsics, source, point, &seen) ||
+        !seen.IsWithin(options.geom_consistency_max_cost, x, y)) {
+      return false;
+    }
+    // Directions from the point to the cameras.
+    const RelativePose& pose = source.from_reference;
+    const Vec3f to_source =
+        -TransposeTimes(pose.rotation, pose.translation) - point;
+    return Dot(-point, to_source) <=
+           max_cos_angle * Norm(point) * Norm(to_source);
   }
 
-  TSAR_HD bool IsMatch(float cost) const {
+  TSAR_HD bool IsMatch(const SourceView& source,
+                       const ReferencePatch& patch,
+                       const Plane& plane) const {
+    const float cost = PatchCost(patch, reference.intrinsics, source, plane);
     return cost != kUndefinedCost && cost <= 1.f - options.min_ncc;
-  }
-
-  TSAR_HD float operator()(int x, int y) const {
-    const float depth = reference.depth(x, y);
-    return IsConfirmed(x, y, depth) ? depth : 0.f;
-  }
-
-  // Whether enough sources are consistent and match.
-  TSAR_HD bool IsConfirmed(int x, int y, float depth) const {
-    if (!(depth > 0.f)) {
-      return false;
-    }
-    const Vec3f ray = reference.intrinsics.Ray(x, y);
-    const Plane plane = Plane::FromPoint(ray, depth, reference.normal(x, y));
-    if (!plane.Valid()) {
-      return false;
-    }
-    const Vec3f point = ray * depth;
-    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    int num_confirming = 0;
-    for (int s = 0; s < num_sources; ++s) {
-      if (IsConsistent(sources[s], x, y, point) &&
-          IsMatch(PatchCost(patch, reference.intrinsics, sources[s], plane))) {
-        ++num_confirming;
-      }
-    }
-    return num_confirming >= options.min_num_consistent;
   }
 };
 

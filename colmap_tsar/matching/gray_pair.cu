@@ -4,6 +4,7 @@
 #include "colmap_tsar/matching/gray_pair.h"
 
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 
 namespace tsar {
 namespace {
@@ -12,9 +13,8 @@ TSAR_HD float GrayLevel(float gray) { return gray; }
 
 struct GrayKernel {
   ImageView<const Rgb> color;
-  ImageView<float> gray;
-  TSAR_HD void operator()(int64_t i) const {
-    gray.data[i] = GrayLevel(color.data[i]);
+  TSAR_HD float operator()(int x, int y) const {
+    return GrayLevel(color(x, y));
   }
 };
 
@@ -31,14 +31,12 @@ struct PairKernel {
 
 struct HalveKernel {
   ImageView<const float> gray;
-  ImageView<float> half;
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD float operator()(int x, int y) const {
     const int x0 = 2 * x;
     const int y0 = 2 * y;
     const int x1 = x0 + 1 < gray.width ? x0 + 1 : x0;
     const int y1 = y0 + 1 < gray.height ? y0 + 1 : y0;
-    half(x, y) =
-        0.25f * (gray(x0, y0) + gray(x1, y0) + gray(x0, y1) + gray(x1, y1));
+    return 0.25f * (gray(x0, y0) + gray(x1, y0) + gray(x0, y1) + gray(x1, y1));
   }
 };
 
@@ -52,11 +50,7 @@ DeviceImage<GrayPair> PairGray(ImageView<const float> gray, Device& device) {
 }
 
 DeviceImage<float> ComputeGray(ImageView<const Rgb> color, Device& device) {
-  DeviceImage<float> gray(device, color.width, color.height);
-  ParallelFor(device,
-              static_cast<int64_t>(color.NumPixels()),
-              GrayKernel{color, gray.View()});
-  return gray;
+  return MapPixels<float>(device, color.width, color.height, GrayKernel{color});
 }
 
 void ComputeGrayPairs(ImageView<const Rgb> color,
@@ -66,12 +60,10 @@ void ComputeGrayPairs(ImageView<const Rgb> color,
 }
 
 DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device) {
-  DeviceImage<float> half(device,
+  return MapPixels<float>(device,
                           gray.width > 1 ? gray.width / 2 : 1,
-                          gray.height > 1 ? gray.height / 2 : 1);
-  ParallelFor(
-      device, half.Width(), half.Height(), HalveKernel{gray, half.View()});
-  return half;
+                          gray.height > 1 ? gray.height / 2 : 1,
+                          HalveKernel{gray});
 }
 
 }  // namespace tsar

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/parallel_for.h"
+#include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/patch_match_steps.cuh"
 
@@ -39,30 +40,39 @@ struct DrawKernel {
   Intrinsics intrinsics;
   DepthBounds bounds;
   uint32_t stream;
-  ImageView<Plane> planes;
+  int width;
 
-  TSAR_HD void operator()(int x, int y) const {
+  TSAR_HD Plane operator()(int x, int y) const {
     Philox random = PixelRandom(
-        stream, static_cast<int64_t>(y) * planes.width + x, /*iteration=*/0);
-    const Vec3f ray = intrinsics.Ray(x, y);
-    planes(x, y) = DrawPlane(bounds, ray, &random);
+        stream, static_cast<int64_t>(y) * width + x, /*iteration=*/0);
+    return DrawPlane(bounds, intrinsics.Ray(x, y), &random);
+  }
+};
+
+// What the kernels have in common.
+struct PlaneSearch {
+  ReferenceView reference;
+  const SourceView* sources;
+  int num_sources;
+  PatchMatchOptions options;
+
+  TSAR_HD ReferencePatch PatchAt(int x, int y) const {
+    return ReferencePatch(reference.gray, x, y, options.window_radius);
+  }
+  TSAR_HD PixelCosts CostsAt(int x, int y, const ReferencePatch& patch) const {
+    return {reference, options, patch, reference.intrinsics.Ray(x, y)};
   }
 };
 
 // The cost of the pixels' planes before view selection: the mean of the two
 // lowest costs of the sources.
-struct FirstCostKernel {
-  ReferenceView reference;
-  const SourceView* sources;
-  int num_sources;
-  PatchMatchOptions options;
+struct FirstCostKernel : PlaneSearch {
   ImageView<const Plane> planes;
   ImageView<float> costs;
 
   TSAR_HD void operator()(int x, int y) const {
-    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    const PixelCosts pixel{
-        reference, options, patch, reference.intrinsics.Ray(x, y)};
+    const ReferencePatch patch = PatchAt(x, y);
+    const PixelCosts pixel = CostsAt(x, y, patch);
     const float worst =
         kMaxCost + options.geometric_weight * options.max_geometric_error;
     float first = worst;
@@ -84,14 +94,10 @@ struct FirstCostKernel {
 };
 
 // Updates the pixels of one color of the checkerboard.
-struct SweepKernel {
+struct SweepKernel : PlaneSearch {
   // Eight blocks leave 64 registers for each thread.
   static constexpr int kMinBlocks = 8;
 
-  ReferenceView reference;
-  const SourceView* sources;
-  int num_sources;
-  PatchMatchOptions options;
   uint32_t stream;
   int iteration;
   int color;
@@ -117,18 +123,16 @@ struct SweepKernel {
   }
 
   TSAR_HD void Update(int x, int y) const {
-    const ReferencePatch patch(reference.gray, x, y, options.window_radius);
-    const PixelCosts pixel{
-        reference, options, patch, reference.intrinsics.Ray(x, y)};
+    const ReferencePatch patch = PatchAt(x, y);
+    const PixelCosts pixel = CostsAt(x, y, patch);
     Plane best = planes(x, y);
     if (!IsUsable(best, pixel.ray, options)) {
       // The plane is invalid, or from another pixel at a smaller size.
       Philox random = PixelRandom(stream,
                                   static_cast<int64_t>(y) * planes.width + x,
                                   /*iteration=*/0);
-      const DepthBounds bounds{options.depth_min, options.depth_max};
-      const float depth = bounds.Draw(&random);
-      best = Plane::FromPoint(pixel.ray, depth, DrawNormal(pixel.ray, &random));
+      best =
+          DrawPlane({options.depth_min, options.depth_max}, pixel.ray, &random);
     }
     float best_cost = 0.f;
     Propagate(x, y, pixel, &best, &best_cost);
@@ -269,15 +273,12 @@ DeviceImage<Plane> DrawPlanes(const Intrinsics& intrinsics,
                               uint32_t stream,
                               const PatchMatchOptions& options,
                               Device& device) {
-  DeviceImage<Plane> planes(device, width, height);
-  ParallelFor(device,
-              width,
-              height,
-              DrawKernel{intrinsics,
-                         {options.depth_min, options.depth_max},
-                         stream,
-                         planes.View()});
-  return planes;
+  return MapPixels<Plane>(
+      device,
+      width,
+      height,
+      DrawKernel{
+          intrinsics, {options.depth_min, options.depth_max}, stream, width});
 }
 
 PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
@@ -289,15 +290,15 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
   const int num_sources = static_cast<int>(inputs.sources.Size());
   PlaneHypotheses hypotheses{std::move(planes),
                              DeviceImage<float>(device, width, height)};
+  const PlaneSearch search{inputs.reference,
+                           inputs.sources.Data(),
+                           num_sources,
+                           options};
   ParallelFor(device,
               width,
               height,
-              FirstCostKernel{inputs.reference,
-                              inputs.sources.Data(),
-                              num_sources,
-                              options,
-                              hypotheses.planes.View(),
-                              hypotheses.costs.View()});
+              FirstCostKernel{
+                  search, hypotheses.planes.View(), hypotheses.costs.View()});
   if (num_sources == 0) {
     return hypotheses;  // Without sources there are no costs.
   }
@@ -309,10 +310,7 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
     for (int color = 0; color < 2; ++color) {
       ParallelFor(device,
                   static_cast<int64_t>((width + 1) / 2) * height,
-                  SweepKernel{inputs.reference,
-                              inputs.sources.Data(),
-                              num_sources,
-                              options,
+                  SweepKernel{search,
                               inputs.stream,
                               iteration,
                               color,

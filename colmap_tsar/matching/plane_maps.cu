@@ -14,13 +14,14 @@ namespace {
 
 struct ResizeKernel {
   ImageView<const Plane> from;
-  ImageView<Plane> to;
+  int width;
+  int height;
 
-  TSAR_HD void operator()(int x, int y) const {
-    const int u = static_cast<int>((x + 0.5f) * from.width / to.width);
-    const int v = static_cast<int>((y + 0.5f) * from.height / to.height);
-    to(x, y) = from(u < from.width ? u : from.width - 1,
-                    v < from.height ? v : from.height - 1);
+  TSAR_HD Plane operator()(int x, int y) const {
+    const int u = static_cast<int>((x + 0.5f) * from.width / width);
+    const int v = static_cast<int>((y + 0.5f) * from.height / height);
+    return from(u < from.width ? u : from.width - 1,
+                v < from.height ? v : from.height - 1);
   }
 };
 
@@ -51,11 +52,16 @@ struct ToMapsKernel {
   }
 };
 
+constexpr int kSmoothingRadius = 2;  // Radius of the window, in pixels.
+// The largest distance of a neighbor's depth from the pixel's plane, as a
+// fraction of depth, and the least cosine between normals of one surface.
+constexpr float kMaxDepthError = 0.01f;
+constexpr float kMinCosAngle = 0.7f;
+
 struct SmoothKernel {
   Intrinsics intrinsics;
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
-  SmoothNormalsOptions options;
 
   TSAR_HD Vec3f operator()(int x, int y) const {
     const Vec3f own = normal(x, y);
@@ -65,12 +71,12 @@ struct SmoothKernel {
     const Vec3f ray = intrinsics.Ray(x, y);
     const Plane plane = Plane::FromPoint(ray, depth(x, y), own);
     Vec3f sum = {};
-    for (int v = y - options.radius; v <= y + options.radius; ++v) {
-      for (int u = x - options.radius; u <= x + options.radius; ++u) {
+    for (int v = y - kSmoothingRadius; v <= y + kSmoothingRadius; ++v) {
+      for (int u = x - kSmoothingRadius; u <= x + kSmoothingRadius; ++u) {
         if (!depth.Contains(u, v) || !(depth(u, v) > 0.f) ||
-            Dot(own, normal(u, v)) < options.min_cos_angle ||
+            Dot(own, normal(u, v)) < kMinCosAngle ||
             fabsf(plane.Depth(intrinsics.Ray(u, v)) - depth(u, v)) >
-                options.max_depth_error * depth(u, v)) {
+                kMaxDepthError * depth(u, v)) {
           continue;
         }
         sum = sum + normal(u, v);
@@ -83,11 +89,10 @@ struct SmoothKernel {
 
 }  // namespace
 
-PlaneMaps MapsFromPlanes(const Intrinsics& intrinsics,
-                         ImageView<const Plane> planes,
-                         Device& device) {
-  PlaneMaps maps{DeviceImage<float>(device, planes.width, planes.height),
-                 DeviceImage<Vec3f>(device, planes.width, planes.height)};
+DepthNormalImages MapsFromPlanes(const Intrinsics& intrinsics,
+                                 ImageView<const Plane> planes,
+                                 Device& device) {
+  DepthNormalImages maps(device, planes.width, planes.height);
   ParallelFor(
       device,
       planes.width,
@@ -100,9 +105,8 @@ DeviceImage<Plane> ResizePlanes(ImageView<const Plane> planes,
                                 int width,
                                 int height,
                                 Device& device) {
-  DeviceImage<Plane> resized(device, width, height);
-  ParallelFor(device, width, height, ResizeKernel{planes, resized.View()});
-  return resized;
+  return MapPixels<Plane>(
+      device, width, height, ResizeKernel{planes, width, height});
 }
 
 DeviceImage<Plane> PlanesFromMaps(const Intrinsics& intrinsics,
@@ -118,12 +122,11 @@ DeviceImage<Plane> PlanesFromMaps(const Intrinsics& intrinsics,
 DeviceImage<Vec3f> SmoothNormals(const Intrinsics& intrinsics,
                                  ImageView<const float> depth,
                                  ImageView<const Vec3f> normal,
-                                 const SmoothNormalsOptions& options,
                                  Device& device) {
   return MapPixels<Vec3f>(device,
                           depth.width,
                           depth.height,
-                          SmoothKernel{intrinsics, depth, normal, options});
+                          SmoothKernel{intrinsics, depth, normal});
 }
 
 }  // namespace tsar

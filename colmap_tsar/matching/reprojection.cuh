@@ -36,6 +36,13 @@ struct SeenThroughSource {
   Vec3f point;
   float x = 0.f;
   float y = 0.f;
+
+  // Whether the reprojection error of a pixel is at most this, in pixels.
+  TSAR_HD bool IsWithin(float max_error, int column, int row) const {
+    const float dx = x - static_cast<float>(column);
+    const float dy = y - static_cast<float>(row);
+    return dx * dx + dy * dy <= max_error * max_error;
+  }
 };
 
 // Returns false if the source does not see the point or has no depth there.
@@ -66,33 +73,6 @@ TSAR_HD inline bool LookThroughSource(const Intrinsics& reference,
   }
   reference.Project(seen->point, &seen->x, &seen->y);
   return true;
-}
-
-// Whether the point that pixel (x, y) sees has a reprojection error of at most
-// max_error pixels through the source's depth map, and a triangulation angle
-// whose cosine is at most this.
-TSAR_HD inline bool IsConsistentWith(const Intrinsics& reference,
-                                     const SourceView& source,
-                                     int x,
-                                     int y,
-                                     const Vec3f& point,
-                                     float max_error,
-                                     float max_cos_angle) {
-  SeenThroughSource seen;
-  if (!LookThroughSource(reference, source, point, &seen)) {
-    return false;
-  }
-  const float dx = seen.x - static_cast<float>(x);
-  const float dy = seen.y - static_cast<float>(y);
-  if (!(dx * dx + dy * dy <= max_error * max_error)) {
-    return false;
-  }
-  // Directions from the point to the cameras.
-  const RelativePose& pose = source.from_reference;
-  const Vec3f to_source =
-      -TransposeTimes(pose.rotation, pose.translation) - point;
-  return Dot(-point, to_source) <=
-         max_cos_angle * Norm(point) * Norm(to_source);
 }
 
 }  // namespace tsar

@@ -7,7 +7,8 @@
 #include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/view/depth_confidence.h"
 #include "colmap_tsar/view/filter/confirmation.h"
-#include "colmap_tsar/view/superpixels/correlation.h"
+#include "colmap_tsar/view/planes/group_planes.h"
+#include "colmap_tsar/view/superpixels/weighted_median.h"
 
 #include <cmath>
 #include <utility>
@@ -24,11 +25,13 @@ struct Value {
 struct ComposeKernel {
   ComposeInputs inputs;
   DisparityScale scale;
-  PlaneTolerance on_plane;
   ComposedViews map;  // At first the view's hypotheses.
 
+  // Whether a measurement lies on a plane: within the dispersion of good
+  // matches, about a pixel of disparity.
   TSAR_HD bool Same(float a, float b) const {
-    return fabsf(a - b) < on_plane.At(b, scale) * b;
+    constexpr PlaneTolerance kOnPlane{0.f, 1.f};
+    return fabsf(a - b) < kOnPlane.At(b, scale) * b;
   }
 
   TSAR_HD void operator()(int x, int y) const {
@@ -67,12 +70,24 @@ struct ComposeKernel {
   }
 };
 
-struct MarkKernel {
-  ImageView<const uint8_t> filled;
-  ImageView<uint8_t> provenance;
+struct FindHolesKernel {
+  ImageView<const float> depth;
+  TSAR_HD uint8_t operator()(int x, int y) const {
+    return depth(x, y) > 0.f ? 0 : 1;
+  }
+};
+
+struct FillHolesKernel {
+  DepthNormalViews filled;
+  ComposedViews map;
+
   TSAR_HD void operator()(int x, int y) const {
-    if (filled(x, y) != 0) {
-      provenance(x, y) = static_cast<uint8_t>(Provenance::kInterpolated);
+    if (!(map.depth(x, y) > 0.f) && filled.depth(x, y) > 0.f) {
+      map.Set(x,
+              y,
+              filled.depth(x, y),
+              filled.normal(x, y),
+              Provenance::kInterpolated);
     }
   }
 };
@@ -81,13 +96,22 @@ struct ConfidenceKernel {
   ImageView<const uint8_t> provenance;
   ImageView<const float> score;
 
+  // Of depths that were not measured in their pixel it is about the share that
+  // is right to 2 cm on the scenes of docs/method.md.
   TSAR_HD float operator()(int x, int y) const {
-    const auto source = static_cast<Provenance>(provenance(x, y));
-    // The confidence is never 0, which stands for no depth, even without a
-    // score.
-    return source == Provenance::kMeasured
-               ? fminf(fmaxf(score(x, y), kMinConfidence), 1.f)
-               : ConfidenceOfFilled(source);
+    switch (static_cast<Provenance>(provenance(x, y))) {
+      case Provenance::kMeasured:
+        // Never 0, which stands for no depth, even without a score.
+        return fminf(fmaxf(score(x, y), kMinConfidence), 1.f);
+      case Provenance::kRegionPlane:
+        return 0.5f;
+      case Provenance::kSuperpixelPlane:
+        return 0.3f;
+      case Provenance::kInterpolated:
+        return 0.25f;
+      default:
+        return 0.f;
+    }
   }
 };
 
@@ -102,21 +126,6 @@ struct DropKernel {
     }
   }
 };
-
-bool HasFilter(const RefineOptions& options) {
-  return options.refine && options.weighted_median;
-}
-
-WeightedMedianOptions FilterOptions(const RefineOptions& options,
-                                    int width,
-                                    int height) {
-  WeightedMedianOptions filter;
-  filter.radius = ScaledRadius(2.f * options.window_radius, width, height);
-  filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
-  filter.color_sigma = static_cast<float>(options.color_sigma);
-  filter.min_support = 1.f / 3.f;
-  return filter;
-}
 
 // The cosine with the ray of normals that are tilted to the camera: that of a
 // plane that the ray still meets.
@@ -143,26 +152,14 @@ void FaceCamera(const Intrinsics& intrinsics, Image<Vec3f>* normals) {
 ComposedMap ComposeMap(DepthNormalImages own,
                        const ComposeInputs& inputs,
                        const DisparityScale& scale,
-                       const ComposeOptions& options,
                        Device& device) {
   const int width = own.depth.Width();
   const int height = own.depth.Height();
   ComposedMap composed{std::move(own),
                        DeviceImage<uint8_t>(device, width, height)};
-  ParallelFor(device,
-              width,
-              height,
-              ComposeKernel{inputs, scale, options.on_plane, composed.Views()});
+  ParallelFor(
+      device, width, height, ComposeKernel{inputs, scale, composed.Views()});
   return composed;
-}
-
-void MarkInterpolated(ImageView<const uint8_t> filled,
-                      ComposedMap* composed,
-                      Device& device) {
-  ParallelFor(device,
-              filled.width,
-              filled.height,
-              MarkKernel{filled, composed->provenance.View()});
 }
 
 DeviceImage<float> ComputeComposedConfidence(const ComposedMap& composed,
@@ -191,14 +188,27 @@ void FillHoles(ImageView<const Rgb> color,
                int num_iterations,
                ComposedMap* composed,
                Device& device) {
-  if (!HasFilter(options)) {
+  if (!options.refine || !options.weighted_median) {
     return;
   }
-  const WeightedMedianOptions filter =
-      FilterOptions(options, color.width, color.height);
-  const DeviceImage<uint8_t> filled = InterpolateHoles(
-      color, intrinsics, num_iterations, filter, &composed->map, device);
-  MarkInterpolated(filled.View(), composed, device);
+  const int width = color.width;
+  const int height = color.height;
+  WeightedMedianOptions filter;
+  filter.radius = ScaledRadius(2.f * options.window_radius, width, height);
+  filter.spatial_sigma = static_cast<float>(options.spatial_sigma);
+  filter.color_sigma = static_cast<float>(options.color_sigma);
+  filter.min_support = 1.f / 3.f;
+  for (int round = 0; round < num_iterations; ++round) {
+    const DeviceImage<uint8_t> holes = MapPixels<uint8_t>(
+        device, width, height, FindHolesKernel{composed->map.depth.View()});
+    const DepthNormalImages filled = WeightedMedianFilter(
+        composed->map.Views(), color, holes.View(), intrinsics, filter, device);
+    ParallelFor(device,
+                width,
+                height,
+                FillHolesKernel{filled.Views(), composed->Views()});
+    filter.radius *= 2.f;
+  }
 }
 
 void Download(const ComposedMap& composed,

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/matching/views.h"
-#include "colmap_tsar/view/planes/group_planes.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/refined_maps.h"
 #include "colmap_tsar/view/superpixels/samples.h"
@@ -14,12 +13,6 @@
 #include <cstdint>
 
 namespace tsar {
-
-struct ComposeOptions {
-  // Largest distance of a measurement that lies on a plane: the dispersion of
-  // good matches, about a pixel of disparity.
-  PlaneTolerance on_plane{0.f, 1.f};
-};
 
 struct ComposeInputs {
   ImageView<const uint8_t> trusted;  // Nonzero where the hypothesis is kept.
@@ -64,29 +57,7 @@ struct ComposedMap {
 ComposedMap ComposeMap(DepthNormalImages own,
                        const ComposeInputs& inputs,
                        const DisparityScale& scale,
-                       const ComposeOptions& options,
                        Device& device);
-
-// Sets the provenance of the pixels where filled is not 0.
-void MarkInterpolated(ImageView<const uint8_t> filled,
-                      ComposedMap* composed,
-                      Device& device);
-
-// The confidence of a depth that was not measured in its pixel: about the share
-// of such pixels that are right to 2 cm on the scenes of docs/method.md. 0 for
-// all others.
-TSAR_HD inline float ConfidenceOfFilled(Provenance provenance) {
-  switch (provenance) {
-    case Provenance::kRegionPlane:
-      return 0.5f;
-    case Provenance::kSuperpixelPlane:
-      return 0.3f;
-    case Provenance::kInterpolated:
-      return 0.25f;
-    default:
-      return 0.f;
-  }
-}
 
 // The confidence of each depth, in [0, 1]: the score where it was measured, and
 // for filled pixels a fixed value by provenance, at most 0.5; 0 where there is
@@ -102,9 +73,10 @@ void DropDoubtful(float min_confidence,
                   DeviceImage<float>* confidence,
                   Device& device);
 
-// R2: fills small holes by weighted medians, and marks them as interpolated.
-// color, intrinsics: those of the map. num_iterations: each fills holes of at
-// most a window's width. Does nothing if the options disable it.
+// R2: fills small holes by the filter F_B, and marks them as interpolated.
+// color, intrinsics: those of the map. num_iterations: the window doubles from
+// round to round, and every round reads the one before. Does nothing if the
+// options disable it.
 void FillHoles(ImageView<const Rgb> color,
                const Intrinsics& intrinsics,
                const RefineOptions& options,

@@ -122,9 +122,6 @@ TSAR_HD inline float BoundedConfidence(float probability) {
   return fminf(fmaxf(probability, kMinConfidence), 1.f - kMinConfidence);
 }
 
-// The confidence of depths on cylinders between their outlines.
-inline constexpr float kConfidenceOfCylinder = 0.9f;
-
 // The origin of a depth of a composed map.
 enum class DepthKind : uint8_t {
   kStanding,  // Measured; off its plane or without one.

@@ -33,8 +33,8 @@ DeviceViews::DeviceViews(
     std::vector<std::shared_ptr<const UploadedView>> sources,
     Device& device,
     bool denoise)
-    : device_(device),
-      reference_(reference, device),
+    : DeviceReference(reference, device),
+      device_(device),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
       raster_color_(MakeRasterColor(Color(), raster_, denoise, device)),
       gray_(ComputeGray(Color(), device)),
@@ -66,9 +66,7 @@ void DeviceViews::ReleaseSources() {
 }
 
 Intrinsics DeviceViews::RasterIntrinsics() const {
-  return ReferenceCamera()
-      .Resized(raster_.width, raster_.height)
-      .GetIntrinsics();
+  return camera.Resized(raster_.width, raster_.height).GetIntrinsics();
 }
 
 double DeviceViews::RasterScale() const {

@@ -40,7 +40,7 @@ struct DeviceReference {
 
 // A reference image and its sources in the device's memory, ready for the
 // stages.
-class DeviceViews {
+class DeviceViews : public DeviceReference {
  public:
   // The sources may have been uploaded by another device of the same GPU.
   // denoise: whether the raster's image is denoised.
@@ -53,48 +53,35 @@ class DeviceViews {
   // devices of the GPU.
   ~DeviceViews();
 
-  int Width() const { return reference_.Width(); }
-  int Height() const { return reference_.Height(); }
-  const Camera& ReferenceCamera() const { return reference_.camera; }
-  Intrinsics MapIntrinsics() const { return reference_.MapIntrinsics(); }
   Intrinsics RasterIntrinsics() const;
   const DisparityScale& Scale() const { return scale_; }
 
   ReferenceView Reference() const {
     return {MapIntrinsics(),
             gray_.View(),
-            reference_.hypotheses.depth.View(),
-            reference_.hypotheses.normal.View()};
+            std::as_const(hypotheses.depth).View(),
+            std::as_const(hypotheses.normal).View()};
   }
   const Buffer<SourceView>& Sources() const { return sources_; }
-  DepthNormalViews Hypotheses() const { return reference_.hypotheses.Views(); }
+  DepthNormalViews Hypotheses() const { return hypotheses.Views(); }
   // The number of sources with any depth, which bounds the agreement of a
   // pixel.
   int NumSourcesWithDepth() const { return num_sources_with_depth_; }
   // Frees the data that only matching needs, the sources and the gray image,
   // once the device has finished. They are empty afterwards.
   void ReleaseSources();
-  // Moves the hypotheses out; they and Reference() are empty afterwards.
-  DepthNormalImages TakeHypotheses() {
-    return std::move(reference_.hypotheses);
-  }
-  ImageView<const Rgb> Color() const { return reference_.color.View(); }
+  ImageView<const Rgb> Color() const { return color.View(); }
 
   // The raster of superpixels and regions, and the image reduced to it.
   const ReducedRaster& Raster() const { return raster_; }
   ImageView<const Rgb> RasterColor() const { return raster_color_.View(); }
   Image<Rgb> DownloadRasterColor() const { return raster_color_.ToHost(); }
-  // Planes of the raster, as the map's pixels see them.
-  PlaneRaster OnMap(const DeviceImage<Plane>& planes) const {
-    return reference_.OnMap(planes);
-  }
   // The raster's size relative to kMaxRasterSide: lengths shrink by it, areas
   // by its square.
   double RasterScale() const;
 
  private:
   Device& device_;
-  DeviceReference reference_;
   DisparityScale scale_;
   ReducedRaster raster_;
   DeviceImage<Rgb> raster_color_;

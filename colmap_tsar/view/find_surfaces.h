@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/stage_timer.h"
@@ -39,14 +38,5 @@ Surfaces FindSurfaces(const ViewData& reference,
                       DeviceViews* views,
                       Device& device,
                       StageTimer* timer);
-
-// The map of one view alone: its trusted depths and the planes of its
-// superpixels and regions (may be empty). Moves the hypotheses out of the
-// views.
-ComposedMap ComposeSurfaces(const PlaneRaster& region_planes,
-                            const RefineOptions& options,
-                            const Surfaces& surfaces,
-                            DeviceViews* views,
-                            Device& device);
 
 }  // namespace tsar

@@ -4,6 +4,8 @@
 #include "colmap_tsar/view/refine_option_list.h"
 
 #include "colmap_tsar/base/content_hash.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/view/regions/region_planes.h"
 
@@ -24,6 +26,21 @@ std::string ValueText(T value) {
     const std::to_chars_result result =
         std::to_chars(text, text + sizeof(text), value);
     return std::string(text, result.ptr);
+  }
+}
+
+template <typename T>
+void CheckRange(const RefineField& field, const T* value) {
+  if constexpr (!std::is_same_v<T, bool>) {
+    // The comparison is not negated, since NaN would pass.
+    const bool is_inside = *value >= field.min && *value <= field.max;
+    if (!is_inside) {
+      TextStream text;
+      text << OptionName(field.name) << ": " << *value
+           << " makes no sense; give a value from " << field.min << " to "
+           << field.max;
+      throw Error(ErrorCode::kBadOption, text.str());
+    }
   }
 }
 
@@ -230,8 +247,8 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
       {TSAR_FIELD(min_fill_confidence),
        .description =
            "Leave pixels empty that were not measured and whose surface is "
-           "less "
-           "likely the right one than this. 0 fills as much as possible. With "
+           "less likely "
+           "the right one than this. 0 fills as much as possible. With "
            "scene_planes.",
        .min = 0.0,
        .max = 1.0},
@@ -255,6 +272,23 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
 
 std::string RefineField::Text() const {
   return std::visit([](const auto* value) { return ValueText(*value); }, value);
+}
+
+void RefineOptions::Check() const {
+  if (filter && !filter_confidence && !filter_discontinuity &&
+      !view_agreement) {
+    throw Error(
+        ErrorCode::kBadOption,
+        OptionName("filter") +
+            ": nothing is left to judge depths by; leave "
+            "filter_confidence, filter_discontinuity or view_agreement on, "
+            "or set filter to 0");
+  }
+  RefineOptions copy = *this;
+  for (const RefineField& field : ListRefineFields(&copy)) {
+    std::visit([&](const auto* value) { CheckRange(field, value); },
+               field.value);
+  }
 }
 
 RefineOptions PresetOptions(RefinePreset preset) {

@@ -4,9 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/view/refine_options.h"
-#include "colmap_tsar/view/regions/edges.h"
 #include "colmap_tsar/view/regions/region_planes.h"
-#include "colmap_tsar/view/superpixels/correlation.h"
 
 #include <cstdint>
 
@@ -18,12 +16,6 @@ int ScaledLength(double length, double scale);
 // The options of single stages from the options of a run. raster_scale: that of
 // DeviceViews; lengths scale by it, areas by its square. image_id keys the
 // random numbers.
-
-CorrelationOptions MakeCorrelationOptions(const RefineOptions& options,
-                                          uint32_t image_id);
-
-HoughOptions MakeHoughOptions(const RefineOptions& options,
-                              double raster_scale);
 
 // The least number of pixels of a region on the raster.
 int MinRegionSize(const RefineOptions& options, double raster_scale);

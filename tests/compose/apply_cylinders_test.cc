@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/compose/apply_cylinders.h"
 
-#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
@@ -21,9 +21,8 @@ constexpr int kWidth = 40;
 constexpr int kHeight = 30;
 constexpr Intrinsics kIntrinsics = {40.f, 40.f, 20.f, 15.f};
 constexpr float kWall = 4.f;
-// Pixels before the cylinder's axis and beside it.
+// Pixels before the cylinder's axis.
 constexpr int kBefore = 20;
-constexpr int kBeside = 5;
 
 // Upright before the camera, below its optical axis.
 CameraCylinder MakeCylinder(float distance, float radius) {
@@ -75,30 +74,27 @@ class ApplyCylindersTest : public testing::Test {
 TEST_F(ApplyCylindersTest, LaysWhatIsSeenAndLeavesTheRest) {
   Lay({MakeCylinder(2.5f, 0.5f)});
   int num_laid = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const float u = (x - 20) / 40.f;
-      const float v = (y - 15) / 40.f;
-      // (u z)² + (z - 2.5)² = 0.5²
-      const float a = u * u + 1.f;
-      const float discriminant = 6.25f - a * 6.f;
-      const float z =
-          discriminant > 0.f ? (2.5f - std::sqrt(discriminant)) / a : 0.f;
-      if (z > 0.f && v * z >= 0.f && v * z < 1.f) {
-        ++num_laid;
-        EXPECT_NEAR(depth_(x, y), z, 1e-4f);
-        EXPECT_NEAR(normal_(x, y).x, u * z / 0.5f, 1e-3f);
-        EXPECT_NEAR(normal_(x, y).z, (z - 2.5f) / 0.5f, 1e-3f);
-        EXPECT_EQ(provenance_(x, y),
-                  static_cast<uint8_t>(Provenance::kInterpolated));
-      } else {
-        EXPECT_EQ(depth_(x, y), kWall);
-        EXPECT_EQ(normal_(x, y).z, -1.f);
-        EXPECT_EQ(provenance_(x, y),
-                  static_cast<uint8_t>(Provenance::kMeasured));
-      }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    const float u = (x - 20) / 40.f;
+    const float v = (y - 15) / 40.f;
+    // (u z)² + (z - 2.5)² = 0.5²
+    const float a = u * u + 1.f;
+    const float discriminant = 6.25f - a * 6.f;
+    const float z =
+        discriminant > 0.f ? (2.5f - std::sqrt(discriminant)) / a : 0.f;
+    if (z > 0.f && v * z >= 0.f && v * z < 1.f) {
+      ++num_laid;
+      EXPECT_NEAR(depth_(x, y), z, 1e-4f);
+      EXPECT_NEAR(normal_(x, y).x, u * z / 0.5f, 1e-3f);
+      EXPECT_NEAR(normal_(x, y).z, (z - 2.5f) / 0.5f, 1e-3f);
+      EXPECT_EQ(provenance_(x, y),
+                static_cast<uint8_t>(Provenance::kInterpolated));
+    } else {
+      EXPECT_EQ(depth_(x, y), kWall);
+      EXPECT_EQ(normal_(x, y).z, -1.f);
+      EXPECT_EQ(provenance_(x, y), static_cast<uint8_t>(Provenance::kMeasured));
     }
-  }
+  });
   EXPECT_GT(num_laid, 150);
 }
 
@@ -151,32 +147,14 @@ TEST_F(ApplyCylindersTest, LaysTheNearestOfTwo) {
   }
 }
 
-TEST_F(ApplyCylindersTest, SetsTheConfidenceOfWhatItAppliedAlone) {
+TEST_F(ApplyCylindersTest, VariancesAreThoseOfTheCylinderWhereItIsSeen) {
   CameraCylinder cylinder = MakeCylinder(2.5f, 0.5f);
   cylinder.covariance.row2.z = 0.03f * 0.03f;
   Lay({cylinder});
-  DeviceImage<float> confidence(*device_, Image<float>(kWidth, kHeight, 0.25f));
-  SetConfidenceOfCylinders(variances_, &confidence, *device_);
-  DeviceImage<uint16_t> sigma(
-      *device_, Image<uint16_t>(kWidth, kHeight, ToPositiveHalf(1.f)));
-  // Dropped in the meantime.
-  Image<float> depth = depth_;
-  depth(kBefore, 25) = 0.f;
-  composed_.map.depth = DeviceImage<float>(*device_, depth);
-  SetSigmaOfCylinders(
-      variances_, resolution_, composed_.map, {}, &sigma, *device_);
-  const Image<float> confidences = confidence.ToHost();
-  EXPECT_GT(confidences(kBefore, 20), 0.5f);
-  EXPECT_LE(confidences(kBefore, 20), 1.f);
-  EXPECT_EQ(confidences(kBeside, 20), 0.25f);
-  const Image<uint16_t> sigmas = sigma.ToHost();
-  EXPECT_EQ(sigmas(kBeside, 20), ToPositiveHalf(1.f));
-  EXPECT_EQ(sigmas(kBefore, 25), ToPositiveHalf(1.f));
-  // 3 cm of its radius, and some of u, which is 2 cm there.
-  const float in_the_middle = HalfToFloat(sigmas(kBefore, 20));
-  EXPECT_GT(in_the_middle, 0.03f);
-  EXPECT_LT(in_the_middle, 0.04f);
-  EXPECT_GT(HalfToFloat(sigmas(kBefore + 7, 20)), in_the_middle);
+  const Image<float> variances = variances_.ToHost();
+  EXPECT_EQ(variances(5, 20), 0.f);
+  EXPECT_NEAR(std::sqrt(variances(kBefore, 20)), 0.03f, 1e-4f);
+  EXPECT_GT(variances(kBefore + 7, 20), variances(kBefore, 20));
 }
 
 }  // namespace

@@ -5,13 +5,11 @@
 
 #include "colmap_tsar/run/store/evidence_file.h"
 #include "colmap_tsar/view/reduce_view.h"
-#include "colmap_tsar/view/refine_option_list.h"
 
 #include <filesystem>
 #include <utility>
 
-#include "tests/support/find_scene_in.h"
-#include "tests/support/observe_image.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_views_test.h"
 #include "tests/support/test_device.h"
 #include "tests/support/test_workspace.h"
@@ -24,41 +22,6 @@ constexpr float kRight = 5e-3f;
 
 class ComposeImageTest : public SyntheticViewsTest {
  protected:
-  // The first so many views, with all others as their sources.
-  std::vector<std::unique_ptr<ViewEvidence>> Observe(
-      size_t num_views, const RefineOptions& options = {}) const {
-    std::vector<std::unique_ptr<ViewEvidence>> evidence;
-    for (size_t i = 0; i < num_views; ++i) {
-      std::vector<const ViewData*> sources;
-      for (const ViewData& view : drawn_.views) {
-        if (&view != &drawn_.views[i]) {
-          sources.push_back(&view);
-        }
-      }
-      RefineResult result = ObserveImage(drawn_.views[i],
-                                         UploadViews(sources, *device_),
-                                         static_cast<uint32_t>(i),
-                                         options,
-                                         *device_);
-      EXPECT_TRUE(result.maps.depth.Empty());
-      evidence.push_back(std::move(result.evidence));
-    }
-    return evidence;
-  }
-  RefineResult Compose(
-      const std::vector<std::unique_ptr<ViewEvidence>>& evidence,
-      const RefineOptions& options = {}) const {
-    std::vector<ObservedView> views;
-    for (size_t i = 0; i < evidence.size(); ++i) {
-      views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
-    }
-    return ComposeImage(drawn_.views[0],
-                        UploadViews(drawn_.Sources(), *device_),
-                        views,
-                        FindSceneIn(views, options, *device_),
-                        options,
-                        *device_);
-  }
   RefinedMaps RefineAll(const RefineOptions& options = {}) const {
     RefineResult result =
         Compose(Observe(drawn_.views.size(), options), options);
@@ -90,22 +53,7 @@ class ComposeImageTest : public SyntheticViewsTest {
 TEST_F(ComposeImageTest, AWallWithoutTextureGetsItsPlane) {
   const RefinedMaps maps = RefineAll();
   ExpectSoundMaps(maps);
-  int num_bare = 0;
-  int num_right = 0;
-  for (int y = 0; y < Before().Height(); ++y) {
-    for (int x = 0; x < Before().Width(); ++x) {
-      if (IsBare(x, y)) {
-        ++num_bare;
-        num_right +=
-            RelativeError(maps.depth, x, y) < kRight &&
-                    AngleBetween(maps.normal(x, y), drawn_.wall.normal) < 2.f
-                ? 1
-                : 0;
-      }
-    }
-  }
-  ASSERT_GT(num_bare, 500);
-  EXPECT_GT(num_right, 0.95 * num_bare);
+  ExpectBarePartIsFilled(maps);
 }
 
 TEST_F(ComposeImageTest, LargeMapsAreJudgedAtASmallerSize) {
@@ -123,16 +71,14 @@ TEST_F(ComposeImageTest, LargeMapsAreJudgedAtASmallerSize) {
   int num_right = 0;
   int num_measured = 0;
   int num_with_depth = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      num_right += RelativeError(result.maps.depth, x, y) < kRight ? 1 : 0;
-      num_measured += result.maps.provenance(x, y) ==
-                              static_cast<uint8_t>(Provenance::kMeasured)
-                          ? 1
-                          : 0;
-      num_with_depth += Before()(x, y) > 0.f ? 1 : 0;
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    num_right += RelativeError(result.maps.depth, x, y) < kRight ? 1 : 0;
+    num_measured += result.maps.provenance(x, y) ==
+                            static_cast<uint8_t>(Provenance::kMeasured)
+                        ? 1
+                        : 0;
+    num_with_depth += Before()(x, y) > 0.f ? 1 : 0;
+  });
   EXPECT_GT(num_right, 0.97 * kWidth * kHeight);
   // The pixels of the large map know that theirs were trusted.
   EXPECT_GT(num_measured, 0.7 * num_with_depth);
@@ -176,24 +122,22 @@ TEST_F(ComposeImageTest, NothingReliableGetsWorseThanWithASingleView) {
   double error_alone = 0.0;
   int num_right_together = 0;
   int num_right_alone = 0;
-  for (int y = 0; y < Before().Height(); ++y) {
-    for (int x = 0; x < Before().Width(); ++x) {
-      const float of_together = RelativeError(together.depth, x, y);
-      const float of_alone = RelativeError(alone.depth, x, y);
-      num_right_together += of_together < kRight ? 1 : 0;
-      num_right_alone += of_alone < kRight ? 1 : 0;
-      if (RelativeError(Before(), x, y) > 2e-3f) {
-        continue;
-      }
-      if (together.depth(x, y) > 0.f) {
-        ASSERT_LT(of_together, kRight) << x << ", " << y;
-      }
-      if (together.depth(x, y) > 0.f && alone.depth(x, y) > 0.f) {
-        error_together += of_together;
-        error_alone += of_alone;
-      }
+  ForEachPixel(Before().Width(), Before().Height(), [&](int x, int y) {
+    const float of_together = RelativeError(together.depth, x, y);
+    const float of_alone = RelativeError(alone.depth, x, y);
+    num_right_together += of_together < kRight ? 1 : 0;
+    num_right_alone += of_alone < kRight ? 1 : 0;
+    if (RelativeError(Before(), x, y) > 2e-3f) {
+      return;
     }
-  }
+    if (together.depth(x, y) > 0.f) {
+      ASSERT_LT(of_together, kRight) << x << ", " << y;
+    }
+    if (together.depth(x, y) > 0.f && alone.depth(x, y) > 0.f) {
+      error_together += of_together;
+      error_alone += of_alone;
+    }
+  });
   EXPECT_GE(num_right_together, num_right_alone);
   EXPECT_LE(error_together, error_alone);
 }
@@ -218,26 +162,13 @@ TEST_F(ComposeImageTest, TheViewsEvidenceAloneWillDo) {
   ExpectSoundMaps(result.maps);
 }
 
+// Without superpixels there is no evidence.
 TEST_F(ComposeImageTest, EverySwitchLeavesSoundMaps) {
-  RefineOptions list;
-  const size_t num_fields = ListRefineFields(&list).size();
-  int num_switches = 0;
-  for (size_t i = 0; i < num_fields; ++i) {
-    RefineOptions options;
-    const RefineField field = ListRefineFields(&options)[i];
-    // Without superpixels there is no evidence.
-    if (!std::holds_alternative<bool*>(field.value) || field.name == "refine") {
-      continue;
-    }
-    bool* value = std::get<bool*>(field.value);
-    *value = !*value;
-    SCOPED_TRACE(field.name);
-    const RefineResult result = Compose(Observe(2, options), options);
-    ExpectSoundMaps(result.maps);
-    EXPECT_EQ(result.reason_to_keep, "");
-    ++num_switches;
-  }
-  EXPECT_GT(num_switches, 8);
+  ExpectSoundMapsOfEverySwitch(
+      [&](const RefineOptions& options) {
+        return Compose(Observe(2, options), options);
+      },
+      "refine");
 }
 
 TEST_F(ComposeImageTest, SaysWhereNothingIsLeft) {

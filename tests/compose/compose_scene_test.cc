@@ -126,11 +126,13 @@ class ComposeSceneTest : public testing::Test {
             composed.provenance.ToHost(),
             confidence.ToHost()};
   }
-  DeviceImage<float> Rate(const ComposedMap& composed) {
+  DeviceImage<float> Rate(const ComposedMap& composed,
+                          ImageView<const float> variances_on_cylinders = {}) {
     return ComputeSceneConfidence(composed,
                                   Inputs(),
                                   {views_, {}},
                                   scale_,
+                                  variances_on_cylinders,
                                   kNoise,
                                   min_fill_confidence_,
                                   *device_);
@@ -265,15 +267,19 @@ TEST_F(ComposeSceneTest, WhereThereIsNoPlaneMeasurementsStand) {
   EXPECT_EQ(result.depth(6, 2), 0.f);
 }
 
-TEST_F(ComposeSceneTest, InterpolatedDepthsHaveAConfidenceOfTheirOwn) {
-  scene_(1, 1) = PlaneAt(kScene);
-  Image<uint8_t> filled(kWidth, kHeight);
-  filled(1, 1) = 1;
+TEST_F(ComposeSceneTest, InterpolatedDepthsAndCylindersHaveTheirConfidences) {
+  scene_(1, 1) = scene_(2, 1) = PlaneAt(kScene);
   ComposedMap composed = ComposeOnDevice();
-  MarkInterpolated(on_device_(filled), &composed, *device_);
-  const Image<float> confidence = Rate(composed).ToHost();
+  Image<uint8_t> provenance = composed.provenance.ToHost();
+  provenance(1, 1) = static_cast<uint8_t>(Provenance::kInterpolated);
+  composed.provenance = DeviceImage<uint8_t>(*device_, provenance);
+  Image<float> variances(kWidth, kHeight);
+  variances(2, 1) = 1e-30f;
+  const Image<float> confidence =
+      Rate(composed, on_device_(variances)).ToHost();
   EXPECT_FLOAT_EQ(confidence(1, 1),
                   ConfidenceOnPlane(DepthKind::kInterpolated));
+  EXPECT_EQ(confidence(2, 1), 0.9f);
   EXPECT_EQ(confidence(0, 0), 0.f);
 }
 

@@ -24,7 +24,8 @@ constexpr SceneSigmaOptions kOptions = {.moved = 1.f,
                                         .filled_carried = 3.f,
                                         .filled_guessed = 4.f,
                                         .standing = 5.f,
-                                        .interpolated = 6.f};
+                                        .interpolated = 6.f,
+                                        .on_cylinder = 7.f};
 
 // Pixels in a row, each of its own superpixel, on a plane that faces the
 // camera. One pixel of disparity is 1 % of the depth.
@@ -67,18 +68,22 @@ class DepthSigmaTest : public testing::Test {
     composed.map.depth = DeviceImage<float>(*device_, depth_);
     composed.provenance = DeviceImage<uint8_t>(*device_, provenance_);
     const Image<uint16_t> halves =
-        is_of_scene
-            ? ComputeSceneSigma(
-                  composed, inputs, resolution_, kNoise, kOptions, *device_)
-                  .ToHost()
-            : ComputeSigma(composed,
-                           resolution_,
-                           {.measured = 1.f,
-                            .superpixel_plane = 2.f,
-                            .region_plane = 3.f,
-                            .interpolated = 4.f},
-                           *device_)
-                  .ToHost();
+        is_of_scene ? ComputeSceneSigma(composed,
+                                        inputs,
+                                        resolution_,
+                                        on_device_(variances_),
+                                        kNoise,
+                                        kOptions,
+                                        *device_)
+                          .ToHost()
+                    : ComputeSigma(composed,
+                                   resolution_,
+                                   {.measured = 1.f,
+                                    .superpixel_plane = 2.f,
+                                    .region_plane = 3.f,
+                                    .interpolated = 4.f},
+                                   *device_)
+                          .ToHost();
     std::vector<float> shares;
     for (int x = 0; x < kWidth; ++x) {
       const float sigma = HalfToFloat(halves(x, 0));
@@ -96,6 +101,7 @@ class DepthSigmaTest : public testing::Test {
   std::vector<ComposedSuperpixel> of_superpixel_;
   Image<float> prior_depth_;  // None.
   Image<float> prior_sigma_;
+  Image<float> variances_{kWidth, 1};  // On cylinders.
 };
 
 TEST_F(DepthSigmaTest, TellsKindsOfDepthsApart) {
@@ -132,6 +138,14 @@ TEST_F(DepthSigmaTest, AddsTheErrorOfThePlane) {
   EXPECT_NEAR(sigma[5],
               std::hypot(0.006f * kScene, 0.5f * 0.01f * kScene, 0.01f),
               1e-4f);
+}
+
+TEST_F(DepthSigmaTest, OnACylinderAddsItsError) {
+  Set(1, kScene, Provenance::kInterpolated);
+  variances_(0, 0) = variances_(1, 0) = 0.3f * 0.3f;
+  const std::vector<float> sigma = Compute();
+  EXPECT_EQ(sigma[0], 0.f);
+  EXPECT_NEAR(sigma[1] * kScene, std::hypot(0.3f, 0.07f * kScene), 1e-3f);
 }
 
 TEST_F(DepthSigmaTest, OfAPriorItIsThePriorsOwn) {

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -51,7 +52,6 @@ class RestoreDetailTest : public testing::Test {
     RestoreDetail(DeviceReference(drawn_.views[0], *device_),
                   UploadViews(sources, *device_),
                   resolution_,
-                  {},
                   &composed,
                   *device_);
     return composed.map.depth.ToHost();
@@ -84,16 +84,19 @@ TEST_F(RestoreDetailTest, MovesTexturedPixelsToWhereTheImagesAgree) {
   int num_textured = 0;
   int num_right = 0;
   // All sources see the middle.
-  for (int y = kMargin; y < restored.Height() - kMargin; ++y) {
-    for (int x = kMargin; x < restored.Width() - kMargin; ++x) {
-      ASSERT_LT(std::abs(Offset(restored, x, y)), kOff + kRight)
-          << x << ", " << y;
-      if (IsAmid(false, x, y, 6)) {
-        ++num_textured;
-        num_right += std::abs(Offset(restored, x, y)) < kRight ? 1 : 0;
-      }
-    }
-  }
+  ForEachPixel(kMargin,
+               restored.Width() - kMargin,
+               kMargin,
+               restored.Height() - kMargin,
+               [&](int x, int y) {
+                 ASSERT_LT(std::abs(Offset(restored, x, y)), kOff + kRight)
+                     << x << ", " << y;
+                 if (IsAmid(false, x, y, 6)) {
+                   ++num_textured;
+                   num_right +=
+                       std::abs(Offset(restored, x, y)) < kRight ? 1 : 0;
+                 }
+               });
   EXPECT_GT(num_textured, 30000);
   EXPECT_GT(num_right, 0.9 * num_textured);
 }
@@ -101,14 +104,12 @@ TEST_F(RestoreDetailTest, MovesTexturedPixelsToWhereTheImagesAgree) {
 TEST_F(RestoreDetailTest, LeavesBarePixels) {
   const Image<float> restored = Restore(drawn_.Sources());
   int num_bare = 0;
-  for (int y = 0; y < restored.Height(); ++y) {
-    for (int x = 0; x < restored.Width(); ++x) {
-      if (IsAmid(true, x, y, 3)) {
-        ++num_bare;
-        ASSERT_EQ(restored(x, y), depth_(x, y)) << x << ", " << y;
-      }
+  ForEachPixel(restored.Width(), restored.Height(), [&](int x, int y) {
+    if (IsAmid(true, x, y, 3)) {
+      ++num_bare;
+      ASSERT_EQ(restored(x, y), depth_(x, y)) << x << ", " << y;
     }
-  }
+  });
   EXPECT_GT(num_bare, 1000);
 }
 
@@ -128,11 +129,9 @@ TEST_F(RestoreDetailTest, DoesNotFollowASurfaceThatIsFurtherOff) {
     depth_.Data()[i] = DepthAtOffset(drawn_.truth.Data()[i], kFar, resolution_);
   }
   const Image<float> restored = Restore(drawn_.Sources());
-  for (int y = 0; y < restored.Height(); ++y) {
-    for (int x = 0; x < restored.Width(); ++x) {
-      ASSERT_GT(Offset(restored, x, y), kFar - 0.81f) << x << ", " << y;
-    }
-  }
+  ForEachPixel(restored.Width(), restored.Height(), [&](int x, int y) {
+    ASSERT_GT(Offset(restored, x, y), kFar - 0.81f) << x << ", " << y;
+  });
 }
 
 }  // namespace

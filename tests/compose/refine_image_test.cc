@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "tests/run/counting_device.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_views_test.h"
 #include "tests/support/test_device.h"
 
@@ -35,18 +36,7 @@ TEST_F(RefineImageTest, FillsTheBarePartWithTheWall) {
   const RefineResult result = Refine();
   EXPECT_EQ(result.reason_to_keep, "");
   ExpectSoundMaps(result.maps);
-  int num_bare = 0;
-  int num_right = 0;
-  for (int y = 0; y < Before().Height(); ++y) {
-    for (int x = 0; x < Before().Width(); ++x) {
-      if (IsBare(x, y)) {
-        ++num_bare;
-        num_right += RelativeError(result.maps.depth, x, y) < 5e-3f ? 1 : 0;
-      }
-    }
-  }
-  ASSERT_GT(num_bare, 500);
-  EXPECT_GT(num_right, 0.95 * num_bare);
+  ExpectBarePartIsFilled(result.maps);
 }
 
 TEST_F(RefineImageTest, NoDepthThatWasRightByAMarginGetsWrong) {
@@ -55,21 +45,19 @@ TEST_F(RefineImageTest, NoDepthThatWasRightByAMarginGetsWrong) {
   double error_after = 0.0;
   int count = 0;
   int num_lost = 0;
-  for (int y = 0; y < after.Height(); ++y) {
-    for (int x = 0; x < after.Width(); ++x) {
-      if (RelativeError(Before(), x, y) > 2e-3f) {
-        continue;
-      }
-      ++count;
-      if (!(after(x, y) > 0.f)) {
-        ++num_lost;
-        continue;
-      }
-      ASSERT_LT(RelativeError(after, x, y), 5e-3f) << x << ", " << y;
-      error_before += RelativeError(Before(), x, y);
-      error_after += RelativeError(after, x, y);
+  ForEachPixel(after.Width(), after.Height(), [&](int x, int y) {
+    if (RelativeError(Before(), x, y) > 2e-3f) {
+      return;
     }
-  }
+    ++count;
+    if (!(after(x, y) > 0.f)) {
+      ++num_lost;
+      return;
+    }
+    ASSERT_LT(RelativeError(after, x, y), 5e-3f) << x << ", " << y;
+    error_before += RelativeError(Before(), x, y);
+    error_after += RelativeError(after, x, y);
+  });
   ASSERT_GT(count, 4000);
   EXPECT_LT(num_lost, 0.02 * count);
   EXPECT_LE(error_after, error_before);
@@ -83,38 +71,20 @@ TEST_F(RefineImageTest, APlaneStaysAPlane) {
   const RefinedMaps maps = Refine().maps;
   ExpectSoundMaps(maps);
   int num_filled = 0;
-  for (int y = 0; y < maps.depth.Height(); ++y) {
-    for (int x = 0; x < maps.depth.Width(); ++x) {
-      if (maps.depth(x, y) > 0.f) {
-        ++num_filled;
-        ASSERT_LT(RelativeError(maps.depth, x, y), 1e-3f) << x << ", " << y;
-        ASSERT_LT(AngleBetween(maps.normal(x, y), drawn_.wall.normal), 0.5f)
-            << x << ", " << y;
-      }
+  ForEachPixel(maps.depth.Width(), maps.depth.Height(), [&](int x, int y) {
+    if (maps.depth(x, y) > 0.f) {
+      ++num_filled;
+      ASSERT_LT(RelativeError(maps.depth, x, y), 1e-3f) << x << ", " << y;
+      ASSERT_LT(AngleBetween(maps.normal(x, y), drawn_.wall.normal), 0.5f)
+          << x << ", " << y;
     }
-  }
+  });
   EXPECT_GT(num_filled, 0.99 * maps.depth.NumPixels());
 }
 
 TEST_F(RefineImageTest, EverySwitchLeavesSoundMaps) {
-  RefineOptions list;
-  const size_t num_fields = ListRefineFields(&list).size();
-  int num_switches = 0;
-  for (size_t i = 0; i < num_fields; ++i) {
-    RefineOptions options;
-    const RefineField field = ListRefineFields(&options)[i];
-    if (!std::holds_alternative<bool*>(field.value)) {
-      continue;
-    }
-    bool* value = std::get<bool*>(field.value);
-    *value = !*value;
-    SCOPED_TRACE(field.name);
-    const RefineResult result = Refine(options);
-    ExpectSoundMaps(result.maps);
-    EXPECT_EQ(result.reason_to_keep, "");
-    ++num_switches;
-  }
-  EXPECT_GT(num_switches, 8);
+  ExpectSoundMapsOfEverySwitch(
+      [&](const RefineOptions& options) { return Refine(options); });
   SCOPED_TRACE("paper");
   const RefineResult paper = Refine(PresetOptions(RefinePreset::kPaper));
   ExpectSoundMaps(paper.maps);

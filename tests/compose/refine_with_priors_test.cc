@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/priors/depth_prior.h"
 
 #include <algorithm>
@@ -14,8 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/find_scene_in.h"
-#include "tests/support/observe_image.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_views_test.h"
 
 namespace tsar {
@@ -27,14 +25,6 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 // Depths this close to the truth are right.
 constexpr float kRight = 0.01f;
 
-struct Part {
-  Plane plane;  // In the frame of the first camera.
-  std::function<bool(const Vec3f& point)> holds;
-  // Without texture. There the maps hold nothing or, in one pixel of ten, a
-  // wrong depth.
-  std::function<bool(const Vec3f& point)> is_bare;
-};
-
 // A wall, a floor and a box, seen by five cameras. The floor on the right of
 // the box and a rectangle of the wall are bare.
 class RefineWithPriorsTest : public SyntheticViewsTest {
@@ -42,77 +32,28 @@ class RefineWithPriorsTest : public SyntheticViewsTest {
   RefineWithPriorsTest() {
     const auto all = [](const Vec3f&) { return true; };
     const auto nothing = [](const Vec3f&) { return false; };
-    parts_ = {{DrawnPlane({0.2f, 0.f, -1.f}, 6.f),
-               all,
-               [](const Vec3f& point) {
-                 return point.x > -2.f && point.x < -0.8f && point.y > -1.2f &&
-                        point.y < -0.2f;
-               }},
-              {{{0.f, -1.f, 0.f}, 1.1f},
-               all,
-               [](const Vec3f& point) { return point.x > 0.9f; }},
-              {DrawnPlane({-0.15f, 0.f, -1.f}, 3.8f),
-               [](const Vec3f& point) {
-                 return point.x > -0.3f && point.x < 0.8f && point.y > 0.f;
-               },
-               nothing}};
     SyntheticViewsOptions options;
+    options.parts = {{DrawnPlane({0.2f, 0.f, -1.f}, 6.f),
+                      all,
+                      [](const Vec3f& point) {
+                        return point.x > -2.f && point.x < -0.8f &&
+                               point.y > -1.2f && point.y < -0.2f;
+                      }},
+                     {{{0.f, -1.f, 0.f}, 1.1f},
+                      all,
+                      [](const Vec3f& point) { return point.x > 0.9f; }},
+                     {DrawnPlane({-0.15f, 0.f, -1.f}, 3.8f),
+                      [](const Vec3f& point) {
+                        return point.x > -0.3f && point.x < 0.8f &&
+                               point.y > 0.f;
+                      },
+                      nothing}};
     options.width = kWidth;
     options.height = kHeight;
+    options.noise = 2e-3f;
+    options.shear_x = 0.3f;
+    options.shear_y = 0.4f;
     drawn_ = MakeSyntheticViews(options);
-    for (ViewData& view : drawn_.views) {
-      truths_.push_back(Draw(&view));
-    }
-    drawn_.truth = truths_[0];
-  }
-
-  Image<float> Draw(ViewData* view) const {
-    const Intrinsics intrinsics = view->camera.GetIntrinsics();
-    const Eigen::Vector3d place = view->camera.Center();
-    const Vec3f center = {static_cast<float>(place.x()),
-                          static_cast<float>(place.y()),
-                          static_cast<float>(place.z())};
-    Philox random(17, static_cast<uint32_t>(1000.f * center.x + 5000.f), 0);
-    Image<float> truth(kWidth, kHeight);
-    view->num_depths_to_refine = 0;
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const Vec3f ray = intrinsics.Ray(x, y);
-        const Part* hit = nullptr;
-        Vec3f point;
-        float z = 0.f;
-        for (const Part& part : parts_) {
-          const Plane plane{part.plane.normal,
-                            part.plane.offset + Dot(part.plane.normal, center)};
-          const float depth = plane.Depth(ray);
-          if (depth > 0.f && (hit == nullptr || depth < z) &&
-              part.holds(depth * ray + center)) {
-            hit = &part;
-            z = depth;
-            point = depth * ray + center;
-          }
-        }
-        const bool is_bare = hit->is_bare(point);
-        const float level =
-            is_bare ? 200.f
-                    : DrawnTexture(25.f * (point.x + 0.3f * point.z),
-                                   25.f * (point.y + 0.4f * point.z));
-        const auto byte = static_cast<uint8_t>(std::lround(level));
-        view->color(x, y) = {byte, byte, byte};
-        const float choice = random.NextFloat();
-        const float spread = 2.f * random.NextFloat() - 1.f;
-        float depth = z * (1.f + 2e-3f * spread);
-        if (is_bare) {
-          depth = choice < 0.1f ? z * (1.f + 0.3f * spread) : 0.f;
-        }
-        truth(x, y) = z;
-        view->depth(x, y) = depth;
-        view->normal(x, y) = depth > 0.f ? hit->plane.normal : Vec3f{};
-        view->is_to_refine(x, y) = depth > 0.f ? 1 : 0;
-        view->num_depths_to_refine += view->is_to_refine(x, y);
-      }
-    }
-    return truth;
   }
 
   // Gives all views a prior of values(truth, x, y).
@@ -122,42 +63,15 @@ class RefineWithPriorsTest : public SyntheticViewsTest {
       auto prior = std::make_shared<DepthPrior>();
       prior->type = type;
       prior->values = Image<float>(kWidth, kHeight);
-      for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
-          prior->values(x, y) = values(truths_[i], x, y);
-        }
-      }
+      ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+        prior->values(x, y) = values(drawn_.truths[i], x, y);
+      });
       drawn_.views[i].prior = std::move(prior);
     }
   }
 
   RefinedMaps Refine() {
-    const RefineOptions options;
-    std::vector<std::unique_ptr<ViewEvidence>> evidence;
-    for (size_t i = 0; i < drawn_.views.size(); ++i) {
-      std::vector<const ViewData*> sources;
-      for (const ViewData& view : drawn_.views) {
-        if (&view != &drawn_.views[i]) {
-          sources.push_back(&view);
-        }
-      }
-      evidence.push_back(ObserveImage(drawn_.views[i],
-                                      UploadViews(sources, *device_),
-                                      static_cast<uint32_t>(i),
-                                      options,
-                                      *device_)
-                             .evidence);
-    }
-    std::vector<ObservedView> views;
-    for (size_t i = 0; i < evidence.size(); ++i) {
-      views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
-    }
-    RefineResult result = ComposeImage(drawn_.views[0],
-                                       UploadViews(drawn_.Sources(), *device_),
-                                       views,
-                                       FindSceneIn(views, options, *device_),
-                                       options,
-                                       *device_);
+    RefineResult result = Compose(Observe(drawn_.views.size()));
     EXPECT_EQ(result.reason_to_keep, "");
     assessment_ = result.prior;
     ExpectSoundMaps(result.maps);
@@ -172,24 +86,20 @@ class RefineWithPriorsTest : public SyntheticViewsTest {
   Quality Measure(const RefinedMaps& maps) const {
     Quality quality;
     int count = 0;
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        if (maps.depth(x, y) > 0.f) {
-          const float error = RelativeError(maps.depth, x, y);
-          (error < kRight ? quality.right : quality.wrong) +=
-              1.0 / (kWidth * kHeight);
-          quality.mean_error += error;
-          ++count;
-        }
+    ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+      if (maps.depth(x, y) > 0.f) {
+        const float error = RelativeError(maps.depth, x, y);
+        (error < kRight ? quality.right : quality.wrong) +=
+            1.0 / (kWidth * kHeight);
+        quality.mean_error += error;
+        ++count;
       }
-    }
+    });
     quality.mean_error /= count;
     return quality;
   }
 
   PriorAssessment assessment_;  // Of the view that was refined last.
-  std::vector<Part> parts_;
-  std::vector<Image<float>> truths_;
 };
 
 TEST_F(RefineWithPriorsTest, GoodPriorsOfEachTypeHelp) {

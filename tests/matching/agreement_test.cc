@@ -4,6 +4,7 @@
 #include "colmap_tsar/matching/agreement.h"
 
 #include "tests/matching/textured_plane.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
@@ -24,17 +25,14 @@ class AgreementTest : public testing::TestWithParam<float> {
         camera_, GetParam() * Eigen::Vector3d(x, 0.05, 0.0), angle));
   }
   Image<uint8_t> Count() {
-    return CountAgreeingSources(
-               scene_.Reference(), scene_.Sources(), {}, *device_)
+    return CountAgreeingSources(scene_.Reference(), scene_.Sources(), *device_)
         .ToHost();
   }
   // The pixels in the middle, which all sources see.
   void ExpectInTheMiddle(const Image<uint8_t>& counts, int expected) {
-    for (int y = 12; y < 36; ++y) {
-      for (int x = 22; x < 42; ++x) {
-        ASSERT_EQ(counts(x, y), expected) << x << ", " << y;
-      }
-    }
+    ForEachPixel(22, 42, 12, 36, [&](int x, int y) {
+      ASSERT_EQ(counts(x, y), expected) << x << ", " << y;
+    });
   }
 
   std::unique_ptr<Device> device_;
@@ -60,32 +58,6 @@ TEST_P(AgreementTest, LeavesOutDepthsThatDifferByTwoPercent) {
     depth *= 0.98f;
   }
   ExpectInTheMiddle(Count(), 0);
-}
-
-TEST_P(AgreementTest, LimitsTheReprojectionError) {
-  // Over this baseline half a percent of depth moves the source's pixel by
-  // about 0.005 f b / z = 0.4 pixels.
-  AddSource(3.0, -0.75);
-  for (float& depth : scene_.Depth()) {
-    depth *= 1.005f;
-  }
-  AgreementOptions strict;
-  strict.max_depth_error = 1.f;
-  const auto count = [&](float error) {
-    strict.max_reprojection_error = error;
-    const Image<uint8_t> counts =
-        CountAgreeingSources(
-            scene_.Reference(), scene_.Sources(), strict, *device_)
-            .ToHost();
-    int sum = 0;
-    for (const uint8_t value : counts) {
-      sum += value;
-    }
-    return sum;
-  };
-  EXPECT_GT(count(2.f), 500);
-  EXPECT_LT(count(0.1f), count(2.f) / 2);
-  EXPECT_EQ(count(0.f), 0);
 }
 
 TEST_P(AgreementTest, IgnoresSourcesThatLookAwayOrHaveNoDepth) {

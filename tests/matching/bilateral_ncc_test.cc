@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "tests/matching/gray_pairs.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
@@ -64,11 +65,9 @@ TEST(PatchCost, IgnoresBrightnessAndContrast) {
 TEST(PatchCost, FollowsTheHomography) {
   const Image<float> gray = DrawNoise(1);
   Image<float> shifted(kSize, kSize, 100.f);
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = 3; x < kSize; ++x) {
-      shifted(x, y) = gray(x - 3, y);
-    }
-  }
+  ForEachPixel(3, kSize, 0, kSize, [&](int x, int y) {
+    shifted(x, y) = gray(x - 3, y);
+  });
   EXPECT_NEAR(CostAt(gray, shifted, 12, 16, 3.f), 0.f, 1e-3f);
   EXPECT_GT(CostAt(gray, shifted, 12, 16, 0.f), 0.3f);
 }
@@ -137,12 +136,11 @@ void ExpectSameSums(const ReferencePatch& patch,
   }
   bool is_inside = true;
   for (int i = 0; i < kPatchSize; ++i) {
-    float x = 0.f;
-    float y = 0.f;
-    homography.Map(patch.center_x + patch.OffsetX(i),
-                   patch.center_y + patch.OffsetY(i),
-                   &x,
-                   &y);
+    const float dx = patch.OffsetX(i);
+    const float dy = patch.OffsetY(i);
+    const float z = 1.f + window.z_dx * dx + window.z_dy * dy;
+    const float x = window.x + (window.x_dx * dx + window.x_dy * dy) / z;
+    const float y = window.y + (window.y_dx * dx + window.y_dy * dy) / z;
     is_inside &=
         x >= 0.f && y >= 0.f && x < other.width - 1.f && y < other.height - 1.f;
   }

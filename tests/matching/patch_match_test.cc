@@ -11,6 +11,7 @@
 
 #include "tests/matching/patch_match_fixture.h"
 #include "tests/matching/textured_plane.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
@@ -23,27 +24,19 @@ TEST_F(PatchMatchTest, FindsThePlane) {
   ASSERT_LT(Compare(scene, drawn).share, 0.1f);
   const HostHypotheses found = Run(scene, Images(scene), Draw());
   ExpectFound(scene, found.planes);
-  for (int y = kMargin; y < kHeight - kMargin; ++y) {
-    for (int x = kMargin; x < kWidth - kMargin; ++x) {
-      ASSERT_LT(found.costs(x, y), 0.2f) << x << ", " << y;
-    }
-  }
+  ForEachPixel(
+      kMargin, kWidth - kMargin, kMargin, kHeight - kMargin, [&](int x, int y) {
+        ASSERT_LT(found.costs(x, y), 0.2f) << x << ", " << y;
+      });
 }
 
-TEST_F(PatchMatchTest, FindsASlantedPlane) {
-  TexturedPlane scene = Scene(kSlant);
-  ExpectFound(scene, Run(scene, Images(scene), Draw()).planes);
-}
-
-TEST_F(PatchMatchTest, FindsThePlaneWithAWiderWindow) {
-  TexturedPlane scene = Scene(kTilt);
-  options_.window_radius = 8.f;
-  ExpectFound(scene, Run(scene, Images(scene), Draw()).planes);
-}
-
-TEST_F(PatchMatchTest, FindsThePlaneWithTheGeometricTerm) {
+TEST_F(PatchMatchTest, FindsSlantedPlanesWithWideWindowsAndTheGeometricTerm) {
+  TexturedPlane slanted = Scene(kSlant);
+  ExpectFound(slanted, Run(slanted, Images(slanted), Draw()).planes);
   TexturedPlane scene = Scene(kTilt);
   ExpectFound(scene, Run(scene, scene.Sources(), Draw()).planes);
+  options_.window_radius = 8.f;
+  ExpectFound(scene, Run(scene, Images(scene), Draw()).planes);
 }
 
 TEST_F(PatchMatchTest, IgnoresExposureAndViewsOfSomethingElse) {
@@ -105,17 +98,15 @@ TEST_F(PatchMatchTest, DoesNotDependOnTheUnitOfLength) {
   // Others round, and here and there another plane wins for it.
   const HostHypotheses by_1000 = scaled(1000.f);
   int num_near = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const Vec3f ray = intrinsics_.Ray(x, y);
-      const float depth = expected.planes(x, y).Depth(ray);
-      ASSERT_EQ(by_1024.planes(x, y).Depth(ray), 1024.f * depth);
-      ASSERT_EQ(by_1024.planes(x, y).normal, expected.planes(x, y).normal);
-      ASSERT_EQ(by_1024.costs(x, y), expected.costs(x, y));
-      const float by_1000_depth = by_1000.planes(x, y).Depth(ray);
-      num_near += std::abs(by_1000_depth / (1000.f * depth) - 1.f) < 2e-3f;
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    const Vec3f ray = intrinsics_.Ray(x, y);
+    const float depth = expected.planes(x, y).Depth(ray);
+    ASSERT_EQ(by_1024.planes(x, y).Depth(ray), 1024.f * depth);
+    ASSERT_EQ(by_1024.planes(x, y).normal, expected.planes(x, y).normal);
+    ASSERT_EQ(by_1024.costs(x, y), expected.costs(x, y));
+    const float by_1000_depth = by_1000.planes(x, y).Depth(ray);
+    num_near += std::abs(by_1000_depth / (1000.f * depth) - 1.f) < 2e-3f;
+  });
   EXPECT_GT(num_near, kWidth * kHeight * 95 / 100);
   ExpectFound(scene, expected.planes);
 }
@@ -132,11 +123,9 @@ TEST_F(PatchMatchTest, StartsWithTheTwoSourcesThatMatchBest) {
   }
   const Image<float> costs = Run(scene, Images(scene), TruePlanes(scene)).costs;
   // The middle is seen by both of the others.
-  for (int y = 18; y < 30; ++y) {
-    for (int x = 22; x < 42; ++x) {
-      ASSERT_LT(costs(x, y), 0.1f) << x << ", " << y;
-    }
-  }
+  ForEachPixel(22, 42, 18, 30, [&](int x, int y) {
+    ASSERT_LT(costs(x, y), 0.1f) << x << ", " << y;
+  });
 }
 
 TEST_F(PatchMatchTest, FindsNormalsFarFromThoseItHas) {
@@ -156,44 +145,21 @@ TEST_F(PatchMatchTest, FindsNormalsFarFromThoseItHas) {
   EXPECT_LT(accuracy.median_depth_error, 2e-3f);
 }
 
-TEST_F(PatchMatchTest, LooksAtAWindowOfTheGivenRadius) {
-  TexturedPlane scene = Scene(kTilt);
-  for (int y = 16; y < 32; ++y) {
-    for (int x = 22; x < 42; ++x) {
-      scene.Gray()(x, y) = 128.f;
-    }
-  }
-  // In the middle only wide windows have texture.
-  for (const int num_iterations : {0, 1}) {
-    options_.num_iterations = num_iterations;
-    const auto cost = [&](float radius) {
-      options_.window_radius = radius;
-      return Run(scene, Images(scene), TruePlanes(scene)).costs(32, 24);
-    };
-    EXPECT_EQ(cost(5.f), kMaxCost) << num_iterations;
-    EXPECT_LT(cost(12.f), kMaxCost - 0.1f) << num_iterations;
-  }
-}
-
 TEST_F(PatchMatchTest, FollowsTheDepthsOfSourcesWithoutTexture) {
   TexturedPlane scene = Scene(kTilt);
   Image<float> depth = scene.Depth();
-  for (int y = 12; y < 36; ++y) {
-    for (int x = 18; x < 46; ++x) {
-      scene.Gray()(x, y) = 128.f;
-      depth(x, y) *= 1.3f;
-    }
-  }
+  ForEachPixel(18, 46, 12, 36, [&](int x, int y) {
+    scene.Gray()(x, y) = 128.f;
+    depth(x, y) *= 1.3f;
+  });
   const auto median_error = [&](const Image<Plane>& planes) {
     std::vector<float> errors;
     // Whose windows have no texture.
-    for (int y = 17; y < 31; ++y) {
-      for (int x = 23; x < 41; ++x) {
-        errors.push_back(std::abs(planes(x, y).Depth(intrinsics_.Ray(x, y)) /
-                                      scene.Depth()(x, y) -
-                                  1.f));
-      }
-    }
+    ForEachPixel(23, 41, 17, 31, [&](int x, int y) {
+      errors.push_back(std::abs(planes(x, y).Depth(intrinsics_.Ray(x, y)) /
+                                    scene.Depth()(x, y) -
+                                1.f));
+    });
     std::nth_element(
         errors.begin(), errors.begin() + errors.size() / 2, errors.end());
     return errors[errors.size() / 2];

@@ -14,6 +14,8 @@
 #include "tests/matching/gray_pairs.h"
 #include "tests/matching/patch_match_fixture.h"
 #include "tests/matching/textured_plane.h"
+#include "tests/support/for_each_pixel.h"
+#include "tests/support/same_bytes.h"
 #include <gtest/gtest.h>
 
 namespace tsar {
@@ -48,11 +50,9 @@ TEST(SampleBilinear, OfPairsIsThatOfTheirGrayLevels) {
     for (size_t i = 0; i < gray.NumPixels(); ++i) {
       ASSERT_NEAR(gray.Data()[i], drawn.Data()[i], 0.002f);
     }
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        ASSERT_EQ(SamplePairs(pairs, x, y), gray(x, y)) << x << ", " << y;
-      }
-    }
+    ForEachPixel(width, height, [&](int x, int y) {
+      ASSERT_EQ(SamplePairs(pairs, x, y), gray(x, y)) << x << ", " << y;
+    });
     for (int i = 0; i < 300; ++i) {
       const float x = random.NextFloat() * (width + 2.f) - 1.5f;
       const float y = random.NextFloat() * (height + 2.f) - 1.5f;
@@ -72,9 +72,7 @@ TEST(PairGray, PairsEachPixelWithItsRightNeighbor) {
   const DeviceImage<float> on_device(*device, gray);
   const Image<GrayPair> pairs = PairGray(on_device.View(), *device).ToHost();
   const Image<GrayPair> expected = PairsOf(gray);
-  for (size_t i = 0; i < gray.NumPixels(); ++i) {
-    EXPECT_EQ(pairs.Data()[i].word, expected.Data()[i].word);
-  }
+  EXPECT_TRUE(SameBytes(pairs, expected));
 }
 
 constexpr int kCount = 10;
@@ -175,25 +173,23 @@ TEST_F(LookThroughSourceTest, ComesBackToThePixelAtTheTruth) {
   const Intrinsics intrinsics = camera_.GetIntrinsics();
   const Buffer<SourceView> sources = scene.Sources();
   int num_seen = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      const Vec3f ray = intrinsics.Ray(static_cast<float>(x), y);
-      if (!LookThroughSource(
-              intrinsics, sources.Data()[0], plane.Depth(ray) * ray, &seen_)) {
-        continue;
-      }
-      ++num_seen;
-      // Depths are those of the nearest pixel's middle.
-      ASSERT_NEAR(seen_.x, x, 0.7f);
-      ASSERT_NEAR(seen_.y, y, 0.7f);
-      ASSERT_NEAR(Dot(plane.normal, seen_.point) + plane.offset, 0.f, 1e-4f);
-      float u = 0.f;
-      float v = 0.f;
-      intrinsics.Project(seen_.point, &u, &v);
-      ASSERT_EQ(u, seen_.x);
-      ASSERT_EQ(v, seen_.y);
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    const Vec3f ray = intrinsics.Ray(static_cast<float>(x), y);
+    if (!LookThroughSource(
+            intrinsics, sources.Data()[0], plane.Depth(ray) * ray, &seen_)) {
+      return;
     }
-  }
+    ++num_seen;
+    // Depths are those of the nearest pixel's middle.
+    ASSERT_NEAR(seen_.x, x, 0.7f);
+    ASSERT_NEAR(seen_.y, y, 0.7f);
+    ASSERT_NEAR(Dot(plane.normal, seen_.point) + plane.offset, 0.f, 1e-4f);
+    float u = 0.f;
+    float v = 0.f;
+    intrinsics.Project(seen_.point, &u, &v);
+    ASSERT_EQ(u, seen_.x);
+    ASSERT_EQ(v, seen_.y);
+  });
   EXPECT_GT(num_seen, kWidth * kHeight * 3 / 4);
 }
 
@@ -235,21 +231,20 @@ TEST_F(PatchMatchTest, MapsComeBackFromPlanes) {
   depth(5, 4) = 7.5f;
   const DeviceImage<Plane> planes = TruePlanes(scene);
   EXPECT_FALSE(planes.ToHost()(3, 4).Valid());
-  const PlaneMaps maps = MapsFromPlanes(intrinsics_, planes.View(), *device_);
+  const DepthNormalImages maps =
+      MapsFromPlanes(intrinsics_, planes.View(), *device_);
   const Image<float> found_depth = maps.depth.ToHost();
   const Image<Vec3f> found_normal = maps.normal.ToHost();
   const Vec3f normal = Normalized(kTilt);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      if (x == 3 && y == 4) {
-        EXPECT_EQ(found_depth(x, y), 0.f);
-        EXPECT_EQ(found_normal(x, y), Vec3f{});
-        continue;
-      }
-      ASSERT_NEAR(found_depth(x, y), depth(x, y), 1e-5f * depth(x, y));
-      ASSERT_EQ(found_normal(x, y), normal);
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    if (x == 3 && y == 4) {
+      EXPECT_EQ(found_depth(x, y), 0.f);
+      EXPECT_EQ(found_normal(x, y), Vec3f{});
+      return;
     }
-  }
+    ASSERT_NEAR(found_depth(x, y), depth(x, y), 1e-5f * depth(x, y));
+    ASSERT_EQ(found_normal(x, y), normal);
+  });
 }
 
 TEST_F(PatchMatchTest, ResizesPlanesByPlace) {
@@ -264,11 +259,9 @@ TEST_F(PatchMatchTest, ResizesPlanesByPlace) {
   const DeviceImage<Plane> larger = resize(drawn, 2 * kWidth, 3 * kHeight);
   EXPECT_TRUE(SameBytes(resize(larger, kWidth, kHeight).ToHost(), planes));
   const Image<Plane> on_larger = larger.ToHost();
-  for (int y = 0; y < 3 * kHeight; ++y) {
-    for (int x = 0; x < 2 * kWidth; ++x) {
-      ASSERT_EQ(on_larger(x, y).normal, planes(x / 2, y / 3).normal);
-    }
-  }
+  ForEachPixel(2 * kWidth, 3 * kHeight, [&](int x, int y) {
+    ASSERT_EQ(on_larger(x, y).normal, planes(x / 2, y / 3).normal);
+  });
   // Sizes without a common divisor: the first and the last stay at the ends.
   const Image<Plane> odd = resize(drawn, 41, 29).ToHost();
   EXPECT_EQ(odd(0, 0).normal, planes(0, 0).normal);

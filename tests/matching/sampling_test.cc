@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
 
@@ -96,25 +97,6 @@ TEST(DrawNormalAround, StaysNearAndFacesTheCamera) {
   }
 }
 
-TEST(PlaneSampling, DependsOnTheStreamAlone) {
-  Philox first(4, 5, 6);
-  Philox second(4, 5, 6);
-  Philox other(4, 5, 7);
-  const Vec3f normal = {0.f, 0.f, -1.f};
-  int num_equal = 0;
-  for (int i = 0; i < 100; ++i) {
-    const float depth = kBounds.Draw(&first);
-    ASSERT_EQ(depth, kBounds.Draw(&second));
-    num_equal += depth == kBounds.Draw(&other) ? 1 : 0;
-    ASSERT_EQ(kBounds.DrawAround(5.f, 0.1f, &first),
-              kBounds.DrawAround(5.f, 0.1f, &second));
-    ASSERT_EQ(DrawNormal(kRay, &first), DrawNormal(kRay, &second));
-    ASSERT_EQ(DrawNormalAround(normal, 0.1f, kRay, &first),
-              DrawNormalAround(normal, 0.1f, kRay, &second));
-  }
-  EXPECT_LT(num_equal, 5);
-}
-
 constexpr int kSize = 64;
 constexpr int kMiddle = 32;
 
@@ -170,11 +152,9 @@ TEST(BestOfArea, FindsTheLowestCostWhereverItIs) {
 
 TEST(BestOfArea, TakesWhatOfTheAreaIsInTheImage) {
   Image<float> costs(kSize, kSize);
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = 0; x < kSize; ++x) {
-      costs(x, y) = static_cast<float>(x + y);
-    }
-  }
+  ForEachPixel(kSize, kSize, [&](int x, int y) {
+    costs(x, y) = static_cast<float>(x + y);
+  });
   for (int y = 0; y < kSize; ++y) {
     for (int area = 0; area < kNumPropagationAreas; ++area) {
       PixelOffset best = {-1, -1};

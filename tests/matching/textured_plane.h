@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "tests/matching/gray_pairs.h"
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/test_device.h"
 
@@ -92,18 +93,15 @@ class TexturedPlane {
     const Eigen::Vector3d normal(
         plane_.normal.x, plane_.normal.y, plane_.normal.z);
     const Eigen::Vector3d center = camera.Center();
-    for (int y = 0; y < camera.height; ++y) {
-      for (int x = 0; x < camera.width; ++x) {
-        const Eigen::Vector3d ray =
-            camera.rotation.transpose() *
-            Eigen::Vector3d(
-                (x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1.0);
-        const double z =
-            -(normal.dot(center) + plane_.offset) / normal.dot(ray);
-        depth(x, y) = z > 0.0 ? static_cast<float>(z) : 0.f;
-        gray(x, y) = Texture(center + z * ray);
-      }
-    }
+    ForEachPixel(camera.width, camera.height, [&](int x, int y) {
+      const Eigen::Vector3d ray =
+          camera.rotation.transpose() *
+          Eigen::Vector3d(
+              (x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1.0);
+      const double z = -(normal.dot(center) + plane_.offset) / normal.dot(ray);
+      depth(x, y) = z > 0.0 ? static_cast<float>(z) : 0.f;
+      gray(x, y) = Texture(center + z * ray);
+    });
     return {std::move(gray), std::move(depth)};
   }
 

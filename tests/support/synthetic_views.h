@@ -3,32 +3,48 @@
 
 #pragma once
 
-// A slanted wall seen by five cameras, as the stages get it.
+// Planes seen by five cameras, as the stages get them.
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "tests/support/synthetic_scene.h"
 
 namespace tsar {
 
+// A surface; points are in the frame of the first camera.
+struct DrawnPart {
+  Plane plane;
+  // Which points of the plane there are.
+  std::function<bool(const Vec3f& point)> holds;
+  // Without texture. There the maps hold nothing or, in one pixel of ten, a
+  // wrong depth.
+  std::function<bool(const Vec3f& point)> is_bare;
+};
+
 struct SyntheticViewsOptions {
   int width = 96;
   int height = 72;
-  // A rectangle in the middle of the first image has no texture; there the maps
-  // hold nothing or, in one pixel of ten, a wrong depth.
+  // Empty: a slanted wall.
+  std::vector<DrawnPart> parts;
+  // Whether that wall has a bare rectangle in the middle of the first image.
   bool has_bare_part = true;
+  // By how much the texture moves along x and y per unit of depth.
+  float shear_x = 0.f;
+  float shear_y = 0.f;
   // The spread of the other depths, to either side.
   float noise = 1e-3f;
 };
 
 struct SyntheticViews {
   std::vector<ViewData> views;  // The first is the reference.
-  Plane wall;
+  Plane wall;                   // Where there are no other parts.
+  std::vector<Image<float>> truths;
   Image<float> truth;  // Depths of the reference.
 
   std::vector<const ViewData*> Sources() const {
@@ -58,7 +74,13 @@ inline SyntheticViews MakeSyntheticViews(const SyntheticViewsOptions& options) {
       options.width, options.height, std::max(options.width, options.height));
   constexpr float kDepth = 5.f;
   drawn.wall = DrawnPlane({0.2f, -0.1f, -1.f}, kDepth);
-  drawn.truth = DrawDepth(drawn.wall, camera);
+  std::vector<DrawnPart> parts = options.parts;
+  if (parts.empty()) {
+    const auto is_bare = [has = options.has_bare_part](const Vec3f& point) {
+      return has && SyntheticViews::IsBare(point);
+    };
+    parts = {{drawn.wall, [](const Vec3f&) { return true; }, is_bare}};
+  }
   const float pixels_per_unit = static_cast<float>(camera.fx) / kDepth;
   const Intrinsics intrinsics = camera.GetIntrinsics();
   for (const Vec3f& center : {Vec3f{0.f, 0.f, 0.f},
@@ -74,18 +96,31 @@ inline SyntheticViews MakeSyntheticViews(const SyntheticViewsOptions& options) {
     view.depth = Image<float>(options.width, options.height);
     view.normal = Image<Vec3f>(options.width, options.height);
     view.is_to_refine = Image<uint8_t>(options.width, options.height);
-    const Plane wall{drawn.wall.normal,
-                     drawn.wall.offset + Dot(drawn.wall.normal, center)};
+    Image<float> truth(options.width, options.height);
     for (int y = 0; y < options.height; ++y) {
       for (int x = 0; x < options.width; ++x) {
         const Vec3f ray = intrinsics.Ray(x, y);
-        const float z = wall.Depth(ray);
-        const Vec3f point = z * ray + center;
-        const bool bare =
-            options.has_bare_part && SyntheticViews::IsBare(point);
-        const float level = bare ? 200.f
-                                 : DrawnTexture(point.x * pixels_per_unit,
-                                                point.y * pixels_per_unit);
+        const DrawnPart* hit = nullptr;
+        Vec3f point;
+        float z = 0.f;
+        for (const DrawnPart& part : parts) {
+          const Plane plane{part.plane.normal,
+                            part.plane.offset + Dot(part.plane.normal, center)};
+          const float of_part = plane.Depth(ray);
+          if (of_part > 0.f && (hit == nullptr || of_part < z) &&
+              part.holds(of_part * ray + center)) {
+            hit = &part;
+            z = of_part;
+            point = of_part * ray + center;
+          }
+        }
+        truth(x, y) = z;
+        const bool bare = hit->is_bare(point);
+        const float level =
+            bare ? 200.f
+                 : DrawnTexture(
+                       (point.x + options.shear_x * point.z) * pixels_per_unit,
+                       (point.y + options.shear_y * point.z) * pixels_per_unit);
         const auto byte = static_cast<uint8_t>(std::lround(level));
         view.color(x, y) = {byte, byte, byte};
         const float choice = random.NextFloat();
@@ -95,13 +130,15 @@ inline SyntheticViews MakeSyntheticViews(const SyntheticViewsOptions& options) {
           depth = choice < 0.1f ? z * (1.f + 0.3f * spread) : 0.f;
         }
         view.depth(x, y) = depth;
-        view.normal(x, y) = depth > 0.f ? wall.normal : Vec3f{};
+        view.normal(x, y) = depth > 0.f ? hit->plane.normal : Vec3f{};
         view.is_to_refine(x, y) = depth > 0.f ? 1 : 0;
         view.num_depths_to_refine += view.is_to_refine(x, y);
       }
     }
     drawn.views.push_back(std::move(view));
+    drawn.truths.push_back(std::move(truth));
   }
+  drawn.truth = drawn.truths[0];
   return drawn;
 }
 

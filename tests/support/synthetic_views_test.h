@@ -5,11 +5,19 @@
 
 // Drawn views to be refined, and what must hold for the maps.
 
-#include "colmap_tsar/compose/refine_image.h"
+#include "colmap_tsar/compose/compose_image.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "tests/support/find_scene_in.h"
+#include "tests/support/observe_image.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -29,6 +37,41 @@ class SyntheticViewsTest : public testing::Test {
   bool IsBare(int x, int y) const {
     return SyntheticViews::IsBare(
         drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
+  }
+  // The first so many views, with all others as their sources.
+  std::vector<std::unique_ptr<ViewEvidence>> Observe(
+      size_t num_views, const RefineOptions& options = {}) const {
+    std::vector<std::unique_ptr<ViewEvidence>> evidence;
+    for (size_t i = 0; i < num_views; ++i) {
+      std::vector<const ViewData*> sources;
+      for (const ViewData& view : drawn_.views) {
+        if (&view != &drawn_.views[i]) {
+          sources.push_back(&view);
+        }
+      }
+      RefineResult result = ObserveImage(drawn_.views[i],
+                                         UploadViews(sources, *device_),
+                                         static_cast<uint32_t>(i),
+                                         options,
+                                         *device_);
+      EXPECT_TRUE(result.maps.depth.Empty());
+      evidence.push_back(std::move(result.evidence));
+    }
+    return evidence;
+  }
+  RefineResult Compose(
+      const std::vector<std::unique_ptr<ViewEvidence>>& evidence,
+      const RefineOptions& options = {}) const {
+    std::vector<ObservedView> views;
+    for (size_t i = 0; i < evidence.size(); ++i) {
+      views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
+    }
+    return ComposeImage(drawn_.views[0],
+                        UploadViews(drawn_.Sources(), *device_),
+                        views,
+                        FindSceneIn(views, options, *device_),
+                        options,
+                        *device_);
   }
   // What holds for the maps whatever the options.
   void ExpectSoundMaps(const RefinedMaps& maps) const {
@@ -51,6 +94,49 @@ class SyntheticViewsTest : public testing::Test {
         }
       }
     }
+  }
+  // What holds for the part without texture: it gets the wall's plane.
+  void ExpectBarePartIsFilled(const RefinedMaps& maps) const {
+    int num_bare = 0;
+    int num_right = 0;
+    for (int y = 0; y < maps.depth.Height(); ++y) {
+      for (int x = 0; x < maps.depth.Width(); ++x) {
+        if (IsBare(x, y)) {
+          ++num_bare;
+          num_right +=
+              RelativeError(maps.depth, x, y) < 5e-3f &&
+                      AngleBetween(maps.normal(x, y), drawn_.wall.normal) < 2.f
+                  ? 1
+                  : 0;
+        }
+      }
+    }
+    ASSERT_GT(num_bare, 500);
+    EXPECT_GT(num_right, 0.95 * num_bare);
+  }
+  // refine: of every bool among the options, turned, but for one of this name.
+  void ExpectSoundMapsOfEverySwitch(
+      const std::function<RefineResult(const RefineOptions&)>& refine,
+      const std::string& left_out = "") const {
+    RefineOptions list;
+    const size_t num_fields = ListRefineFields(&list).size();
+    int num_switches = 0;
+    for (size_t i = 0; i < num_fields; ++i) {
+      RefineOptions options;
+      const RefineField field = ListRefineFields(&options)[i];
+      if (!std::holds_alternative<bool*>(field.value) ||
+          field.name == left_out) {
+        continue;
+      }
+      bool* value = std::get<bool*>(field.value);
+      *value = !*value;
+      SCOPED_TRACE(field.name);
+      const RefineResult result = refine(options);
+      ExpectSoundMaps(result.maps);
+      EXPECT_EQ(result.reason_to_keep, "");
+      ++num_switches;
+    }
+    EXPECT_GT(num_switches, 8);
   }
   // scale: of the depths of b, relative to those of a.
   static void ExpectSameMaps(const RefinedMaps& a,

@@ -22,11 +22,11 @@ struct Composed {
   Provenance provenance = Provenance::kNone;
 };
 
-// One pixel. On the planes of the options, 1 % of the depth is the limit.
+// One pixel. Of one surface is what differs by 1 % of a depth of 4 at most.
 class ComposeTest : public testing::Test {
  protected:
   ComposeTest() : device_(CreateTestDevice(1)) {
-    options_.on_plane = {0.01f, 0.f};
+    scale_.error_per_depth = 0.0025f;
   }
 
   // Depths; 0 stands for none.
@@ -38,8 +38,7 @@ class ComposeTest : public testing::Test {
     const ComposedMap map = ComposeMap(
         OwnMap(own),
         {on_device_(mask), Raster(superpixel_plane), Raster(region_plane)},
-        {},
-        options_,
+        scale_,
         *device_);
     return {map.map.depth.ToHost()(0, 0),
             map.map.normal.ToHost()(0, 0),
@@ -73,7 +72,7 @@ class ComposeTest : public testing::Test {
 
   std::unique_ptr<Device> device_;
   DeviceCopies on_device_{*device_};
-  ComposeOptions options_;
+  DisparityScale scale_;
 };
 
 TEST_F(ComposeTest, MeasurementsMoveOntoThePlaneTheyLieOn) {
@@ -139,26 +138,11 @@ TEST_F(ComposeTest, AConfirmedDepthStandsWithoutTrust) {
     const ComposedMap map =
         ComposeMap(OwnMap(4.f),
                    {on_device_(trusted), {}, region, on_device_(confirmations)},
-                   {},
-                   options_,
+                   scale_,
                    *device_);
     EXPECT_EQ(map.map.depth.ToHost()(0, 0),
               confirmation == Confirmation::kNone ? 5.f : 4.f);
   }
-}
-
-TEST_F(ComposeTest, MarksOnlyWhatWasFilled) {
-  Image<uint8_t> provenance(3, 1);
-  provenance(0, 0) = static_cast<uint8_t>(Provenance::kMeasured);
-  Image<uint8_t> filled(3, 1);
-  filled(1, 0) = 1;
-  ComposedMap map{DepthNormalImages(*device_, 3, 1),
-                  DeviceImage<uint8_t>(*device_, provenance)};
-  MarkInterpolated(on_device_(filled), &map, *device_);
-  provenance = map.provenance.ToHost();
-  EXPECT_EQ(provenance(0, 0), static_cast<uint8_t>(Provenance::kMeasured));
-  EXPECT_EQ(provenance(1, 0), static_cast<uint8_t>(Provenance::kInterpolated));
-  EXPECT_EQ(provenance(2, 0), static_cast<uint8_t>(Provenance::kNone));
 }
 
 // The confidence of each provenance, in the order of their numbers.

@@ -17,20 +17,15 @@ namespace {
 TEST(StageOptions, KeyRandomNumbersByImageAndSeed) {
   RefineOptions options;
   options.seed = 7;
-  const GroupPlaneOptions superpixels =
-      MakeCorrelationOptions(options, 3).planes.ransac;
-  const GroupPlaneOptions regions =
+  const GroupPlaneOptions ransac =
       MakeRegionPlaneOptions(options, 1.0, 3).ransac;
-  for (const GroupPlaneOptions& ransac : {superpixels, regions}) {
-    EXPECT_EQ(ransac.image_id, 3u);
-    EXPECT_EQ(ransac.seed, 7u);
-  }
+  EXPECT_EQ(ransac.image_id, 3u);
+  EXPECT_EQ(ransac.seed, 7u);
 }
 
 // What the paper has and the default has not reaches its stage.
 TEST(StageOptions, OfThePaper) {
   const RefineOptions paper = PresetOptions(RefinePreset::kPaper);
-  EXPECT_TRUE(MakeCorrelationOptions(paper, 1).readmit_filtered);
   const RegionPlaneOptions regions = MakeRegionPlaneOptions(paper, 1.0, 1);
   EXPECT_EQ(regions.max_planes, 1);
   EXPECT_FALSE(regions.use_core);

@@ -28,7 +28,7 @@ Image<float> WithoutUndefined(Image<float> costs) {
   return costs;
 }
 
-StereoMaps ToHost(const PlaneMaps& maps) {
+StereoMaps ToHost(const DepthNormalImages& maps) {
   StereoMaps host;
   host.depth = maps.depth.ToHost();
   host.normal = maps.normal.ToHost();
@@ -43,7 +43,7 @@ StereoMaps ToHost(const PlaneMaps& maps) {
 
 StereoMaps ToHostWithCosts(ReferenceView reference,
                            const Buffer<SourceView>& sources,
-                           const PlaneMaps& maps,
+                           const DepthNormalImages& maps,
                            Device& device) {
   reference.depth = maps.depth.View();
   reference.normal = maps.normal.View();
@@ -107,7 +107,7 @@ StereoMaps MatchImage(const ViewData& reference,
             .planes;
   }
   const ReferenceView view = views.Reference(0);
-  const PlaneMaps maps =
+  const DepthNormalImages maps =
       MapsFromPlanes(view.intrinsics, std::as_const(planes).View(), device);
   return ToHostWithCosts(view, views.Sources(0), maps, device);
 }
@@ -134,7 +134,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
     holes = DeviceImage<uint8_t>(device, HolesOf(reference.depth));
     inputs.keeps_plane = std::as_const(holes).View();
   }
-  PlaneMaps maps = UpdateMaps(reference, inputs, search, device);
+  DepthNormalImages maps = UpdateMaps(reference, inputs, search, device);
   if (pass + 1 < options.num_geometric_passes) {
     return ToHost(maps);
   }

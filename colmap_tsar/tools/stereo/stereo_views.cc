@@ -89,10 +89,10 @@ uint32_t StreamOf(uint32_t image_stream, int use) {
   return image_stream + static_cast<uint32_t>(use) * 0x9E3779B9u;
 }
 
-PlaneMaps UpdateMaps(const ViewData& view,
-                     const PatchMatchInputs& inputs,
-                     const PatchMatchOptions& search,
-                     Device& device) {
+DepthNormalImages UpdateMaps(const ViewData& view,
+                             const PatchMatchInputs& inputs,
+                             const PatchMatchOptions& search,
+                             Device& device) {
   const Intrinsics& intrinsics = inputs.reference.intrinsics;
   const DeviceImage<float> depth(device, view.depth);
   const DeviceImage<Vec3f> normal(device, view.normal);
@@ -122,7 +122,7 @@ void FilterMaps(const PatchMatchInputs& inputs,
                 const HypothesisFilterOptions& filter,
                 bool smooth_normals,
                 Device& device,
-                PlaneMaps* maps) {
+                DepthNormalImages* maps) {
   ReferenceView view = inputs.reference;
   view.depth = std::as_const(maps->depth).View();
   view.normal = std::as_const(maps->normal).View();
@@ -131,7 +131,6 @@ void FilterMaps(const PatchMatchInputs& inputs,
     maps->normal = SmoothNormals(view.intrinsics,
                                  std::as_const(maps->depth).View(),
                                  std::as_const(maps->normal).View(),
-                                 {},
                                  device);
   }
 }

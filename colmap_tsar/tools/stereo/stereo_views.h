@@ -60,10 +60,10 @@ uint32_t StreamOf(uint32_t image_stream, int use);
 
 // Runs PatchMatch from the depth and normal of `view`, those of the previous
 // pass. inputs: those with this view as reference.
-PlaneMaps UpdateMaps(const ViewData& view,
-                     const PatchMatchInputs& inputs,
-                     const PatchMatchOptions& search,
-                     Device& device);
+DepthNormalImages UpdateMaps(const ViewData& view,
+                             const PatchMatchInputs& inputs,
+                             const PatchMatchOptions& search,
+                             Device& device);
 
 // The options of the filter for an image with num_sources sources.
 HypothesisFilterOptions FilterOptions(const StereoOptions& options,
@@ -74,6 +74,6 @@ void FilterMaps(const PatchMatchInputs& inputs,
                 const HypothesisFilterOptions& filter,
                 bool smooth_normals,
                 Device& device,
-                PlaneMaps* maps);
+                DepthNormalImages* maps);
 
 }  // namespace tsar

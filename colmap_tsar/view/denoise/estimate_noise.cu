@@ -88,8 +88,7 @@ struct Bin {
   double weight = 0.0;
 };
 
-std::vector<Bin> FlattestOfEachBin(const std::vector<BlockStatistics>& blocks,
-                                   int degrees_of_freedom) {
+std::vector<Bin> FlattestOfEachBin(const std::vector<BlockStatistics>& blocks) {
   std::vector<std::vector<BlockStatistics>> members(kNumBins);
   for (const BlockStatistics& block : blocks) {
     if (block.mean >= kMinLevel && block.mean <= kMaxLevel) {
@@ -97,7 +96,7 @@ std::vector<Bin> FlattestOfEachBin(const std::vector<BlockStatistics>& blocks,
           block);
     }
   }
-  const double scatter = std::sqrt(2.0 / degrees_of_freedom);
+  const double scatter = std::sqrt(2.0 / kDegreesOfFreedom);
   std::vector<Bin> bins;
   for (std::vector<BlockStatistics>& of_bin : members) {
     if (of_bin.size() < kMinBlocksOfBin) {
@@ -151,12 +150,11 @@ NoiseCurve EstimateNoise(ImageView<const float> gray, Device& device) {
               blocks.Height(),
               BlockKernel{gray, blocks.View()});
   const Image<BlockStatistics> on_host = blocks.ToHost();
-  return FitNoiseCurve({on_host.begin(), on_host.end()}, kDegreesOfFreedom);
+  return FitNoiseCurve({on_host.begin(), on_host.end()});
 }
 
-NoiseCurve FitNoiseCurve(const std::vector<BlockStatistics>& blocks,
-                         int degrees_of_freedom) {
-  const std::vector<Bin> bins = FlattestOfEachBin(blocks, degrees_of_freedom);
+NoiseCurve FitNoiseCurve(const std::vector<BlockStatistics>& blocks) {
+  const std::vector<Bin> bins = FlattestOfEachBin(blocks);
   double constant = kQuantizationVariance;
   double per_level = 0.0;
   double least = Cost(bins, constant, per_level);

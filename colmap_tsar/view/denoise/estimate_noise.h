@@ -34,9 +34,8 @@ struct BlockStatistics {
 // Fits the curve to the variances of the flattest blocks of every brightness,
 // which hold noise alone. Blocks of underexposed or overexposed areas, where
 // levels are clipped, are ignored. Without any others, the result is the noise
-// of rounding to 8 bits. degrees_of_freedom: those of each block's variance.
-NoiseCurve FitNoiseCurve(const std::vector<BlockStatistics>& blocks,
-                         int degrees_of_freedom);
+// of rounding to 8 bits.
+NoiseCurve FitNoiseCurve(const std::vector<BlockStatistics>& blocks);
 
 // Estimates the noise of a gray image (0-255) from its flattest blocks of 8 x 8
 // pixels. Compression and resizing correlate the noise of adjacent pixels,

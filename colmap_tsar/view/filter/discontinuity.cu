@@ -12,6 +12,14 @@
 namespace tsar {
 namespace {
 
+// Layers k = 1 ... kNumLayers, each half as wide as the one before.
+constexpr int kNumLayers = 3;
+// t_d = kMaxStep * 2^k: neighbors closer in disparity are connected (paper
+// pixels).
+constexpr float kMaxStep = 3.f;
+// t_n = kMinSize * 2^k: components with more pixels of their layer are kept.
+constexpr int kMinSize = 5;
+
 // Computes one layer: the valid pixel nearest to the center of each block. An
 // average would invent disparities between the two sides of an edge.
 struct ReduceDisparityKernel {
@@ -96,17 +104,16 @@ struct AddLayerKernel {
 
 DeviceImage<float> ComputeDiscontinuity(ImageView<const float> depth,
                                         const DisparityScale& scale,
-                                        const DiscontinuityOptions& options,
                                         Device& device) {
   DeviceImage<float> score(device, depth.width, depth.height);
   Fill(device, score.View().data, depth.NumPixels(), 0.f);
-  for (int k = 1; k <= options.num_layers; ++k) {
+  for (int k = 1; k <= kNumLayers; ++k) {
     const int block = 1 << k;
     const int width = (depth.width + block - 1) / block;
     const int height = (depth.height + block - 1) / block;
     const DeviceImage<float> disparity = MapPixels<float>(
         device, width, height, ReduceDisparityKernel{depth, scale, block});
-    const float max_step = options.max_step * block;
+    const float max_step = kMaxStep * block;
     DeviceImage<int> labels(device, width, height);
     LabelComponents(device,
                     ContinuousDisparity{disparity.View().data, max_step},
@@ -126,7 +133,7 @@ DeviceImage<float> ComputeDiscontinuity(ImageView<const float> depth,
                                labels.View(),
                                sizes.Data(),
                                max_step,
-                               options.min_size * block,
+                               kMinSize * block,
                                1.f / k,
                                score.View()});
   }

@@ -34,6 +34,12 @@ struct RobertsKernel {
 
 constexpr int kNumAngles = 180;
 constexpr int kThreadsPerAngle = 2048;
+// epsilon: the least number of edge pixels that vote for a line.
+constexpr int kMinVotes = 5;
+// The longest gap as a share of the segment's length.
+constexpr float kMaxGapShare = 0.1f;
+// The least length of segments as a share of the image's shorter side.
+constexpr float kMinLengthShare = 1.f / 30.f;
 constexpr double kPi = 3.14159265358979323846;
 
 // A unit vector.
@@ -166,7 +172,7 @@ struct DrawKernel {
   ImageView<const uint8_t> edges;
   Accumulator accumulator;
   ImageView<const int> lines;
-  HoughOptions options;
+  int max_gap;
   float min_length;
   ImageView<uint8_t> drawn;
 
@@ -221,8 +227,8 @@ struct DrawKernel {
       // A pixel's step is always allowed: lines of one pixel's width have none
       // in rows where rounding moves them aside.
       const float longest_gap =
-          fminf(fmaxf(options.max_gap_share * (behind + reached + 1), 1.f),
-                static_cast<float>(options.max_gap));
+          fminf(fmaxf(kMaxGapShare * (behind + reached + 1), 1.f),
+                static_cast<float>(max_gap));
       if (step - reached > longest_gap) {
         return reached;
       }
@@ -242,7 +248,7 @@ DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
 }
 
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
-                                      const HoughOptions& options,
+                                      int max_gap,
                                       Device& device) {
   const int64_t count = static_cast<int64_t>(edges.NumPixels());
   Buffer<int> is_edge(device, edges.NumPixels());
@@ -269,22 +275,20 @@ DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
               kNumAngles,
               VoteKernel{pixels.Data(), num_edges, num_threads, accumulator});
   DeviceImage<int> lines(device, edges.width, edges.height);
-  ParallelFor(
-      device,
-      num_edges,
-      ElectKernel{pixels.Data(), accumulator, options.min_votes, lines.View()});
+  ParallelFor(device,
+              num_edges,
+              ElectKernel{pixels.Data(), accumulator, kMinVotes, lines.View()});
   DeviceImage<uint8_t> drawn(device, edges.width, edges.height);
   Copy(device, edges.data, edges.NumPixels(), drawn.View().data);
-  ParallelFor(
-      device,
-      num_edges,
-      DrawKernel{pixels.Data(),
-                 edges,
-                 accumulator,
-                 lines.View(),
-                 options,
-                 options.min_length_share * std::min(edges.width, edges.height),
-                 drawn.View()});
+  ParallelFor(device,
+              num_edges,
+              DrawKernel{pixels.Data(),
+                         edges,
+                         accumulator,
+                         lines.View(),
+                         max_gap,
+                         kMinLengthShare * std::min(edges.width, edges.height),
+                         drawn.View()});
   return drawn;
 }
 

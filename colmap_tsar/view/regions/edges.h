@@ -17,26 +17,16 @@ DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
                                         float threshold,
                                         Device& device);
 
-struct HoughOptions {
-  // epsilon: the least number of edge pixels that vote for a line.
-  int min_votes = 5;
-  // upsilon: the longest gap between two pieces of a segment, in pixels.
-  int max_gap = 15;
-  // The longest gap as a share of the segment's length.
-  float max_gap_share = 0.1f;
-  // Segments shorter than this share of the image's shorter side are dropped.
-  float min_length_share = 1.f / 30.f;
-};
-
 // The edges together with the straight segments through them, by a Hough
 // transform: every edge pixel votes for all lines through it and then takes the
-// one with most votes. If it has min_votes, the first of adjacent pixels on one
-// line follows it in both directions over gaps of at most t_c = min(0.1 *
-// length, max_gap), and draws the segment that it finds. Segments are
-// 8-connected, which keeps 4-connected regions apart. Both images are nonzero
-// on edges.
+// one with most votes. If it has five, the first of adjacent pixels on one line
+// follows it in both directions over gaps of at most t_c = min(0.1 * length,
+// max_gap), and draws the segment that it finds, unless that is shorter than a
+// thirtieth of the image's shorter side. Segments are 8-connected, which keeps
+// 4-connected regions apart. Both images are nonzero on edges. max_gap,
+// upsilon: in pixels.
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
-                                      const HoughOptions& options,
+                                      int max_gap,
                                       Device& device);
 
 }  // namespace tsar

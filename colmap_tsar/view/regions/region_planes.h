@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/view/planes/group_planes.h"
 #include "colmap_tsar/view/regions/regions.h"
 
@@ -69,5 +68,16 @@ RegionPlanes FitRegionPlanes(const Regions& regions,
                              const DepthResolution& resolution,
                              const RegionPlaneOptions& options,
                              Device& device);
+
+// The plane of each pixel of a region: of several planes, the one with most
+// samples nearby. Invalid further from the plane's support than
+// max_extrapolation, and outside the regions.
+DeviceImage<Plane> AssignRegionPlanes(const Regions& regions,
+                                      const RegionPlanes& planes,
+                                      ImageView<const RayDepth> samples,
+                                      const Intrinsics& intrinsics,
+                                      const DepthResolution& resolution,
+                                      const RegionPlaneOptions& options,
+                                      Device& device);
 
 }  // namespace tsar

@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/view/superpixels/samples.h"
 
-#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_pixels.h"
 
 namespace tsar {
@@ -53,10 +52,10 @@ struct SampleKernel {
 
 struct ReduceNearestKernel {
   ImageView<const float> map;
-  ImageView<float> reduced;
+  ReducedRaster raster;
 
-  TSAR_HD void operator()(int x, int y) const {
-    reduced(x, y) = ValueOnMap(map, x, y, reduced.width, reduced.height);
+  TSAR_HD float operator()(int x, int y) const {
+    return ValueOnMap(map, x, y, raster.width, raster.height);
   }
 };
 
@@ -70,16 +69,6 @@ struct PlanesOfLabelsKernel {
     return label >= 0 ? planes[label] : Plane{};
   }
 };
-
-template <typename Label>
-DeviceImage<Plane> LookUpPlanes(ImageView<const Label> labels,
-                                const Buffer<Plane>& planes,
-                                Device& device) {
-  return MapPixels<Plane>(device,
-                          labels.width,
-                          labels.height,
-                          PlanesOfLabelsKernel<Label>{labels, planes.Data()});
-}
 
 // The pixels under a reduced pixel along one axis. Units are such that a pixel
 // is `size` and a reduced pixel `full_size` long, so that all overlaps are
@@ -104,11 +93,11 @@ struct Span {
 
 struct ReduceColorKernel {
   ImageView<const Rgb> color;
-  ImageView<Rgb> reduced;
+  ReducedRaster raster;
 
-  TSAR_HD void operator()(int x, int y) const {
-    const Span columns(x, color.width, reduced.width);
-    const Span rows(y, color.height, reduced.height);
+  TSAR_HD Rgb operator()(int x, int y) const {
+    const Span columns(x, color.width, raster.width);
+    const Span rows(y, color.height, raster.height);
     int64_t r = 0;
     int64_t g = 0;
     int64_t b = 0;
@@ -122,7 +111,7 @@ struct ReduceColorKernel {
       }
     }
     const int64_t area = static_cast<int64_t>(color.NumPixels());
-    reduced(x, y) = {Mean(r, area), Mean(g, area), Mean(b, area)};
+    return {Mean(r, area), Mean(g, area), Mean(b, area)};
   }
 
   TSAR_HD static uint8_t Mean(int64_t sum, int64_t area) {
@@ -148,35 +137,32 @@ DeviceImage<RayDepth> SampleMeasurements(ImageView<const float> depth,
 DeviceImage<float> ReduceNearest(ImageView<const float> map,
                                  const ReducedRaster& raster,
                                  Device& device) {
-  DeviceImage<float> reduced(device, raster.width, raster.height);
-  ParallelFor(device,
-              raster.width,
-              raster.height,
-              ReduceNearestKernel{map, reduced.View()});
-  return reduced;
+  return MapPixels<float>(
+      device, raster.width, raster.height, ReduceNearestKernel{map, raster});
 }
 
-DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
+template <typename Label>
+DeviceImage<Plane> PlanesOfLabels(ImageView<const Label> labels,
                                   const Buffer<Plane>& planes,
                                   Device& device) {
-  return LookUpPlanes(labels, planes, device);
+  return MapPixels<Plane>(device,
+                          labels.width,
+                          labels.height,
+                          PlanesOfLabelsKernel<Label>{labels, planes.Data()});
 }
 
-DeviceImage<Plane> PlanesOfLabels(ImageView<const uint16_t> labels,
-                                  const Buffer<Plane>& planes,
-                                  Device& device) {
-  return LookUpPlanes(labels, planes, device);
-}
+template DeviceImage<Plane> PlanesOfLabels(ImageView<const int>,
+                                           const Buffer<Plane>&,
+                                           Device&);
+template DeviceImage<Plane> PlanesOfLabels(ImageView<const uint16_t>,
+                                           const Buffer<Plane>&,
+                                           Device&);
 
 DeviceImage<Rgb> ReduceColor(ImageView<const Rgb> color,
                              const ReducedRaster& raster,
                              Device& device) {
-  DeviceImage<Rgb> reduced(device, raster.width, raster.height);
-  ParallelFor(device,
-              raster.width,
-              raster.height,
-              ReduceColorKernel{color, reduced.View()});
-  return reduced;
+  return MapPixels<Rgb>(
+      device, raster.width, raster.height, ReduceColorKernel{color, raster});
 }
 
 }  // namespace tsar

@@ -51,11 +51,10 @@ DeviceImage<float> ReduceNearest(ImageView<const float> map,
                                  const ReducedRaster& raster,
                                  Device& device);
 
-// The plane of each pixel's label; invalid if the label is negative.
-DeviceImage<Plane> PlanesOfLabels(ImageView<const int> labels,
-                                  const Buffer<Plane>& planes,
-                                  Device& device);
-DeviceImage<Plane> PlanesOfLabels(ImageView<const uint16_t> labels,
+// The plane of each pixel's label, an int or a uint16_t; invalid if the label
+// is negative.
+template <typename Label>
+DeviceImage<Plane> PlanesOfLabels(ImageView<const Label> labels,
                                   const Buffer<Plane>& planes,
                                   Device& device);
 

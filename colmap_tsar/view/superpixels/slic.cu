@@ -42,6 +42,10 @@ struct ClusterGrid {
   }
 };
 
+// The divisors of the color (CIELAB) and the spatial distance in Eq. 3.
+constexpr float kColorScale = 10.f;
+constexpr float kSpatialScale = 20.f;
+
 struct InitClusterKernel {
   ClusterGrid grid;
   ImageView<const Vec3f> lab;
@@ -300,11 +304,11 @@ struct RenameKernel {
 
 Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                ImageView<const float> score,
-                               const SlicOptions& options,
+                               int superpixel_size,
                                Device& device) {
   const int width = color.width;
   const int height = color.height;
-  const float step = std::sqrt(static_cast<float>(options.superpixel_size));
+  const float step = std::sqrt(static_cast<float>(superpixel_size));
   ClusterGrid grid;
   grid.columns = std::max(1, static_cast<int>(width / step + 0.5f));
   grid.rows = std::max(1, static_cast<int>(height / step + 0.5f));
@@ -321,15 +325,15 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
               grid.columns,
               grid.rows,
               InitClusterKernel{grid, lab.View(), score, clusters.Data()});
-  for (int i = 0; i < options.num_iterations; ++i) {
+  for (int i = 0; i < kNumSlicIterations; ++i) {
     ParallelFor(device,
                 width,
                 height,
                 AssignKernel{grid,
                              lab.View(),
                              clusters.Data(),
-                             1.f / options.color_scale,
-                             1.f / options.spatial_scale,
+                             1.f / kColorScale,
+                             1.f / kSpatialScale,
                              labels.View()});
     ParallelFor(device,
                 (width + kPieceWidth - 1) / kPieceWidth,
@@ -340,8 +344,7 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                 UpdateKernel{sums.Data(), clusters.Data()});
   }
   Superpixels superpixels;
-  superpixels.count =
-      MergeFragments(labels, MinSize(options.superpixel_size), device);
+  superpixels.count = MergeFragments(labels, MinSize(superpixel_size), device);
   superpixels.labels = std::move(labels);
   return superpixels;
 }

@@ -8,14 +8,7 @@
 
 namespace tsar {
 
-struct SlicOptions {
-  // S_sp: pixels per superpixel.
-  int superpixel_size = 400;
-  int num_iterations = 8;
-  // The divisors of the color (CIELAB) and the spatial distance in Eq. 3.
-  float color_scale = 10.f;
-  float spatial_scale = 20.f;
-};
+constexpr int kNumSlicIterations = 8;
 
 struct Superpixels {
   DeviceImage<int> labels;  // in [0, count)
@@ -27,10 +20,10 @@ struct Superpixels {
 // aggregated score of the cluster: badly matched clusters attract more pixels.
 // Every superpixel is 4-connected and holds at least a quarter of
 // superpixel_size and ten pixels, unless the whole image is smaller.
-// color: 0-255; score: n_aggr, same size.
+// color: 0-255; score: n_aggr, same size; superpixel_size, S_sp: in pixels.
 Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                ImageView<const float> score,
-                               const SlicOptions& options,
+                               int superpixel_size,
                                Device& device);
 
 // Turns nonnegative labels into ones whose segments are 4-connected and have at

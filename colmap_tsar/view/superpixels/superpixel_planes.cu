@@ -62,10 +62,11 @@ Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
                                   ImageView<const RayDepth> samples,
                                   const Intrinsics& intrinsics,
                                   const DisparityScale& scale,
-                                  const SuperpixelPlaneOptions& options,
+                                  float min_support,
+                                  const GroupPlaneOptions& ransac,
                                   Device& device) {
   const Buffer<GroupPlane> fits =
-      FitGroupPlanes(superpixels, samples, scale, options.ransac, device);
+      FitGroupPlanes(superpixels, samples, scale, ransac, device);
   Buffer<Plane> planes(device, superpixels.NumGroups());
   ParallelForTeams<32>(device,
                        superpixels.NumGroups(),
@@ -73,7 +74,7 @@ Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
                                     superpixels.View(),
                                     samples.width,
                                     intrinsics,
-                                    options.min_support,
+                                    min_support,
                                     planes.Data()});
   return planes;
 }

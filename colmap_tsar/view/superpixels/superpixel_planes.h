@@ -8,24 +8,20 @@
 
 namespace tsar {
 
-struct SuperpixelPlaneOptions {
-  // sigma: the least share of a superpixel's pixels that must be reliable, and
-  // of its reliable pixels that must lie on the plane.
-  float min_support = 0.3f;
-  // The tolerance of the inliers, t_k of Eq. 5, and the options of RANSAC.
-  GroupPlaneOptions ransac;
-};
-
 // The plane of each superpixel from its reliable samples; invalid where a
 // superpixel has too little support or its plane leaves [0.8 D_min, 1.2 D_max]
 // at the superpixel's center (Eq. 4; the bounds as printed enclose nothing).
 // superpixels: the pixels of each; samples: reliable measurements on their
-// raster, z = 0 elsewhere; intrinsics: those of that raster.
+// raster, z = 0 elsewhere; intrinsics: those of that raster. min_support,
+// sigma: the least share of a superpixel's pixels that must be reliable, and of
+// its reliable pixels that must lie on the plane. ransac.tolerance: t_k of Eq.
+// 5.
 Buffer<Plane> FitSuperpixelPlanes(const PixelGroups& superpixels,
                                   ImageView<const RayDepth> samples,
                                   const Intrinsics& intrinsics,
                                   const DisparityScale& scale,
-                                  const SuperpixelPlaneOptions& options,
+                                  float min_support,
+                                  const GroupPlaneOptions& ransac,
                                   Device& device);
 
 }  // namespace tsar

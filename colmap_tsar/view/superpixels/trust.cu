@@ -6,8 +6,6 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/view/superpixels/bilateral_kernel.cuh"
 
-#include <cmath>
-
 namespace tsar {
 namespace {
 
@@ -27,22 +25,6 @@ struct PixelGate {
     return (inverse_depth - inverse) * factor >= tolerance;
   }
 };
-
-// Whether a pixel is tested at all. One of score 0 would pass any gate, so it
-// must have been trusted before.
-TSAR_HD inline bool MayPass(const TrustGate& gate,
-                            int x,
-                            int y,
-                            bool was_trusted) {
-  return gate.own_depth(x, y) > 0.f &&
-         (was_trusted || (gate.readmit_filtered && gate.score(x, y) > 0.f));
-}
-
-TSAR_HD inline PixelGate MakePixelGate(const TrustGate& gate, int x, int y) {
-  return {1.f / gate.own_depth(x, y),
-          gate.scale.factor * gate.score(x, y),
-          gate.tolerance};
-}
 
 // The superpixel's plane where there is one, else the trusted pixel's own.
 struct EstimateKernel {
@@ -64,41 +46,31 @@ struct EstimateKernel {
   }
 };
 
-struct GateByPlanesKernel {
+// The estimate as it is.
+struct OwnEstimate {
   ImageView<const InverseDepthPlane> estimate;
-  Intrinsics intrinsics;
-  TrustGate gate;
-  ImageView<uint8_t> trusted;
 
-  TSAR_HD void operator()(int x, int y) const {
-    trusted(x, y) =
-        MayPass(gate, x, y, trusted(x, y) != 0) && Passes(x, y) ? 1 : 0;
-  }
-
-  TSAR_HD bool Passes(int x, int y) const {
-    const PixelGate pixel = MakePixelGate(gate, x, y);
-    const float inverse = Dot(estimate(x, y), intrinsics.Ray(x, y));
-    return inverse > 0.f && !pixel.IsNearer(inverse) &&
-           !pixel.IsFarther(inverse);
+  TSAR_HD bool Passes(const PixelGate& gate,
+                      const Vec3f& ray,
+                      int x,
+                      int y) const {
+    const float inverse = Dot(estimate(x, y), ray);
+    return inverse > 0.f && !gate.IsNearer(inverse) && !gate.IsFarther(inverse);
   }
 };
 
-struct GateByMedianKernel {
+// The estimate filtered by F_A, the weighted median of WeightedMedianFilter.
+// The weights on both sides of an interval tell whether it holds the median, so
+// that no median is computed.
+struct MedianEstimate {
   ImageView<const InverseDepthPlane> estimate;
   ImageView<const Rgb> color;
-  Intrinsics intrinsics;
   BilateralKernel taps;
-  TrustGate gate;
-  ImageView<uint8_t> trusted;
 
-  TSAR_HD void operator()(int x, int y) const {
-    trusted(x, y) =
-        MayPass(gate, x, y, trusted(x, y) != 0) && Passes(x, y) ? 1 : 0;
-  }
-
-  TSAR_HD bool Passes(int x, int y) const {
-    const PixelGate pixel = MakePixelGate(gate, x, y);
-    const Vec3f ray = intrinsics.Ray(x, y);
+  TSAR_HD bool Passes(const PixelGate& gate,
+                      const Vec3f& ray,
+                      int x,
+                      int y) const {
     const Rgb center = color(x, y);
     float total = 0.f;
     float nearer = 0.f;
@@ -120,8 +92,8 @@ struct GateByMedianKernel {
         const float weight =
             taps.Weight(column, row, center, color(tap_x, tap_y));
         total += weight;
-        nearer += pixel.IsNearer(inverse) ? weight : 0.f;
-        farther += pixel.IsFarther(inverse) ? weight : 0.f;
+        nearer += gate.IsNearer(inverse) ? weight : 0.f;
+        farther += gate.IsFarther(inverse) ? weight : 0.f;
       }
     }
     // The median is the nearest depth with half of the weight not beyond it.
@@ -129,33 +101,32 @@ struct GateByMedianKernel {
   }
 };
 
+template <typename Estimate>
+struct GateKernel {
+  ImageView<const float> own_depth;
+  Intrinsics intrinsics;
+  TrustGate gate;
+  Estimate estimate;
+  ImageView<uint8_t> trusted;
+
+  TSAR_HD void operator()(int x, int y) const {
+    // A pixel of score 0 would pass any gate, so it must have been trusted
+    // before.
+    const bool may_pass = own_depth(x, y) > 0.f &&
+                          (trusted(x, y) != 0 ||
+                           (gate.readmit_filtered && gate.score(x, y) > 0.f));
+    trusted(x, y) = may_pass && Passes(x, y) ? 1 : 0;
+  }
+
+  TSAR_HD bool Passes(int x, int y) const {
+    const PixelGate pixel{1.f / own_depth(x, y),
+                          gate.scale.factor * gate.score(x, y),
+                          gate.tolerance};
+    return estimate.Passes(pixel, intrinsics.Ray(x, y), x, y);
+  }
+};
+
 }  // namespace
-
-void GateByPlanes(ImageView<const InverseDepthPlane> estimate,
-                  const Intrinsics& intrinsics,
-                  const TrustGate& gate,
-                  ImageView<uint8_t> trusted,
-                  Device& device) {
-  ParallelFor(device,
-              trusted.width,
-              trusted.height,
-              GateByPlanesKernel{estimate, intrinsics, gate, trusted});
-}
-
-void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
-                          ImageView<const Rgb> color,
-                          const Intrinsics& intrinsics,
-                          const WeightedMedianOptions& options,
-                          const TrustGate& gate,
-                          ImageView<uint8_t> trusted,
-                          Device& device) {
-  const BilateralKernelTable table(options, device);
-  ParallelFor(device,
-              trusted.width,
-              trusted.height,
-              GateByMedianKernel{
-                  estimate, color, intrinsics, table.Taps(), gate, trusted});
-}
 
 void GateRound(const DepthNormalViews& own,
                const PlaneRaster& planes,
@@ -165,16 +136,27 @@ void GateRound(const DepthNormalViews& own,
                ImageView<InverseDepthPlane> estimate,
                ImageView<uint8_t> trusted,
                Device& device) {
-  ParallelFor(device,
-              trusted.width,
-              trusted.height,
-              EstimateKernel{own, planes, trusted, estimate});
-  if (filter != nullptr) {
-    GateByWeightedMedian(
-        estimate, color, planes.intrinsics, *filter, gate, trusted, device);
-  } else {
-    GateByPlanes(estimate, planes.intrinsics, gate, trusted, device);
+  const int width = trusted.width;
+  const int height = trusted.height;
+  ParallelFor(
+      device, width, height, EstimateKernel{own, planes, trusted, estimate});
+  if (filter == nullptr) {
+    ParallelFor(device,
+                width,
+                height,
+                GateKernel<OwnEstimate>{
+                    own.depth, planes.intrinsics, gate, {estimate}, trusted});
+    return;
   }
+  const BilateralKernelTable table(*filter, device);
+  ParallelFor(device,
+              width,
+              height,
+              GateKernel<MedianEstimate>{own.depth,
+                                         planes.intrinsics,
+                                         gate,
+                                         {estimate, color, table.Taps()},
+                                         trusted});
 }
 
 }  // namespace tsar

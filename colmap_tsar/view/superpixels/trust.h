@@ -29,39 +29,18 @@ TSAR_HD inline InverseDepthPlane ToInverseDepth(const Vec3f& ray,
 // The gate of Eq. 9: a pixel passes when its own disparity is within
 // tolerance / n_aggr of the estimate.
 struct TrustGate {
-  ImageView<const float> own_depth;  // 0 = none
-  ImageView<const float> score;      // n_aggr
+  ImageView<const float> score;  // n_aggr
   DisparityScale scale;
   float tolerance = 0.f;  // mu / N_c, in the paper's pixels
   // Whether pixels that are not trusted may pass, too.
   bool readmit_filtered = false;
 };
 
-// Sets trusted to 1 where the pixel passes the gate and to 0 elsewhere.
-// estimate: each pixel's estimated plane.
-void GateByPlanes(ImageView<const InverseDepthPlane> estimate,
-                  const Intrinsics& intrinsics,
-                  const TrustGate& gate,
-                  ImageView<uint8_t> trusted,
-                  Device& device);
-
-// GateByPlanes() with the estimate filtered by F_A, the weighted median of
-// WeightedMedianFilter. The weights on both sides of an interval tell whether
-// it holds the median, so that no median is computed. options: min_support is
-// ignored.
-void GateByWeightedMedian(ImageView<const InverseDepthPlane> estimate,
-                          ImageView<const Rgb> color,
-                          const Intrinsics& intrinsics,
-                          const WeightedMedianOptions& options,
-                          const TrustGate& gate,
-                          ImageView<uint8_t> trusted,
-                          Device& device);
-
-// A round of R1: trusts the pixels whose own
-// disparity passes the gate around the estimate (Eq. 9), which is the plane of
-// the superpixel, else the trusted pixel's own, filtered by F_A. planes: on the
-// map's pixels; filter: null for none; estimate: working memory; all of the
-// map's size. Changes trusted.
+// A round of R1: trusts the pixels whose own disparity passes the gate around
+// the estimate (Eq. 9), which is the plane of the superpixel, else the trusted
+// pixel's own, filtered by F_A. own: 0 = no depth; planes: on the map's pixels;
+// filter: null for none, its min_support is ignored; estimate: working memory;
+// all of the map's size. Changes trusted to 1 or 0.
 void GateRound(const DepthNormalViews& own,
                const PlaneRaster& planes,
                ImageView<const Rgb> color,

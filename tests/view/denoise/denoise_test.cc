@@ -9,6 +9,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "tests/support/for_each_pixel.h"
+#include "tests/support/same_bytes.h"
 #include "tests/support/test_device.h"
 #include "tests/view/denoise/drawn_noise.h"
 #include <gtest/gtest.h>
@@ -34,11 +36,9 @@ Image<float> DenoiseGray(const Image<Rgb>& color, double sigma) {
 // Root of the mean squared difference from a level, in these columns.
 double Deviation(const Image<float>& gray, double level, int from, int to) {
   double squares = 0.0;
-  for (int y = 0; y < gray.Height(); ++y) {
-    for (int x = from; x < to; ++x) {
-      squares += std::pow(gray(x, y) - level, 2);
-    }
-  }
+  ForEachPixel(from, to, 0, gray.Height(), [&](int x, int y) {
+    squares += std::pow(gray(x, y) - level, 2);
+  });
   return std::sqrt(squares / (gray.Height() * (to - from)));
 }
 
@@ -71,12 +71,10 @@ TEST(Denoise, KeepsAStepInPlace) {
   constexpr int kMiddle = 40;
   NormalNoise noise(5);
   Image<Rgb> color(80, 200);
-  for (int y = 0; y < color.Height(); ++y) {
-    for (int x = 0; x < color.Width(); ++x) {
-      color(x, y) = GrayPixel((x < kMiddle ? 100.0 : 100.0 + kStep) +
-                              kSigma * noise.Next());
-    }
-  }
+  ForEachPixel(color.Width(), color.Height(), [&](int x, int y) {
+    color(x, y) = GrayPixel((x < kMiddle ? 100.0 : 100.0 + kStep) +
+                            kSigma * noise.Next());
+  });
   const Image<float> denoised = DenoiseGray(color, kSigma);
   const double left = ColumnMean(denoised, kMiddle - 2);
   const double right = ColumnMean(denoised, kMiddle + 1);
@@ -89,13 +87,7 @@ TEST(Denoise, KeepsAStepInPlace) {
 }
 
 TEST(Denoise, LeavesTextureWithoutNoiseAsItIs) {
-  Philox random(6, 0, 0);
-  Image<Rgb> color(70, 50);
-  for (Rgb& pixel : color) {
-    pixel = {static_cast<uint8_t>(random.NextBelow(256)),
-             static_cast<uint8_t>(random.NextBelow(256)),
-             static_cast<uint8_t>(random.NextBelow(256))};
-  }
+  const Image<Rgb> color = DrawColors(70, 50, 6);
   const Image<Rgb> denoised =
       DenoiseOnCpu(color, ToGray(color), {1.f / 12.f, 0.f}, 2);
   for (size_t i = 0; i < color.NumPixels(); ++i) {
@@ -130,18 +122,10 @@ TEST(Denoise, BothFormsGiveTheSameBitsOnAnyNumberOfThreads) {
     Image<Rgb> by_pixel(width, height);
     const DenoisePixelKernel kernel{
         {color.View(), gray.View(), noise, by_pixel.View()}};
-    for (int y = 0; y < height; ++y) {
-      for (int x = 0; x < width; ++x) {
-        kernel(x, y);
-      }
-    }
+    ForEachPixel(width, height, [&](int x, int y) { kernel(x, y); });
     for (const int num_threads : {1, 3}) {
       const Image<Rgb> by_band = DenoiseOnCpu(color, gray, noise, num_threads);
-      for (size_t i = 0; i < color.NumPixels(); ++i) {
-        ASSERT_EQ(by_pixel.Data()[i].r, by_band.Data()[i].r) << i;
-        ASSERT_EQ(by_pixel.Data()[i].g, by_band.Data()[i].g) << i;
-        ASSERT_EQ(by_pixel.Data()[i].b, by_band.Data()[i].b) << i;
-      }
+      EXPECT_TRUE(SameBytes(by_pixel, by_band));
     }
   }
 }

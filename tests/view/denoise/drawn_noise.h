@@ -31,6 +31,18 @@ class NormalNoise {
   Philox random_;
 };
 
+// Any colors.
+inline Image<Rgb> DrawColors(int width, int height, uint32_t seed) {
+  Image<Rgb> color(width, height);
+  Philox random(seed, 0, 0);
+  for (Rgb& pixel : color) {
+    pixel = {static_cast<uint8_t>(random.NextBelow(256)),
+             static_cast<uint8_t>(random.NextBelow(256)),
+             static_cast<uint8_t>(random.NextBelow(256))};
+  }
+  return color;
+}
+
 inline uint8_t ToLevel(double level) {
   return static_cast<uint8_t>(std::clamp(level + 0.5, 0.0, 255.0));
 }

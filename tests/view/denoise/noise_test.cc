@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
 #include "tests/view/denoise/drawn_noise.h"
 #include <gtest/gtest.h>
@@ -32,11 +33,9 @@ TEST(EstimateNoise, MeasuresItBesideGradientsAndTexture) {
   for (const double sigma : {1.0, 2.0, 4.0, 8.0}) {
     NormalNoise noise(1);
     Image<float> gray(kWidth, kHeight);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        gray(x, y) = ToLevel(CleanLevel(x, y) + sigma * noise.Next());
-      }
-    }
+    ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+      gray(x, y) = ToLevel(CleanLevel(x, y) + sigma * noise.Next());
+    });
     EXPECT_NEAR(std::sqrt(Estimate(gray).Variance(128.f)), sigma, 0.15 * sigma);
   }
 }
@@ -50,30 +49,26 @@ TEST(EstimateNoise, MeasuresCorrelatedNoise) {
     value = 9.0 * noise.Next();
   }
   Image<float> gray(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      double sum = 0.0;
-      for (int v = 0; v < 3; ++v) {
-        for (int u = 0; u < 3; ++u) {
-          sum += drawn(x + u, y + v);
-        }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    double sum = 0.0;
+    for (int v = 0; v < 3; ++v) {
+      for (int u = 0; u < 3; ++u) {
+        sum += drawn(x + u, y + v);
       }
-      gray(x, y) = ToLevel(CleanLevel(x, y) + sum / 9.0);
     }
-  }
+    gray(x, y) = ToLevel(CleanLevel(x, y) + sum / 9.0);
+  });
   EXPECT_NEAR(std::sqrt(Estimate(gray).Variance(128.f)), 3.0, 0.6);
 }
 
 TEST(EstimateNoise, DoesNotTakeSmoothTextureForIt) {
   // Waves of six to fifteen pixels everywhere, of a standard deviation of 38.
   Image<float> gray(kWidth, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      gray(x, y) = ToLevel(128.0 + 40.0 * std::sin(0.9 * x + 0.2 * y) +
-                           30.0 * std::sin(0.61 * y - 0.35 * x + 1.0) +
-                           20.0 * std::sin(0.43 * x + 0.47 * y + 2.0));
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    gray(x, y) = ToLevel(128.0 + 40.0 * std::sin(0.9 * x + 0.2 * y) +
+                         30.0 * std::sin(0.61 * y - 0.35 * x + 1.0) +
+                         20.0 * std::sin(0.43 * x + 0.47 * y + 2.0));
+  });
   EXPECT_LT(std::sqrt(Estimate(gray).Variance(128.f)), 15.f);
 }
 
@@ -116,9 +111,7 @@ TEST(FitNoiseCurve, FindsTheCurveOfFlatBlocks) {
   for (const NoiseCurve& curve :
        {NoiseCurve{4.f, 0.f}, NoiseCurve{1.f, 0.1f}, NoiseCurve{20.f, 0.3f}}) {
     SCOPED_TRACE(curve.per_level);
-    ExpectCurve(
-        FitNoiseCurve(DrawBlocks(curve, 8000, 10.f, 245.f), kDegreesOfFreedom),
-        curve);
+    ExpectCurve(FitNoiseCurve(DrawBlocks(curve, 8000, 10.f, 245.f)), curve);
   }
 }
 
@@ -128,7 +121,7 @@ TEST(FitNoiseCurve, StaysBelowTexturedBlocks) {
   for (size_t i = 0; i < blocks.size(); i += 2) {
     blocks[i].variance += 100.f + 10.f * static_cast<float>(i % 7);
   }
-  const NoiseCurve fitted = FitNoiseCurve(blocks, kDegreesOfFreedom);
+  const NoiseCurve fitted = FitNoiseCurve(blocks);
   for (const float level : {20.f, 128.f, 240.f}) {
     // Its tenth part of the flattest blocks is a fifth of those without
     // texture.
@@ -143,7 +136,7 @@ TEST(FitNoiseCurve, IgnoresClippedBlocks) {
     blocks.push_back({2.f, 0.f});
     blocks.push_back({254.f, 0.f});
   }
-  ExpectCurve(FitNoiseCurve(blocks, kDegreesOfFreedom), curve);
+  ExpectCurve(FitNoiseCurve(blocks), curve);
 }
 
 TEST(FitNoiseCurve, NeverFallsWithTheLightNorBelowRounding) {
@@ -153,12 +146,10 @@ TEST(FitNoiseCurve, NeverFallsWithTheLightNorBelowRounding) {
   const std::vector<BlockStatistics> bright =
       DrawBlocks({1.f, 0.f}, 4000, 101.f, 245.f);
   blocks.insert(blocks.end(), bright.begin(), bright.end());
-  const NoiseCurve curve = FitNoiseCurve(blocks, kDegreesOfFreedom);
+  const NoiseCurve curve = FitNoiseCurve(blocks);
   EXPECT_GE(curve.per_level, 0.f);
   EXPECT_GE(curve.constant, kLeastVariance);
-  EXPECT_GE(FitNoiseCurve(DrawBlocks({0.f, 0.f}, 4000, 10.f, 245.f),
-                          kDegreesOfFreedom)
-                .constant,
+  EXPECT_GE(FitNoiseCurve(DrawBlocks({0.f, 0.f}, 4000, 10.f, 245.f)).constant,
             kLeastVariance);
 }
 

@@ -5,6 +5,7 @@
 
 #include <memory>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
 
@@ -18,11 +19,9 @@ constexpr NoiseCurve kNoise{1.f, 0.f};
 // Bare in the left half; columns of +- `contrast` levels in the right one.
 Image<float> HalfTextured(float contrast) {
   Image<float> gray(kSize, kSize, 100.f);
-  for (int y = 0; y < kSize; ++y) {
-    for (int x = kSize / 2; x < kSize; ++x) {
-      gray(x, y) += x % 2 == 0 ? contrast : -contrast;
-    }
-  }
+  ForEachPixel(kSize / 2, kSize, 0, kSize, [&](int x, int y) {
+    gray(x, y) += x % 2 == 0 ? contrast : -contrast;
+  });
   return gray;
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -35,18 +36,15 @@ class GroupPlanesTest : public testing::Test {
     const Image<float> first_depth = DrawDepth(first_, camera_);
     const Image<float> second_depth = DrawDepth(second_, camera_);
     Philox random(3, 0, 0);
-    for (int y = 0; y < kHeight - 1; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        labels_(x, y) = x < 25 ? 0 : x < 30 ? 1 : x < 35 ? 2 : 3;
-        if (labels_(x, y) == 0) {
-          depth_(x, y) = random.NextBelow(3) == 0
-                             ? 1.f + 9.f * random.NextFloat()
-                             : first_depth(x, y);
-        } else if (labels_(x, y) == 3) {
-          depth_(x, y) = second_depth(x, y);
-        }
+    ForEachPixel(kWidth, kHeight - 1, [&](int x, int y) {
+      labels_(x, y) = x < 25 ? 0 : x < 30 ? 1 : x < 35 ? 2 : 3;
+      if (labels_(x, y) == 0) {
+        depth_(x, y) = random.NextBelow(3) == 0 ? 1.f + 9.f * random.NextFloat()
+                                                : first_depth(x, y);
+      } else if (labels_(x, y) == 3) {
+        depth_(x, y) = second_depth(x, y);
       }
-    }
+    });
     depth_(31, 5) = 3.f;
     depth_(33, 9) = 5.f;
   }
@@ -90,12 +88,10 @@ TEST_F(GroupPlanesTest, CountsPixelsSamplesAndInliers) {
   EXPECT_EQ(fits[3].num_inliers, 25 * 39);
   float nearest = 100.f;
   float farthest = 0.f;
-  for (int y = 0; y < kHeight - 1; ++y) {
-    for (int x = 35; x < kWidth; ++x) {
-      nearest = std::min(nearest, depth_(x, y));
-      farthest = std::max(farthest, depth_(x, y));
-    }
-  }
+  ForEachPixel(35, kWidth, 0, kHeight - 1, [&](int x, int y) {
+    nearest = std::min(nearest, depth_(x, y));
+    farthest = std::max(farthest, depth_(x, y));
+  });
   EXPECT_EQ(fits[3].min_depth, nearest);
   EXPECT_EQ(fits[3].max_depth, farthest);
 }

@@ -86,18 +86,6 @@ TEST_F(PlaneUncertaintyTest, IsExceededByFitsWithARobustLossAsDocumented) {
   EXPECT_NEAR(MeasuredOverPredicted(OnPlane(-9., 4.), loss_scale), 1.37, 0.15);
 }
 
-TEST_F(PlaneUncertaintyTest, GrowsWithTheDistanceFromTheSupport) {
-  const PlaneUncertainty uncertainty =
-      ComputeUncertainty(plane_, observations_);
-  double last = 0.0;
-  for (const double distance : {0.0, 1.0, 2.0, 4.0, 8.0, 100.0}) {
-    const double sigma = uncertainty.Sigma(
-        uncertainty.center + distance * plane_.normal.unitOrthogonal());
-    EXPECT_GT(sigma, last);
-    last = sigma;
-  }
-}
-
 TEST_F(PlaneUncertaintyTest, IsInfiniteWhereNothingIsDetermined) {
   EXPECT_EQ(ComputeUncertainty(flat_, {}).Sigma({0.0, 0.0, 2.0}), kInfinity);
   const PlaneUncertainty of_one = ComputeUncertainty(flat_, {Above(1, 2, 0.1)});

@@ -4,11 +4,11 @@
 #include "colmap_tsar/view/regions/region_planes.h"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/view/regions/assign_region_planes.h"
 
 #include <cmath>
 #include <vector>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -32,12 +32,10 @@ class RegionPlanesTest : public testing::Test {
     source.translation.x() = 0.4;
     scale_ = ComputeDisparityScale(camera_, {source});
     Image<uint8_t> edges(kWidth, kHeight, 1);
-    for (int y = 25; y < 65; ++y) {
-      for (int x = 30; x < 90; ++x) {
-        edges(x, y) = 0;
-        depth_(x, y) = 0.f;
-      }
-    }
+    ForEachPixel(30, 90, 25, 65, [&](int x, int y) {
+      edges(x, y) = 0;
+      depth_(x, y) = 0.f;
+    });
     regions_ = FindRegions(DeviceCopies(*device_)(edges), 100, *device_);
   }
 
@@ -75,19 +73,17 @@ class RegionPlanesTest : public testing::Test {
     const Image<float> wall_depth = DrawDepth(wall_, camera_);
     const Image<float> frame_depth = DrawDepth(frames, camera_);
     Philox random(11, 0, 0);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const float choice = random.NextFloat();
-        const float noise = 6e-3f * (random.NextFloat() - 0.5f);
-        if (!InRegion(x, y)) {
-          depth_(x, y) = choice < 0.7f ? frame_depth(x, y) : wall_depth(x, y);
-        } else if (choice < 0.1f) {
-          depth_(x, y) = wall_depth(x, y) * (1.f + noise);
-        } else if (choice < 0.12f) {
-          depth_(x, y) = wall_depth(x, y) * (0.7f + 0.6f * random.NextFloat());
-        }
+    ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+      const float choice = random.NextFloat();
+      const float noise = 6e-3f * (random.NextFloat() - 0.5f);
+      if (!InRegion(x, y)) {
+        depth_(x, y) = choice < 0.7f ? frame_depth(x, y) : wall_depth(x, y);
+      } else if (choice < 0.1f) {
+        depth_(x, y) = wall_depth(x, y) * (1.f + noise);
+      } else if (choice < 0.12f) {
+        depth_(x, y) = wall_depth(x, y) * (0.7f + 0.6f * random.NextFloat());
       }
-    }
+    });
     return frames;
   }
   void ExpectWall(const Plane& plane) const {
@@ -108,11 +104,9 @@ TEST_F(RegionPlanesTest, TakesThePlaneOfTheRim) { ExpectWall(Fit()); }
 
 TEST_F(RegionPlanesTest, TakesThePlaneOfItsInside) {
   const Image<float> wall = DrawDepth(wall_, camera_);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      depth_(x, y) = InRegion(x, y) && (x + y) % 2 == 0 ? wall(x, y) : 0.f;
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    depth_(x, y) = InRegion(x, y) && (x + y) % 2 == 0 ? wall(x, y) : 0.f;
+  });
   ExpectWall(Fit());
 }
 
@@ -123,11 +117,8 @@ TEST_F(RegionPlanesTest, WithoutARimOnlyItsInsideCounts) {
   options.rim_width = 0;
   EXPECT_FALSE(Fit(options).Valid());
   const Image<float> wall = DrawDepth(wall_, camera_);
-  for (int y = 25; y < 65; ++y) {
-    for (int x = 30; x < 90; ++x) {
-      depth_(x, y) = wall(x, y);
-    }
-  }
+  ForEachPixel(
+      30, 90, 25, 65, [&](int x, int y) { depth_(x, y) = wall(x, y); });
   ExpectWall(Fit(options));
 }
 
@@ -154,13 +145,11 @@ TEST_F(RegionPlanesTest, DoesNotDependOnTheScenesScale) {
 
 TEST_F(RegionPlanesTest, IsNotBelievedFarFromItsSupport) {
   // Measured only on a short piece of the rim, at the left.
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      if (x >= 30 || y < 35 || y >= 55) {
-        depth_(x, y) = 0.f;
-      }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    if (x >= 30 || y < 35 || y >= 55) {
+      depth_(x, y) = 0.f;
     }
-  }
+  });
   const Image<Plane> pixels = Assign();
   EXPECT_TRUE(pixels(30, 45).Valid());
   EXPECT_FALSE(pixels(80, 45).Valid());
@@ -191,12 +180,10 @@ class CreasedRegionTest : public RegionPlanesTest {
         right_(DrawnPlane({-0.7f, 0.f, -1.f}, 4.f)) {
     const Image<float> left = DrawDepth(left_, camera_);
     const Image<float> right = DrawDepth(right_, camera_);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        const float z = x < kCrease ? left(x, y) : right(x, y);
-        depth_(x, y) = (2 * x + y) % 5 == 0 ? z : 0.f;
-      }
-    }
+    ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+      const float z = x < kCrease ? left(x, y) : right(x, y);
+      depth_(x, y) = (2 * x + y) % 5 == 0 ? z : 0.f;
+    });
   }
   void ExpectPlane(const Plane& plane, const Plane& expected) const {
     EXPECT_LT(AngleBetween(plane.normal, expected.normal), 0.3f);
@@ -219,16 +206,14 @@ TEST_F(CreasedRegionTest, BothPlanesAreFoundAndNoOther) {
 
 TEST_F(CreasedRegionTest, PixelsBesideTheCreaseHaveThePlaneOfTheirSide) {
   const Image<Plane> pixels = Assign();
-  for (int y = 25; y < 65; ++y) {
-    for (int x = 30; x < 90; ++x) {
-      ASSERT_TRUE(pixels(x, y).Valid()) << x << ", " << y;
-      if (std::abs(x - kCrease) > 6) {
-        const Plane& expected = x < kCrease ? left_ : right_;
-        ASSERT_LT(AngleBetween(pixels(x, y).normal, expected.normal), 0.3f)
-            << x << ", " << y;
-      }
+  ForEachPixel(30, 90, 25, 65, [&](int x, int y) {
+    ASSERT_TRUE(pixels(x, y).Valid()) << x << ", " << y;
+    if (std::abs(x - kCrease) > 6) {
+      const Plane& expected = x < kCrease ? left_ : right_;
+      ASSERT_LT(AngleBetween(pixels(x, y).normal, expected.normal), 0.3f)
+          << x << ", " << y;
     }
-  }
+  });
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -35,19 +36,15 @@ class RegionsTest : public testing::Test {
 
 TEST_F(RegionsTest, AreTheFieldsOfAGridInRasterOrder) {
   Image<uint8_t> edges(32, 24, 0);
-  for (int y = 0; y < 24; ++y) {
-    for (int x = 0; x < 32; ++x) {
-      edges(x, y) = x % 8 == 7 || y % 8 == 7 ? 255 : 0;
-    }
-  }
+  ForEachPixel(32, 24, [&](int x, int y) {
+    edges(x, y) = x % 8 == 7 || y % 8 == 7 ? 255 : 0;
+  });
   int count = 0;
   const Image<int> labels = Find(edges, 48, &count);
   EXPECT_EQ(count, 12);
-  for (int y = 0; y < 24; ++y) {
-    for (int x = 0; x < 32; ++x) {
-      ASSERT_EQ(labels(x, y), edges(x, y) ? -1 : x / 8 + 4 * (y / 8));
-    }
-  }
+  ForEachPixel(32, 24, [&](int x, int y) {
+    ASSERT_EQ(labels(x, y), edges(x, y) ? -1 : x / 8 + 4 * (y / 8));
+  });
   // Each field has 49 pixels; regions must have more than the least size.
   Find(edges, 49, &count);
   EXPECT_EQ(count, 0);
@@ -97,12 +94,10 @@ TEST_F(RegionsTest, GrowByOnePixelPerStep) {
   labels(10, 10) = 3;
   for (const int num_steps : {0, 1, 4}) {
     const Image<int> grown = Grow(labels, num_steps);
-    for (int y = 0; y < 21; ++y) {
-      for (int x = 0; x < 21; ++x) {
-        const int distance = std::abs(x - 10) + std::abs(y - 10);
-        ASSERT_EQ(grown(x, y), distance <= num_steps ? 3 : -1);
-      }
-    }
+    ForEachPixel(21, 21, [&](int x, int y) {
+      const int distance = std::abs(x - 10) + std::abs(y - 10);
+      ASSERT_EQ(grown(x, y), distance <= num_steps ? 3 : -1);
+    });
   }
 }
 
@@ -134,22 +129,16 @@ TEST_F(RegionsTest, ShrinkByOnePixelPerStepButNotFromTheImagesBorder) {
     }
   }
   const Image<int> shrunk = Shrink(labels, 2);
-  for (int y = 0; y < 10; ++y) {
-    for (int x = 0; x < 20; ++x) {
-      ASSERT_EQ(shrunk(x, y), x < 10 ? 1 : x < 15 ? -1 : 4) << x << ", " << y;
-    }
-  }
+  ForEachPixel(20, 10, [&](int x, int y) {
+    ASSERT_EQ(shrunk(x, y), x < 10 ? 1 : x < 15 ? -1 : 4) << x << ", " << y;
+  });
   const Image<int> same = Shrink(labels, 0);
   EXPECT_TRUE(std::equal(labels.begin(), labels.end(), same.begin()));
 }
 
 TEST_F(RegionsTest, ThatTouchShrinkOnBothSides) {
   Image<int> labels(10, 3, 0);
-  for (int y = 0; y < 3; ++y) {
-    for (int x = 5; x < 10; ++x) {
-      labels(x, y) = 1;
-    }
-  }
+  ForEachPixel(5, 10, 0, 3, [&](int x, int y) { labels(x, y) = 1; });
   const Image<int> shrunk = Shrink(labels, 1);
   EXPECT_EQ(shrunk(3, 1), 0);
   EXPECT_EQ(shrunk(4, 1), -1);

@@ -1,14 +1,15 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/base/random.h"
 #include "colmap_tsar/view/superpixels/cielab.h"
 #include "colmap_tsar/view/superpixels/samples.h"
 
 #include <cstdlib>
 #include <utility>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/test_device.h"
+#include "tests/view/denoise/drawn_noise.h"
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
@@ -21,13 +22,11 @@ TEST(ConvertToLab, IsCloseToThatOfOpenCv) {
   constexpr int kStep = 5;
   constexpr int kNumLevels = 255 / kStep + 1;
   Image<Rgb> color(kNumLevels * kNumLevels, kNumLevels);
-  for (int y = 0; y < color.Height(); ++y) {
-    for (int x = 0; x < color.Width(); ++x) {
-      color(x, y) = {static_cast<uint8_t>(x % kNumLevels * kStep),
-                     static_cast<uint8_t>(x / kNumLevels * kStep),
-                     static_cast<uint8_t>(y * kStep)};
-    }
-  }
+  ForEachPixel(color.Width(), color.Height(), [&](int x, int y) {
+    color(x, y) = {static_cast<uint8_t>(x % kNumLevels * kStep),
+                   static_cast<uint8_t>(x / kNumLevels * kStep),
+                   static_cast<uint8_t>(y * kStep)};
+  });
   const auto device = CreateTestDevice(2);
   const Image<Vec3f> lab =
       ConvertToLab(DeviceCopies(*device)(color), *device).ToHost();
@@ -35,25 +34,12 @@ TEST(ConvertToLab, IsCloseToThatOfOpenCv) {
   cv::Mat expected;
   rgb.convertTo(expected, CV_32FC3, 1.0 / 255.0);
   cv::cvtColor(expected, expected, cv::COLOR_RGB2Lab);
-  for (int y = 0; y < color.Height(); ++y) {
-    for (int x = 0; x < color.Width(); ++x) {
-      const cv::Vec3f& other = expected.at<cv::Vec3f>(y, x);
-      ASSERT_NEAR(lab(x, y).x, other[0], 0.5f) << x << ", " << y;
-      ASSERT_NEAR(lab(x, y).y, other[1], 0.5f) << x << ", " << y;
-      ASSERT_NEAR(lab(x, y).z, other[2], 0.5f) << x << ", " << y;
-    }
-  }
-}
-
-Image<Rgb> DrawNoise(int width, int height) {
-  Image<Rgb> color(width, height);
-  Philox random(11, 0, 0);
-  for (Rgb& pixel : color) {
-    pixel = {static_cast<uint8_t>(random.NextBelow(256)),
-             static_cast<uint8_t>(random.NextBelow(256)),
-             static_cast<uint8_t>(random.NextBelow(256))};
-  }
-  return color;
+  ForEachPixel(color.Width(), color.Height(), [&](int x, int y) {
+    const cv::Vec3f& other = expected.at<cv::Vec3f>(y, x);
+    ASSERT_NEAR(lab(x, y).x, other[0], 0.5f) << x << ", " << y;
+    ASSERT_NEAR(lab(x, y).y, other[1], 0.5f) << x << ", " << y;
+    ASSERT_NEAR(lab(x, y).z, other[2], 0.5f) << x << ", " << y;
+  });
 }
 
 Image<Rgb> Reduce(const Image<Rgb>& color, int width, int height) {
@@ -81,19 +67,17 @@ TEST(ReduceColor, IsThatOfOpenCv) {
       {{1, 97}, {1, 31}},
       {{65539, 3}, {777, 1}}};
   for (const auto& [full, size] : sizes) {
-    const Image<Rgb> color = DrawNoise(full.width, full.height);
+    const Image<Rgb> color = DrawColors(full.width, full.height, 7);
     const Image<Rgb> reduced = Reduce(color, size.width, size.height);
     const cv::Mat source(full, CV_8UC3, const_cast<Rgb*>(color.Data()));
     cv::Mat expected;
     cv::resize(source, expected, size, 0, 0, cv::INTER_AREA);
-    for (int y = 0; y < size.height; ++y) {
-      for (int x = 0; x < size.width; ++x) {
-        const cv::Vec3b& other = expected.at<cv::Vec3b>(y, x);
-        ASSERT_LE(std::abs(reduced(x, y).r - other[0]), 1) << full << x;
-        ASSERT_LE(std::abs(reduced(x, y).g - other[1]), 1) << full << x;
-        ASSERT_LE(std::abs(reduced(x, y).b - other[2]), 1) << full << x;
-      }
-    }
+    ForEachPixel(size.width, size.height, [&](int x, int y) {
+      const cv::Vec3b& other = expected.at<cv::Vec3b>(y, x);
+      ASSERT_LE(std::abs(reduced(x, y).r - other[0]), 1) << full << x;
+      ASSERT_LE(std::abs(reduced(x, y).g - other[1]), 1) << full << x;
+      ASSERT_LE(std::abs(reduced(x, y).b - other[2]), 1) << full << x;
+    });
   }
 }
 

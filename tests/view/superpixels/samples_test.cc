@@ -7,6 +7,8 @@
 
 #include <vector>
 
+#include "tests/support/for_each_pixel.h"
+#include "tests/support/same_bytes.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -32,18 +34,16 @@ TEST(SampleMeasurements, TakesTheBestReliablePixelWithItsOwnRay) {
   }
   Image<RayDepth> expected(kSize, kSize);
   Image<float> best(kSize, kSize, -1.f);
-  for (int y = 0; y < kMapSize; ++y) {
-    for (int x = 0; x < kMapSize; ++x) {
-      const int column = ReducedRaster::FromMap(x, kMapSize, kSize);
-      const int row = ReducedRaster::FromMap(y, kMapSize, kSize);
-      if (reliable(x, y) && depth(x, y) > 0.f &&
-          score(x, y) > best(column, row)) {
-        best(column, row) = score(x, y);
-        const Vec3f ray = kIntrinsics.Ray(x, y);
-        expected(column, row) = {ray.x, ray.y, depth(x, y)};
-      }
+  ForEachPixel(kMapSize, kMapSize, [&](int x, int y) {
+    const int column = ReducedRaster::FromMap(x, kMapSize, kSize);
+    const int row = ReducedRaster::FromMap(y, kMapSize, kSize);
+    if (reliable(x, y) && depth(x, y) > 0.f &&
+        score(x, y) > best(column, row)) {
+      best(column, row) = score(x, y);
+      const Vec3f ray = kIntrinsics.Ray(x, y);
+      expected(column, row) = {ray.x, ray.y, depth(x, y)};
     }
-  }
+  });
   const Image<RayDepth> samples = SampleMeasurements(on_device(depth),
                                                      on_device(score),
                                                      on_device(reliable),
@@ -51,9 +51,7 @@ TEST(SampleMeasurements, TakesTheBestReliablePixelWithItsOwnRay) {
                                                      {kSize, kSize},
                                                      *device)
                                       .ToHost();
-  for (size_t i = 0; i < samples.NumPixels(); ++i) {
-    EXPECT_EQ(samples.Data()[i], expected.Data()[i]) << i;
-  }
+  EXPECT_TRUE(SameBytes(samples, expected));
 }
 
 TEST(PlaneRaster, GivesEachMapPixelItsPlane) {
@@ -73,33 +71,17 @@ TEST(PlaneRaster, GivesEachMapPixelItsPlane) {
   const DeviceImage<Plane> pixel_planes =
       PlanesOfLabels(on_device(labels), planes, *device);
   const Image<Plane> raster = pixel_planes.ToHost();
-  // Labels without a sign name the same planes by numbers from 0 on.
-  Image<uint16_t> numbers(10, 10);
-  for (size_t i = 0; i < numbers.NumPixels(); ++i) {
-    numbers.Data()[i] = static_cast<uint16_t>(labels.Data()[i] + 1);
-  }
-  const Buffer<Plane> numbered(
-      *device, std::vector<Plane>{Plane(), left, Plane(), right});
-  const Image<Plane> by_number =
-      PlanesOfLabels(on_device(numbers), numbered, *device).ToHost();
-  for (size_t i = 0; i < raster.NumPixels(); ++i) {
-    ASSERT_EQ(by_number.Data()[i].normal, raster.Data()[i].normal) << i;
-    ASSERT_EQ(by_number.Data()[i].offset, raster.Data()[i].offset) << i;
-  }
   const PlaneRaster map{raster.View(), camera.GetIntrinsics(), 40, 30};
-  for (int y = 0; y < 30; ++y) {
-    for (int x = 0; x < 24; ++x) {
-      ASSERT_EQ(map.At(x, y).normal, left.normal);
-      ASSERT_EQ(map.At(x, y).offset, left.offset);
-    }
-    for (int x = 24; x < 32; ++x) {
-      ASSERT_FALSE(map.At(x, y).Valid());
-    }
-    for (int x = 32; x < 40; ++x) {
-      ASSERT_EQ(map.At(x, y).normal, right.normal);
-      ASSERT_EQ(map.At(x, y).offset, right.offset);
-    }
-  }
+  ForEachPixel(0, 24, 0, 30, [&](int x, int y) {
+    ASSERT_EQ(map.At(x, y).normal, left.normal);
+    ASSERT_EQ(map.At(x, y).offset, left.offset);
+  });
+  ForEachPixel(
+      24, 32, 0, 30, [&](int x, int y) { ASSERT_FALSE(map.At(x, y).Valid()); });
+  ForEachPixel(32, 40, 0, 30, [&](int x, int y) {
+    ASSERT_EQ(map.At(x, y).normal, right.normal);
+    ASSERT_EQ(map.At(x, y).offset, right.offset);
+  });
 }
 
 TEST(PlaneRaster, LeavesOutPixelsThatSeeThePlaneFromBehind) {

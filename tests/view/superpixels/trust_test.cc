@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -41,8 +42,7 @@ class TrustTest : public testing::Test {
         normal_(kWidth, kHeight, plane_.normal),
         score_(kWidth, kHeight),
         color_(kWidth, kHeight),
-        trusted_(kWidth, kHeight, 1),
-        estimate_(kWidth, kHeight) {
+        trusted_(kWidth, kHeight, 1) {
     Camera source = camera_;
     source.translation.x() = 0.4;
     scale_ = ComputeDisparityScale(camera_, {source});
@@ -57,16 +57,25 @@ class TrustTest : public testing::Test {
       color_.Data()[i].g = static_cast<uint8_t>(random.NextBelow(40));
       trusted_.Data()[i] = random.NextBelow(4) == 0 ? 0 : 1;
     }
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        estimate_(x, y) = ToInverseDepth(
-            camera_.GetIntrinsics().Ray(x, y), depth_(x, y), normal_(x, y));
-      }
-    }
   }
 
   TrustGate Gate(float tolerance, bool readmit) {
-    return {on_device_(depth_), on_device_(score_), scale_, tolerance, readmit};
+    return {on_device_(score_), scale_, tolerance, readmit};
+  }
+  Image<uint8_t> Run(const Image<Plane>& planes,
+                     const WeightedMedianOptions* filter,
+                     const TrustGate& gate) {
+    DeviceImage<uint8_t> trusted(*device_, trusted_);
+    DeviceImage<InverseDepthPlane> estimate(*device_, kWidth, kHeight);
+    GateRound({on_device_(depth_), on_device_(normal_)},
+              {on_device_(planes), camera_.GetIntrinsics(), kWidth, kHeight},
+              on_device_(color_),
+              filter,
+              gate,
+              estimate.View(),
+              trusted.View(),
+              *device_);
+    return trusted.ToHost();
   }
   // The gate as Eq. 9 states it, by an estimated depth.
   bool Passes(const TrustGate& gate, float estimate, int x, int y) const {
@@ -86,7 +95,6 @@ class TrustTest : public testing::Test {
   Image<float> score_;
   Image<Rgb> color_;
   Image<uint8_t> trusted_;
-  Image<InverseDepthPlane> estimate_;
   DisparityScale scale_;
 };
 
@@ -95,8 +103,12 @@ TEST_F(TrustTest, TheMedianNeedNotBeKnownToTellWhoPasses) {
     for (const float radius : {5.f, 20.f}) {
       WeightedMedianOptions options;
       options.radius = radius;
+      Image<float> estimate = depth_;
+      for (size_t i = 0; i < estimate.NumPixels(); ++i) {
+        estimate.Data()[i] *= trusted_.Data()[i];
+      }
       const Image<float> median =
-          WeightedMedianFilter({on_device_(depth_), on_device_(normal_)},
+          WeightedMedianFilter({on_device_(estimate), on_device_(normal_)},
                                on_device_(color_),
                                {},
                                camera_.GetIntrinsics(),
@@ -106,24 +118,14 @@ TEST_F(TrustTest, TheMedianNeedNotBeKnownToTellWhoPasses) {
       // A tenth of the disparities: some pass, some do not.
       const TrustGate gate =
           Gate(0.1f * scale_.ToDisparity(plane_.offset), readmit);
-      DeviceImage<uint8_t> on_device(*device_, trusted_);
-      GateByWeightedMedian(on_device_(estimate_),
-                           on_device_(color_),
-                           camera_.GetIntrinsics(),
-                           options,
-                           gate,
-                           on_device.View(),
-                           *device_);
-      const Image<uint8_t> passed = on_device.ToHost();
+      const Image<uint8_t> passed = Run({}, &options, gate);
       int num_passed = 0;
       int num_different = 0;
-      for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
-          num_passed += passed(x, y);
-          num_different +=
-              (passed(x, y) != 0) == Passes(gate, median(x, y), x, y) ? 0 : 1;
-        }
-      }
+      ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+        num_passed += passed(x, y);
+        num_different +=
+            (passed(x, y) != 0) == Passes(gate, median(x, y), x, y) ? 0 : 1;
+      });
       EXPECT_GT(num_passed, kWidth * kHeight / 5);
       EXPECT_LT(num_passed, kWidth * kHeight * 4 / 5);
       // Medians may round to the other side of the gate.
@@ -134,24 +136,15 @@ TEST_F(TrustTest, TheMedianNeedNotBeKnownToTellWhoPasses) {
 
 TEST_F(TrustTest, PlanesAreTakenAsTheyAre) {
   const TrustGate gate = Gate(0.05f * scale_.ToDisparity(plane_.offset), true);
-  const Image<InverseDepthPlane> estimate(
-      kWidth, kHeight, ToInverseDepth(plane_));
-  DeviceImage<uint8_t> on_device(*device_, trusted_);
-  GateByPlanes(on_device_(estimate),
-               camera_.GetIntrinsics(),
-               gate,
-               on_device.View(),
-               *device_);
-  const Image<uint8_t> passed = on_device.ToHost();
+  const Image<uint8_t> passed =
+      Run(Image<Plane>(kWidth, kHeight, plane_), nullptr, gate);
   const Image<float> expected = DrawDepth(plane_, camera_);
   int num_passed = 0;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      num_passed += passed(x, y);
-      EXPECT_EQ(passed(x, y) != 0, Passes(gate, expected(x, y), x, y))
-          << x << ", " << y;
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    num_passed += passed(x, y);
+    EXPECT_EQ(passed(x, y) != 0, Passes(gate, expected(x, y), x, y))
+        << x << ", " << y;
+  });
   EXPECT_GT(num_passed, kWidth * kHeight / 10);
   EXPECT_LT(num_passed, kWidth * kHeight * 4 / 5);
 }

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/view/superpixels/weighted_median.h"
 
+#include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -25,12 +26,10 @@ class WeightedMedianTest : public testing::Test {
   // Draws the plane into columns [begin, end).
   void Draw(const Plane& plane, int begin, int end) {
     const Image<float> depth = DrawDepth(plane, camera_);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = begin; x < end; ++x) {
-        depth_(x, y) = depth(x, y);
-        normal_(x, y) = plane.normal;
-      }
-    }
+    ForEachPixel(begin, end, 0, kHeight, [&](int x, int y) {
+      depth_(x, y) = depth(x, y);
+      normal_(x, y) = plane.normal;
+    });
   }
   void Erase(int x, int y) {
     depth_(x, y) = 0.f;
@@ -50,13 +49,11 @@ class WeightedMedianTest : public testing::Test {
   // The filtered map is what was drawn before.
   void ExpectDrawn(const Image<float>& depth,
                    const Image<Vec3f>& normal) const {
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
-        ASSERT_NEAR(filtered_(x, y), depth(x, y), 1e-4f * depth(x, y))
-            << x << ", " << y;
-        ASSERT_LT(AngleBetween(filtered_normal_(x, y), normal(x, y)), 0.1f);
-      }
-    }
+    ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+      ASSERT_NEAR(filtered_(x, y), depth(x, y), 1e-4f * depth(x, y))
+          << x << ", " << y;
+      ASSERT_LT(AngleBetween(filtered_normal_(x, y), normal(x, y)), 0.1f);
+    });
   }
 
   std::unique_ptr<Device> device_;
@@ -92,31 +89,14 @@ TEST_F(WeightedMedianTest, ReplacesOutliers) {
   ExpectDrawn(depth, normal);
 }
 
-TEST_F(WeightedMedianTest, KeepsStepsSharpAlongColorEdges) {
-  Draw(DrawnPlane({0.f, 0.f, -1.f}, 8.f), 21, kWidth);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 21; x < kWidth; ++x) {
-      color_(x, y) = {200, 190, 180};
-    }
-  }
-  Filter();
-  ExpectDrawn(depth_, normal_);
-}
-
 TEST_F(WeightedMedianTest, FillsFromItsOwnSideOfAColorEdge) {
   Draw(DrawnPlane({0.f, 0.f, -1.f}, 8.f), 21, kWidth);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 21; x < kWidth; ++x) {
-      color_(x, y) = {200, 190, 180};
-    }
-  }
+  ForEachPixel(21, kWidth, 0, kHeight, [&](int x, int y) {
+    color_(x, y) = {200, 190, 180};
+  });
   const Image<float> depth = depth_;
   const Image<Vec3f> normal = normal_;
-  for (int y = 10; y < 20; ++y) {
-    for (int x = 18; x < 24; ++x) {
-      Erase(x, y);
-    }
-  }
+  ForEachPixel(18, 24, 10, 20, [&](int x, int y) { Erase(x, y); });
   Filter();
   ExpectDrawn(depth, normal);
 }
@@ -124,13 +104,11 @@ TEST_F(WeightedMedianTest, FillsFromItsOwnSideOfAColorEdge) {
 TEST_F(WeightedMedianTest, NeedsItsSupport) {
   const Image<float> depth = depth_;
   // A fifth of the columns holds depths.
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      if (x % 5 != 0) {
-        Erase(x, y);
-      }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    if (x % 5 != 0) {
+      Erase(x, y);
     }
-  }
+  });
   options_.radius = 5.f;
   options_.min_support = 0.1f;
   Filter();
@@ -146,43 +124,25 @@ TEST_F(WeightedMedianTest, ComputesOnlyWhereItIsAsked) {
   where(7, 9) = 1;
   where(40, 30) = 255;
   Filter(where);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      ASSERT_EQ(filtered_(x, y) > 0.f, where(x, y) != 0);
-      ASSERT_EQ(filtered_normal_(x, y) == Vec3f(), where(x, y) == 0);
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    ASSERT_EQ(filtered_(x, y) > 0.f, where(x, y) != 0);
+    ASSERT_EQ(filtered_normal_(x, y) == Vec3f(), where(x, y) == 0);
+  });
 }
 
 TEST_F(WeightedMedianTest, DoesNotDependOnTheScenesScale) {
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      depth_(x, y) *= 1.f + 0.02f * ((x * 5 + y * 3) % 7);
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    depth_(x, y) *= 1.f + 0.02f * ((x * 5 + y * 3) % 7);
+  });
   Filter();
   const Image<float> depth = filtered_;
   for (float& z : depth_) {
     z *= 1024.f;
   }
   Filter();
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      ASSERT_EQ(filtered_(x, y), 1024.f * depth(x, y));
-    }
-  }
-}
-
-TEST_F(WeightedMedianTest, GivesUnitNormalsTowardsTheCamera) {
-  Draw(DrawnPlane({-0.5f, 0.3f, -1.f}, 4.2f), 24, kWidth);
-  Filter();
-  const Intrinsics intrinsics = camera_.GetIntrinsics();
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      ASSERT_NEAR(Norm(filtered_normal_(x, y)), 1.f, 1e-5f);
-      ASSERT_LT(Dot(filtered_normal_(x, y), intrinsics.Ray(x, y)), 0.f);
-    }
-  }
+  ForEachPixel(kWidth, kHeight, [&](int x, int y) {
+    ASSERT_EQ(filtered_(x, y), 1024.f * depth(x, y));
+  });
 }
 
 }  // namespace
