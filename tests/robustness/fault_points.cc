@@ -106,22 +106,6 @@ Function Next(const char* name) {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
 }
 
-int Open(const char* name, const char* path, int flags, mode_t mode) {
-  if ((flags & O_CREAT) != 0) {
-    Note("create", path);
-  }
-  return Next<int (*)(const char*, int, ...)>(name)(path, flags, mode);
-}
-
-int OpenAt(
-    const char* name, int folder, const char* path, int flags, mode_t mode) {
-  if ((flags & O_CREAT) != 0) {
-    Note("create", PathAt(folder, path));
-  }
-  return Next<int (*)(int, const char*, int, ...)>(name)(
-      folder, path, flags, mode);
-}
-
 mode_t ModeOf(int flags, va_list arguments) {
   return (flags & O_CREAT) != 0 ? va_arg(arguments, mode_t) : 0;
 }
@@ -135,15 +119,10 @@ int open(const char* path, int flags, ...) {
   va_start(arguments, flags);
   const mode_t mode = ModeOf(flags, arguments);
   va_end(arguments);
-  return Open("open", path, flags, mode);
-}
-
-int open64(const char* path, int flags, ...) {
-  va_list arguments;
-  va_start(arguments, flags);
-  const mode_t mode = ModeOf(flags, arguments);
-  va_end(arguments);
-  return Open("open64", path, flags, mode);
+  if ((flags & O_CREAT) != 0) {
+    Note("create", path);
+  }
+  return Next<int (*)(const char*, int, ...)>("open")(path, flags, mode);
 }
 
 int openat(int folder, const char* path, int flags, ...) {
@@ -151,15 +130,11 @@ int openat(int folder, const char* path, int flags, ...) {
   va_start(arguments, flags);
   const mode_t mode = ModeOf(flags, arguments);
   va_end(arguments);
-  return OpenAt("openat", folder, path, flags, mode);
-}
-
-int openat64(int folder, const char* path, int flags, ...) {
-  va_list arguments;
-  va_start(arguments, flags);
-  const mode_t mode = ModeOf(flags, arguments);
-  va_end(arguments);
-  return OpenAt("openat64", folder, path, flags, mode);
+  if ((flags & O_CREAT) != 0) {
+    Note("create", PathAt(folder, path));
+  }
+  return Next<int (*)(int, const char*, int, ...)>("openat")(
+      folder, path, flags, mode);
 }
 
 ssize_t write(int descriptor, const void* data, size_t size) {
@@ -190,15 +165,6 @@ int fsync(int descriptor) {
 int rename(const char* from, const char* to) noexcept {
   Note("rename", from, to);
   return Next<int (*)(const char*, const char*)>("rename")(from, to);
-}
-
-int renameat(int from_folder,
-             const char* from,
-             int to_folder,
-             const char* to) noexcept {
-  Note("rename", PathAt(from_folder, from), PathAt(to_folder, to));
-  return Next<int (*)(int, const char*, int, const char*)>("renameat")(
-      from_folder, from, to_folder, to);
 }
 
 int renameat2(int from_folder,
@@ -254,11 +220,6 @@ int remove(const char* path) noexcept {
 int rmdir(const char* path) noexcept {
   Note("rmdir", path);
   return Next<int (*)(const char*)>("rmdir")(path);
-}
-
-int mkdirat(int folder, const char* path, mode_t mode) noexcept {
-  Note("mkdir", PathAt(folder, path));
-  return Next<int (*)(int, const char*, mode_t)>("mkdirat")(folder, path, mode);
 }
 
 int mkdir(const char* path, mode_t mode) noexcept {
