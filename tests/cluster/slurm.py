@@ -22,10 +22,6 @@ class NotAvailable(Exception):
     """With the reason."""
 
 
-def _die_with_parent():
-    _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-
-
 def _free_ports(count):
     sockets = [socket.socket() for _ in range(count)]
     for each in sockets:
@@ -63,11 +59,8 @@ class Slurm:
             raise NotAvailable("Slurm's daemon starts jobs as root alone")
         # A short path, as a socket's must be.
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tsar_slurm_", dir="/tmp"))
-        self.environment = dict(
-            os.environ,
-            PATH=self._path(),
-            SLURM_CONF=str(self.folder / "slurm.conf"),
-        )
+        self.environment = dict(os.environ, PATH=self._path(),
+                                SLURM_CONF=str(self.folder / "slurm.conf"))
         self._daemons = {}
 
     @staticmethod
@@ -88,13 +81,9 @@ class Slurm:
         self._stop()
 
     def call(self, *command, **variables):
-        return subprocess.run(
-            [str(part) for part in command],
-            env=dict(self.environment, **variables),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
+        return subprocess.run([str(part) for part in command], stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True,
+                              env=dict(self.environment, **variables))
 
     def run(self, *command, **variables):
         result = self.call(*command, **variables)
@@ -113,10 +102,8 @@ class Slurm:
         return dict(part.split("=", 1) for part in text.split() if "=" in part)
 
     def logs(self):
-        return "\n".join(
-            f"== {path.name}\n{path.read_text(errors='replace')[-2000:]}"
-            for path in sorted(self.folder.glob("*.log"))
-        )
+        return "\n".join(f"== {path.name}\n{path.read_text(errors='replace')[-2000:]}"
+                         for path in sorted(self.folder.glob("*.log")))
 
     def _configure(self):
         folder = self.folder
@@ -162,13 +149,9 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
     def _launch(self, name, *options):
         log = open(self.folder / f"{name}.out.log", "w")
         self._daemons[name] = subprocess.Popen(
-            [shutil.which(name, path=self._path()), *options],
-            env=self.environment,
-            stdout=log,
-            stderr=subprocess.STDOUT,
-            stdin=subprocess.DEVNULL,
-            preexec_fn=_die_with_parent,
-        )
+            [shutil.which(name, path=self._path()), *options], env=self.environment, stdout=log,
+            stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+            preexec_fn=lambda: _LIBC.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL))
 
     def _wait(self, condition, what):
         for _ in range(600):
@@ -182,23 +165,15 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 
     def _start(self):
         self._configure()
-        self._launch(
-            "munged",
-            "--foreground",
-            "--force",
-            f"--key-file={self.folder}/munge.key",
-            f"--socket={self.folder}/munge.socket",
-            f"--pid-file={self.folder}/munge.pid",
-            f"--log-file={self.folder}/munged.log",
-            f"--seed-file={self.folder}/munge.seed",
-        )
+        munge = f"{self.folder}/munge"
+        self._launch("munged", "--foreground", "--force", f"--key-file={munge}.key",
+                     f"--socket={munge}.socket", f"--pid-file={munge}.pid",
+                     f"--log-file={munge}d.log", f"--seed-file={munge}.seed")
         self._wait((self.folder / "munge.socket").exists, "munged does not answer")
         self._launch("slurmctld", "-D")
         self._launch("slurmd", "-D")
-        self._wait(
-            lambda: "idle" in self.call("sinfo", "--noheader", "--format=%T").stdout,
-            "the node is not ready",
-        )
+        self._wait(lambda: "idle" in self.call("sinfo", "--noheader", "--format=%T").stdout,
+                   "the node is not ready")
 
     def _stop(self):
         if "slurmd" in self._daemons:

@@ -5,19 +5,15 @@
 option, choice and default is in them, the pages are clean troff, and bash and
 fish really complete. What needs a shell or formatter that is not installed is
 skipped by a line that says so."""
-import argparse
 import gzip
 import json
 import os
 import re
 import shutil
 
-from sample_testing import call, check, run
+from sample_testing import call, check, parse_arguments, run
 
-parser = argparse.ArgumentParser()
-for name in ("program", "pages", "folder"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("program", "pages", "folder")
 
 
 def told(*words):

@@ -11,11 +11,10 @@ import pathlib
 import re
 import shutil
 import sys
-import tempfile
 import zipfile
 
-from sample_testing import check, run, unpack
-from support import REPOSITORY, WORK_FOLDER, results, run_program
+from sample_testing import check, results, run, unpack_small
+from support import REPOSITORY, new_folder, run_program
 from virtual_environment import VirtualEnvironment
 
 MOST_LIBRARIES = 12
@@ -59,29 +58,21 @@ print(json.dumps({
 def check_content(wheel):
     archive = zipfile.ZipFile(wheel)
     names = archive.namelist()
-    bundled = [
-        os.path.basename(name) for name in names if re.search(r"\.libs/.*\.so", name)
-    ]
+    bundled = [os.path.basename(name) for name in names if re.search(r"\.libs/.*\.so", name)]
     check("-manylinux_" in wheel.name, f"{wheel.name} has a tag of manylinux")
     check(
         len(bundled) <= MOST_LIBRARIES and not any(map(UNWANTED.search, bundled)),
         f"{len(bundled)} libraries are inside beside the module: {bundled}",
     )
     licenses = [name for name in names if "/licenses/" in name]
-    check(
-        any(name.endswith("/opencv") for name in licenses),
-        f"{len(licenses)} licenses are inside",
-    )
-    size = wheel.stat().st_size / 1e6
-    print(f"{size:.1f} MB")
+    check(any(name.endswith("/opencv") for name in licenses),
+          f"{len(licenses)} licenses are inside")
+    print(f"{wheel.stat().st_size / 1e6:.1f} MB")
 
 
 def check_use(wheel, folder):
-    user = VirtualEnvironment(folder / "user")
-    status, output = user.pip("install", "--no-index", wheel)
-    if status != 0:
-        sys.exit(f"FAILED: pip install\n{output}")
-    unpack(REPOSITORY, folder / "dense")
+    user = VirtualEnvironment.with_wheel(folder / "user", wheel)
+    unpack_small(REPOSITORY, folder / "dense")
     shutil.copytree(folder / "dense", folder / "expected")
     # Nothing of this shell's, such as a path of libraries.
     environment = {"PATH": os.environ["PATH"], "HOME": str(folder)}
@@ -89,9 +80,7 @@ def check_use(wheel, folder):
     found = json.loads(printed)
     inside = str(user.folder.resolve())
     check(found["file"].startswith(inside), f"imported in {found['seconds']:.3f} s")
-    check(
-        found["has_cuda"] == ("_cuda" in wheel.name), f"has_cuda: {found['has_cuda']}"
-    )
+    check(found["has_cuda"] == ("_cuda" in wheel.name), f"has_cuda: {found['has_cuda']}")
     outside = [path for path in found["libraries"] if not path.startswith(inside)]
     foreign = [path for path in outside if not RUN_TIME.fullmatch(os.path.basename(path))]
     check(not foreign, f"of the system's libraries only {outside} and not {foreign}")
@@ -99,23 +88,16 @@ def check_use(wheel, folder):
     check(found["scores"][1] > found["scores"][0] + 0.1, f"F1: {found['scores']}")
     check(found["points"] > 0, f"scores a cloud of {found['points']} points")
 
-    run_program(
-        *("tsar_refine", "--workspace_path", folder / "expected"),
-        *("--TsarRefine.device", "cpu"),
-    )
+    run_program("tsar_refine", "--workspace_path", folder / "expected", "--TsarRefine.device", "cpu")
     maps = results(folder / "dense")
     check(len(maps) > 16, f"{len(maps)} files of maps")
-    different = sorted(
-        path
-        for path, digest in results(folder / "expected").items()
-        if maps.get(path) != digest
-    )
+    different = sorted(path for path, digest in results(folder / "expected").items()
+                       if maps.get(path) != digest)
     check(not different, f"the program's maps are the same, but for {different}")
 
 
 def main(wheel):
-    WORK_FOLDER.mkdir(parents=True, exist_ok=True)
-    folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
+    folder = new_folder()
     try:
         check_content(wheel)
         check_use(wheel, folder)

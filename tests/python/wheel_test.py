@@ -7,15 +7,13 @@ which scripts/build_wheels.sh leaves in.
 
   wheel_test.py BUILD_FOLDER [NAME=VALUE of CMake]..."""
 import os
-import pathlib
 import re
 import shutil
 import sys
-import tempfile
 import zipfile
 
-from sample_testing import check, run, unpack
-from support import REPOSITORY, SKIPPED, WORK_FOLDER
+from sample_testing import check, run, skip, unpack_small
+from support import REPOSITORY, WORK_FOLDER, new_folder
 from virtual_environment import VirtualEnvironment
 
 USE = """
@@ -45,12 +43,10 @@ def build_requirements():
 
 
 def main(build_folder, definitions):
-    WORK_FOLDER.mkdir(parents=True, exist_ok=True)
     builder = VirtualEnvironment(WORK_FOLDER / "build_environment")
     if not builder.install(*build_requirements()):
-        print("skipped: the build's packages cannot be had from the package index")
-        return SKIPPED
-    folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
+        skip("the build's packages cannot be had from the package index")
+    folder = new_folder()
     try:
         # In the environment that is there, so that nothing is fetched again.
         status, output = builder.pip(
@@ -67,18 +63,13 @@ def main(build_folder, definitions):
         names = zipfile.ZipFile(wheels[0]).namelist()
         roots = {name.split("/")[0] for name in names}
         version = wheels[0].name.split("-")[1]
-        check(
-            roots == {"colmap_tsar", f"colmap_tsar-{version}.dist-info"},
-            "holds the package and nothing else",
-        )
+        check(roots == {"colmap_tsar", f"colmap_tsar-{version}.dist-info"},
+              "holds the package and nothing else")
         for name in ("py.typed", "__init__.py", "_keywords.py"):
             check(f"colmap_tsar/{name}" in names, "holds " + name)
 
-        user = VirtualEnvironment(folder / "user")
-        status, output = user.pip("install", "--no-index", wheels[0])
-        if status != 0:
-            sys.exit(f"FAILED: pip install\n{output}")
-        unpack(REPOSITORY, folder / "dense")
+        user = VirtualEnvironment.with_wheel(folder / "user", wheels[0])
+        unpack_small(REPOSITORY, folder / "dense")
         environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
         printed = run(user.python, "-I", "-c", USE, folder / "dense", env=environment)
         check(f'["{version}", ' in printed, f"works when installed: {printed.strip()}")
@@ -86,8 +77,7 @@ def main(build_folder, definitions):
         check(f"VERSION {version} " in text, "has the project's version")
     finally:
         shutil.rmtree(folder)
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2:]))
+    main(sys.argv[1], sys.argv[2:])

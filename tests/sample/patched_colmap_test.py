@@ -4,18 +4,14 @@
 """Checks a COLMAP that was built with one of patches/: that it has the commands
 of the stand-alone program, that they do the same, that it reads its options as
 COLMAP's commands do, and that its own fusion takes the result."""
-import argparse
 import configparser
 import json
 import os
 import shutil
 
-from sample_testing import call, check, digests, run, score, unpack
+from sample_testing import call, check, digests, parse_arguments, run, score, unpack
 
-parser = argparse.ArgumentParser()
-for name in ("program", "colmap", "repository", "folder"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("program", "colmap", "repository", "folder")
 
 
 def path(*names):
