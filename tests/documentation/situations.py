@@ -12,7 +12,8 @@ import resource
 import struct
 import subprocess
 import time
-import zlib
+
+from sample_testing import gray_png
 
 
 def write(path, content):
@@ -80,14 +81,7 @@ def lock():
 
 def png(bits, width, height):
     """A gray picture of zeros."""
-    def chunk(kind, data):
-        body = kind + data
-        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
-
-    rows = b"".join(b"\0" + bytes(width * bits // 8) for _ in range(height))
-    return (b"\x89PNG\r\n\x1a\n"
-            + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 0, 0, 0, 0))
-            + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+    return gray_png([bytes(width * bits // 8)] * height, bits)
 
 
 def photo_after_stereo():

@@ -149,18 +149,6 @@ class RefineTest(SampleTest):
                 refine(self.workspace, **QUICK, progress=progress)
             self.assertEqual("[3/3]" in stream.getvalue(), expected)
 
-    def test_what_progress_raises_stops_the_work(self):
-        class Enough(Exception):
-            pass
-
-        def stop(line):
-            raise Enough(line)
-
-        with self.assertRaisesRegex(Enough, r"^\[\d/3\]"):
-            refine(self.workspace, **QUICK, num_threads=1, progress=stop)
-        # Nobody holds the workspace any more.
-        self.assertEqual(refine(self.workspace, **QUICK).num_images, 3)
-
     def test_other_python_threads_run_meanwhile(self):
         num_ticks = 0
         is_done = threading.Event()
@@ -180,20 +168,6 @@ class RefineTest(SampleTest):
             thread.join()
         # With the GIL held there would be one for each waking at most.
         self.assertGreater(num_ticks, 100)
-
-    def test_one_run_at_a_time(self):
-        errors = []
-
-        def refine_again(*_):
-            try:
-                refine(self.workspace, **QUICK)
-            except colmap_tsar.Error as error:
-                errors.append(error)
-
-        ws = colmap_tsar.Workspace(self.workspace)
-        ws.refine(**QUICK, device="cpu", num_threads=1, progress=refine_again)
-        self.assertIsInstance(errors[0], colmap_tsar.UnsupportedError)
-        self.assertIn("another program is working", str(errors[0]))
 
     def expect_error(self, kinds, texts, function, workspace, **options):
         """One line with these texts, of all these classes; no file changed."""

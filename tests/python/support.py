@@ -4,13 +4,11 @@
 import os
 import pathlib
 import shutil
-import struct
 import tempfile
 import unittest
-import zlib
 
 import colmap_tsar
-from sample_testing import keep_images, run, unpack_small
+from sample_testing import gray_png, keep_images, run, unpack_small
 
 PROGRAM = os.environ["TSAR_PROGRAM"]
 REPOSITORY = pathlib.Path(os.environ["TSAR_SOURCE_DIR"])
@@ -41,17 +39,8 @@ def new_folder():
 
 
 def write_black_mask(path, width, height):
-    """A gray PNG file of zeros, in a new folder."""
-
-    def chunk(kind, data):
-        body = kind + data
-        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
-
     path.parent.mkdir()
-    path.write_bytes(b"\x89PNG\r\n\x1a\n"
-                     + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
-                     + chunk(b"IDAT", zlib.compress(bytes((width + 1) * height)))
-                     + chunk(b"IEND", b""))
+    path.write_bytes(gray_png([bytes(width)] * height))
 
 
 def read_map(path):

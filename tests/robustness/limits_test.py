@@ -8,13 +8,11 @@ an undisturbed run."""
 import itertools
 import random
 import resource
-import subprocess
 
 from robustness import Setting, check, check_kept, check_one_line, check_same, read_tree
 
 SEED = 20240607
-NUM_MOMENTS = 3  # Of each command at which memory runs out.
-PATIENCE = 5  # Seconds for a help that takes a tenth of one; too few are a larger limit.
+NUM_MOMENTS = 6  # Of each command at which memory runs out.
 NO_THREADS = "no more threads can be started"
 
 setting = Setting("limit")
@@ -78,47 +76,20 @@ def count_moments(case, few, many):
     return many
 
 
-def starts(limit, value):
-    """Whether the program is loaded and says something of its own. Where a library
-    that is loaded with it needs what it cannot have, the loader ends the process, or
-    the library waits for ever (OpenBLAS asks for its memory until it has it)."""
-    process = program.start(*HELP, prepare=set_limit(limit, value))
-    try:
-        process.communicate(timeout=PATIENCE)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.communicate()
-    return process.returncode in (0, 1)
-
-
-def smallest_start(limit, too_few, enough, step=1):
-    """The limit with which the program is loaded at all, to a step: its libraries
-    take much of it."""
-    while enough - too_few > step:
-        middle = (too_few + enough) // 2
-        too_few, enough = (too_few, middle) if starts(limit, middle) else (middle, enough)
-    return enough
-
-
 def limit_memory():
-    """The address space from what starting takes on; then, at some moment, one
-    allocation that fails, all from then on, or no more addresses."""
+    """At some moment, one allocation that fails, all from then on, or no more
+    addresses, so that no thread gets its stack."""
     print(f"seed {SEED}")
     moments = random.Random(SEED)
     texts = ["out of memory; close other programs", NO_THREADS, "Cannot allocate memory"]
-    smallest = smallest_start(resource.RLIMIT_AS, 0, 1 << 40, 1 << 20)
     at_start = count_moments(None, 0, 1 << 22)
     for case in setting.commands:
-        for size in itertools.count(smallest, 8 << 20):
-            if try_case(case, texts, f"{size} bytes of addresses",
-                        with_two_threads(case), prepare=set_limit(resource.RLIMIT_AS, size)):
-                break
         in_all = count_moments(case, at_start, at_start + (1 << 16))
-        for _ in range(NUM_MOMENTS):
-            moment = moments.randint(at_start, in_all)
-            for fault in ("no_memory_from", "no_memory_at", "no_addresses_from"):
-                try_case(case, texts, f"{fault} {moment}", **{fault: moment})
-        print(f"{case}: up to {size >> 20} MiB, {in_all - at_start} allocations")
+        enough = [try_case(case, texts, f"{fault} {moment}", with_two_threads(case), **{fault: moment})
+                  for moment in (moments.randint(at_start, in_all) for _ in range(NUM_MOMENTS))
+                  for fault in ("no_memory_from", "no_memory_at", "no_addresses_from")]
+        check(not all(enough), f"{case} never runs out of memory")
+        print(f"{case}: {in_all - at_start} allocations, {enough.count(False)} times too few")
 
 
 def limit_threads():
@@ -133,13 +104,15 @@ def limit_threads():
 
 
 def limit_descriptors():
-    """From what starting takes on; three are the standard streams."""
-    smallest = smallest_start(resource.RLIMIT_NOFILE, 2, 64)
+    """From what starting takes on: with fewer the loader ends the process, by 127."""
+    smallest = next(number for number in itertools.count(3) if program.call(
+        *HELP, prepare=set_limit(resource.RLIMIT_NOFILE, number))[0] != 127)
     for case in setting.commands:
         for number in itertools.count(smallest):
             if try_case(case, ["Too many open files"], f"{number} descriptors",
                         prepare=set_limit(resource.RLIMIT_NOFILE, number)):
                 break
+        check(number > smallest, f"{case} needs none but those of starting")
         print(f"{case}: needs {number} descriptors")
 
 

@@ -9,7 +9,7 @@ import json
 import os
 import shutil
 
-from sample_testing import call, check, digests, parse_arguments, run, score, unpack
+from sample_testing import call, check, parse_arguments, results, run, score, unpack
 
 args = parse_arguments("program", "colmap", "repository", "folder")
 
@@ -87,17 +87,8 @@ with open(os.path.join(by_module, "stereo", "tsar", "manifest.json"), encoding="
     check(json.load(file)["options"]["seed"] == "3", "the project's section is read")
 
 
-def maps(workspace):
-    stereo = os.path.join(workspace, "stereo")
-    return {
-        folder: digests(os.path.join(stereo, folder))
-        for folder in ("depth_maps", "normal_maps", "confidence_maps", "sigma_maps",
-                       "provenance_maps")
-    }
-
-
-check(all(maps(by_module).values()), "all maps are written")
-check(maps(by_module) == maps(by_program), "colmap and colmap_tsar write the same bytes")
+check(len(results(by_module)) > 5 * 8, "all maps are written")
+check(results(by_module) == results(by_program), "colmap and colmap_tsar write the same bytes")
 after = score(args.colmap, args.colmap, by_module, sample)
 print("before", before)
 print("after ", after)

@@ -8,8 +8,10 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
+import zlib
 
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE.
 
@@ -59,6 +61,18 @@ def results(workspace):
     """The digests of all that depends on the input and the options alone."""
     return {path: digest for path, digest in digests(workspace).items()
             if path.startswith("stereo/") and not path.startswith("stereo/tsar/")}
+
+
+def gray_png(rows, bits=8):
+    """A PNG file of these rows of bytes."""
+    def chunk(kind, data):
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    header = struct.pack(">IIBBBBB", len(rows[0]) * 8 // bits, len(rows), bits, 0, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header)
+            + chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows)))
+            + chunk(b"IEND", b""))
 
 
 def find_python_with_numpy():
