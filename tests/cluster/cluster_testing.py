@@ -47,10 +47,10 @@ class Scene:
         return self.command(workspace, "--TsarRefine.num_threads", "1", "--TsarRefine.pass",
                             pass_name, "--TsarRefine.shard", f"{index}/{NUM_SHARDS}", *options)
 
-    def whole(self, name, *options):
+    def whole(self):
         """A copy that one run refined."""
-        workspace = self.copy(name)
-        run(*self.command(workspace, *options))
+        workspace = self.copy("whole")
+        run(*self.command(workspace))
         return workspace
 
     def disturbed_program(self, **actions):

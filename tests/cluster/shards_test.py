@@ -4,6 +4,7 @@
 """Three shards as processes side by side, of which one is killed in each pass:
 what the others and further programs may do meanwhile, and that the result is that
 of one run."""
+import json
 import os
 import shutil
 import signal
@@ -29,20 +30,17 @@ def expect_refusal(workspace, texts, command, what):
 
 
 def num_done(workspace, pass_name):
-    # Of composing, the map of planes comes last.
-    folder, ending = {"observe": ("tsar/evidence", "bin"), "compose": ("plane_maps", "png")}[pass_name]
-    return len(list((workspace / "stereo" / folder).glob(f"*.geometric.{ending}")))
+    stereo = workspace / "stereo"
+    if pass_name == "observe":
+        return len(list(stereo.glob("tsar/evidence/*.geometric.bin")))
+    # The record comes first, and the map of planes last.
+    return sum(json.loads(record.read_text())["status"] == "done"
+               and (stereo / "plane_maps" / f"{record.stem}.png").exists()
+               for record in stereo.glob("tsar/records/*.json"))
 
 
 def start(command):
     return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-
-
-def run_side_by_side(commands):
-    processes = [start(command) for command in commands]
-    for process in processes:
-        output = process.communicate()[0]
-        check(process.returncode == 0, f"a shard comes to its end\n{output}")
 
 
 def run_shards(scene, workspace, pass_name, victim):
@@ -56,8 +54,11 @@ def run_shards(scene, workspace, pass_name, victim):
         shard.kill()
         shard.communicate()
         return False
-    run_side_by_side([scene.shard(workspace, pass_name, index)
-                      for index in range(NUM_SHARDS) if index != victim])
+    others = [start(scene.shard(workspace, pass_name, index))
+              for index in range(NUM_SHARDS) if index != victim]
+    for other in others:
+        output = other.communicate()[0]
+        check(other.returncode == 0, f"a shard comes to its end\n{output}")
     expect_refusal(workspace, ["lock", f"shard {victim}"], scene.shard(workspace, pass_name, victim),
                    f"a second {pass_name} of a shard that is at work")
     for options in ([], ["--TsarRefine.pass", "merge"], ["--restore", "1"]):
@@ -86,8 +87,8 @@ def check_restore(scene, workspace, when):
     shutil.rmtree(copy)
 
 
-def test_planes_of_the_scene(scene):
-    expected = scene.whole("whole")
+def test_shards(scene):
+    expected = scene.whole()
     workspace = run_with_a_killed_shard(scene, scene.sample, "observe", 1)
     maps = {path: digest for path, digest in digests(workspace).items() if "/tsar/" not in path}
     check(maps == digests(scene.sample), "observing changes no map")
@@ -124,20 +125,5 @@ def test_planes_of_the_scene(scene):
     check_restore(scene, workspace, "after all is done")
 
 
-def test_images_by_themselves(scene):
-    """Where shards read the originals of images that others are refining."""
-    options = ["--TsarRefine.scene_planes", "0", "--TsarRefine.segment", "0"]
-    workspace = scene.copy("by_themselves")
-    for pass_name in ("observe", "compose"):
-        run_side_by_side([scene.shard(workspace, pass_name, index, *options)
-                          for index in range(NUM_SHARDS)])
-        if pass_name == "observe":
-            run(*scene.command(workspace, "--TsarRefine.pass", "model", *options))
-    run(*scene.command(workspace, "--TsarRefine.pass", "merge", *options))
-    check_as_one_run(workspace, scene.whole("whole_by_themselves", *options))
-    check_restore(scene, workspace, "of images by themselves")
-
-
 with Scene() as small_scene:
-    test_planes_of_the_scene(small_scene)
-    test_images_by_themselves(small_scene)
+    test_shards(small_scene)

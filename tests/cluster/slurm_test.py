@@ -40,6 +40,6 @@ def refine(slurm, scene):
 
 try:
     with Scene() as scene, Slurm() as slurm:
-        check_as_one_run(refine(slurm, scene), scene.whole("whole"))
+        check_as_one_run(refine(slurm, scene), scene.whole())
 except NotAvailable as reason:
     skip(reason)

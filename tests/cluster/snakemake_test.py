@@ -11,7 +11,7 @@ from sample_testing import call, check, skip
 if shutil.which("snakemake") is None:
     skip("snakemake is not installed")
 with Scene() as scene:
-    expected = scene.whole("whole")
+    expected = scene.whole()
     workspace = scene.copy("sharded")
     result = call(
         "snakemake", f"--snakefile={scene.repository}/scripts/cluster/Snakefile",

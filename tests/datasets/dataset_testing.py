@@ -76,7 +76,6 @@ def make_eth3d(sample, scene, with_scans=True):
     for i in range(0, len(lines), 2):
         head, name = lines[i].rsplit(" ", 1)
         lines[i] = f"{head} dslr_images_undistorted/{name}"
-    (calibration / "images.txt").write_text(comment + "\n".join(lines) + "\n")
     ids = {str(image.image_id) for image in sample.images}
     points = ""
     for line in (sparse / "points3D.txt").read_text().splitlines():

@@ -6,7 +6,6 @@ workspace, in the current folder. Its files are hard links: they are replaced,
 never written into."""
 import contextlib
 import fcntl
-import json
 import os
 import resource
 import struct

@@ -71,15 +71,6 @@ class PlanesTest(RefinedTest):
         self.assertEqual(planes.covariances.shape, (0, 3, 3))
         self.assertEqual(planes.ids.shape, (0,))
 
-    def test_small_planes_are_left_out(self):
-        planes = colmap_tsar.read_planes(self.workspace)
-        area = float(np.median(planes.areas))
-        large = colmap_tsar.read_planes(self.workspace, min_area=area)
-        kept = planes.areas >= area
-        self.assertLess(len(large), len(planes))
-        self.assertEqual(large.ids.tolist(), planes.ids[kept].tolist())
-        np.testing.assert_array_equal(large.normals, planes.normals[kept])
-
     def test_maps_hold_the_ids(self):
         planes = colmap_tsar.read_planes(self.workspace)
         labels = colmap_tsar.read_plane_map(self.workspace / MAP)

@@ -4,7 +4,6 @@
 from the package index."""
 import os
 import pathlib
-import subprocess
 import tempfile
 
 import colmap_tsar
