@@ -6,6 +6,7 @@ what the others and further programs may do meanwhile, and that the result is th
 of one run."""
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -107,11 +108,12 @@ def test_shards(scene):
     run(*scene.command(workspace, "--TsarRefine.pass", "model"))
     check_restore(scene, workspace, "after the planes of the scene were found")
     workspace = run_with_a_killed_shard(scene, workspace, "compose", 2)
-    expect_refusal(workspace, ["1 of 6 images", "compose of all shards"],
+    expect_refusal(workspace, ["of 6 images have not been refined", "compose of all shards"],
                    scene.command(workspace, "--TsarRefine.pass", "merge"),
                    "merge before all are composed")
     check_restore(scene, workspace, "after a shard was killed while it composed")
-    check("2 images: 1 refined, 1 done before" in run(*scene.shard(workspace, "compose", 2)),
+    # Of the image at which it was stopped, the last file may have been missing.
+    check(re.search("2 images: [12] refined", run(*scene.shard(workspace, "compose", 2))),
           "a shard that composes goes on where it was killed")
     check((workspace / "stereo/tsar/evidence").exists(), "the evidence stays until the merge")
     run(*scene.command(workspace, "--TsarRefine.pass", "merge"))
