@@ -4,72 +4,21 @@
 """scripts/cluster/Snakefile with three shards, of which one is killed once."""
 import os
 import shutil
-import signal
-import subprocess
 
-from cluster_testing import (
-    NUM_SHARDS,
-    Scene,
-    account,
-    parse_arguments,
-    results,
-    skip,
-    stop_half_way,
-)
-from sample_testing import check
+from cluster_testing import NUM_SHARDS, Scene, check_as_one_run
+from sample_testing import call, check, skip
 
-
-def refine(scene, arguments, name):
-    """A workspace that Snakemake refined, or None where the shard was too fast."""
-    workspace = scene.copy(name)
-    with open(scene.folder / f"{name}.txt", "w+") as log:
-        snakemake = subprocess.Popen(
-            [
-                "snakemake",
-                f"--snakefile={arguments.repository}/scripts/cluster/Snakefile",
-                f"--directory={scene.folder}",
-                f"--jobs={NUM_SHARDS}",
-                "--config",
-                f"workspace={workspace}",
-                f"shards={NUM_SHARDS}",
-                f"program={arguments.program}",
-                "options=--TsarRefine.device cpu",
-            ],
-            stdout=log,
-            stderr=subprocess.STDOUT,
-            env=dict(os.environ, HOME=str(scene.folder)),
-        )
-        process = stop_half_way(
-            workspace, "observe", 1, lambda: snakemake.poll() is not None
-        )
-        if process is not None:
-            os.kill(process, signal.SIGKILL)
-        snakemake.wait()
-        log.seek(0)
-        text = log.read()
-    if snakemake.returncode != 0:
-        print(text)
-    check(snakemake.returncode == 0, "snakemake comes to its end")
-    if process is None:
-        return None
-    check("Trying to restart" in text, "the killed shard was started again")
-    return workspace
-
-
-def main():
-    arguments = parse_arguments()
-    arguments.program = arguments.program.resolve()
-    if shutil.which("snakemake") is None:
-        skip("snakemake is not installed")
-    with Scene(arguments) as scene:
-        expected = scene.whole("whole")
-        workspace = None
-        count = 0
-        while workspace is None:
-            count += 1
-            workspace = refine(scene, arguments, f"sharded{count}")
-        check(results(workspace) == results(expected), "the bytes are those of one run")
-        check(account(workspace) == account(expected), "so is the account")
-
-
-main()
+if shutil.which("snakemake") is None:
+    skip("snakemake is not installed")
+with Scene() as scene:
+    expected = scene.whole()
+    workspace = scene.copy("sharded")
+    result = call(
+        "snakemake", f"--snakefile={scene.repository}/scripts/cluster/Snakefile",
+        f"--directory={scene.folder}", f"--jobs={NUM_SHARDS}", "--config",
+        f"workspace={workspace}", f"shards={NUM_SHARDS}",
+        f"program={scene.disturbed_program(observe_1='kill -KILL $$')}",
+        "options=--TsarRefine.device cpu", env=dict(os.environ, HOME=str(scene.folder)))
+    check(result.returncode == 0, "snakemake comes to its end\n" + result.stderr)
+    check("Trying to restart" in result.stdout + result.stderr, "the killed shard was started again")
+    check_as_one_run(workspace, expected)

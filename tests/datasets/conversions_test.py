@@ -51,12 +51,12 @@ class ModelTest(FolderTest):
             self.assertEqual(new.pose.translation.tolist(), old.pose.translation.tolist())
 
     def test_damaged_models(self):
-        self.rejects("line 1", read_cameras, self.write("c", "1 OPENCV 4 4 1 1 1 1 0 0 0 0\n"))
-        self.rejects("3 numbers", read_cameras, self.write("c", "1 PINHOLE 4 4 1 1 1\n"))
-        self.rejects("not numbers", read_cameras, self.write("c", "1 PINHOLE 4 4 1 x 1 1\n"))
-        self.rejects("not finite", read_images, self.write("i", "1 1 0 0 nan 0 0 0 1 a.jpg\n\n"))
-        self.rejects("quaternion", read_images, self.write("i", "1 0 0 0 0 0 0 0 1 a.jpg\n\n"))
-        self.rejects("line 1", read_images, self.write("i", "1 1 0 0 0 0 0 0 1\n\n"))
+        self.rejects_changes("1 PINHOLE 4 4 1 2 3 4\n", read_cameras, (
+            ("line 1", "PINHOLE", "OPENCV"), ("3 numbers", "1 2 3 4", "1 2 3"),
+            ("not numbers", "2", "x")))
+        self.rejects_changes("1 1 0 0 0 2 3 4 1 a.jpg\n\n", read_images, (
+            ("not finite", "1 0 0 0", "1 0 0 nan"), ("quaternion", "1 0 0 0", "0 0 0 0"),
+            ("line 1", " a.jpg", "")))
         self.rejects("not found", read_images, self.root / "nothing")
 
 
@@ -84,16 +84,12 @@ class TrajectoryTest(FolderTest):
                                    atol=1e-15)
 
     def test_damaged_files(self):
-        entry = "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
-        read = lambda text: read_trajectory(self.write("a.log", text), self.names)
-        self.assertEqual(len(read("0 0 0\n" + entry)), 1)
-        self.rejects("4 lines", read, "0 0 0\n" + entry[:24])
-        self.rejects("image 4", read, "4 4 0\n" + entry)
-        self.rejects("second time", read, ("0 0 0\n" + entry) * 2)
-        self.rejects("not a rotation", read, "0 0 0\n" + entry.replace("1 0 0 0", "2 0 0 0"))
-        self.rejects("not a rotation", read, "0 0 0\n" + entry.replace("1 0 0 0", "-1 0 0 0"))
-        self.rejects("0 0 0 1", read, "0 0 0\n" + entry.replace("0 0 0 1", "0 0 1 1"))
-        self.rejects("line 2: 3 numbers", read, "0 0 0\n" + entry.replace("1 0 0 0", "1 0 0"))
+        entry = "0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"
+        self.rejects_changes(entry, lambda path: read_trajectory(path, self.names), (
+            ("4 lines", "0 0 0 1\n", ""), ("image 4", "0 0 0\n1", "4 4 0\n1"),
+            ("second time", entry, 2 * entry), ("not a rotation", "1 0 0 0", "2 0 0 0"),
+            ("not a rotation", "1 0 0 0", "-1 0 0 0"), ("0 0 0 1", "0 0 0 1", "0 0 1 1"),
+            ("line 2: 3 numbers", "1 0 0 0", "1 0 0")))
 
 
 class StrechaCameraTest(FolderTest):
@@ -107,15 +103,12 @@ class StrechaCameraTest(FolderTest):
                                    atol=1e-15)
 
     def test_damaged_files(self):
-        read = lambda old, new: strecha.read_camera(
-            self.write("a.camera", self.text.replace(old, new)))
-        self.rejects("8 lines", read, "640 480\n", "")
-        self.rejects("skew", read, "500 0 320", "500 1 320")
-        self.rejects("distortion", read, "0 0 1\n0 0 0\n", "0 0 1\n0.1 0 0\n")
-        self.rejects("calibration", read, "0 0 1\n0 0 0", "0 1 1\n0 0 0")
-        self.rejects("calibration", read, "500 0 320", "-500 0 320")
-        self.rejects("rotation", read, "-1 0 0\n", "1 0 0\n")
-        self.rejects("line 9", read, "640 480", "640.5 480")
+        self.rejects_changes(self.text, strecha.read_camera, (
+            ("8 lines", "640 480\n", ""), ("skew", "500 0 320", "500 1 320"),
+            ("distortion", "0 0 1\n0 0 0\n", "0 0 1\n0.1 0 0\n"),
+            ("calibration", "0 0 1\n0 0 0", "0 1 1\n0 0 0"),
+            ("calibration", "500 0 320", "-500 0 320"), ("rotation", "-1 0 0\n", "1 0 0\n"),
+            ("line 9", "640 480", "640.5 480")))
 
 
 class FilesTest(FolderTest):
@@ -199,15 +192,13 @@ class PlyTest(FolderTest):
 
     def test_damaged_files(self):
         good = self.header.format("ascii 1.0") + "0 1 2 255\n3 4 5 0\n6 7 8 9\n3 0 1 2\n"
-        read = lambda old, new: read_ply(self.write("a.ply", good.replace(old, new)))
-        self.assertEqual(len(read("", "").points), 3)
-        self.rejects("damaged", read, "6 7 8 9\n3 0 1 2\n", "6 7")
-        self.rejects("vertices that are not there", read, "3 0 1 2", "3 0 1 3")
-        self.rejects("not triangles", read, "3 0 1 2", "4 0 1 2")
-        self.rejects("binary_big_endian", read, "ascii", "binary_big_endian")
-        self.rejects("not finite", read, "3 4 5", "nan 4 5")
-        self.rejects("header", read, "end_header\n", "")
-        self.rejects("not a PLY", read, "ply\n", "plx\n")
+        self.rejects_changes(good, read_ply, (
+            ("damaged", "6 7 8 9\n3 0 1 2\n", "6 7"),
+            ("vertices that are not there", "3 0 1 2", "3 0 1 3"),
+            ("not triangles", "3 0 1 2", "4 0 1 2"),
+            ("binary_big_endian", "ascii", "binary_big_endian"),
+            ("not finite", "3 4 5", "nan 4 5"), ("header", "end_header\n", ""),
+            ("not a PLY", "ply\n", "plx\n")))
 
 
 if __name__ == "__main__":

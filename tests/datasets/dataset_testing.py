@@ -7,11 +7,9 @@ import json
 import os
 import pathlib
 import shutil
-import struct
 import subprocess
 import sys
 import unittest
-import zlib
 
 REPOSITORY = pathlib.Path(os.environ["TSAR_SOURCE_DIR"])
 # What begins with "env python3" gets this interpreter at once, and not through a
@@ -27,7 +25,7 @@ import numpy as np  # pylint: disable=wrong-import-position
 from files import DatasetError  # pylint: disable=wrong-import-position
 from model import read_cameras, read_images  # pylint: disable=wrong-import-position
 from ply import read_ply, write_points  # pylint: disable=wrong-import-position
-from sample_testing import digests, unpack  # pylint: disable=wrong-import-position
+from sample_testing import digests, gray_png, unpack  # pylint: disable=wrong-import-position
 
 # Long side of the maps: stereo on two cores takes a few seconds.
 MAP_SIZE = 80
@@ -78,7 +76,6 @@ def make_eth3d(sample, scene, with_scans=True):
     for i in range(0, len(lines), 2):
         head, name = lines[i].rsplit(" ", 1)
         lines[i] = f"{head} dslr_images_undistorted/{name}"
-    (calibration / "images.txt").write_text(comment + "\n".join(lines) + "\n")
     ids = {str(image.image_id) for image in sample.images}
     points = ""
     for line in (sparse / "points3D.txt").read_text().splitlines():
@@ -137,14 +134,8 @@ def make_tanks_and_temples(sample, scene, with_poses=True, truth_from_world=None
 
 def write_gray_png(path, pixels):
     """pixels: height x width, 8 bits."""
-    pixels = np.asarray(pixels, np.uint8)
-    chunk = lambda kind, content: (struct.pack(">I", len(content)) + kind + content
-                                   + struct.pack(">I", zlib.crc32(kind + content)))
-    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(
-        b"IHDR", struct.pack(">IIBBBBB", pixels.shape[1], pixels.shape[0], 8, 0, 0, 0, 0))
-        + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+    path.write_bytes(gray_png([row.tobytes() for row in np.asarray(pixels, np.uint8)]))
 
 
 class FolderTest(unittest.TestCase):
@@ -167,6 +158,25 @@ class FolderTest(unittest.TestCase):
             function(*arguments)
         self.assertIn(text, str(caught.exception))
         self.assertNotIn("\n", str(caught.exception))
+
+    def rejects_changes(self, good, read, cases):
+        """That what is read of a good text is refused where a part of it is replaced.
+        cases: (text of the error, part, what is in its place)."""
+        path = self.write("changed", good)
+        read(path)
+        for text, old, new in cases:
+            with self.subTest(text=text, old=old):
+                self.assertIn(old, good)
+                path.write_text(good.replace(old, new))
+                self.rejects(text, read, path)
+
+
+def check_one_line(test, result, text):
+    """Ended with exactly one line, which has this text in it."""
+    test.assertEqual(result.returncode, 1, result.stdout + result.stderr)
+    test.assertEqual(result.stderr.count("\n"), 1, result.stderr)
+    test.assertTrue(result.stderr.startswith("ERROR: "), result.stderr)
+    test.assertIn(text, result.stderr)
 
 
 class DatasetTest(unittest.TestCase):
@@ -196,17 +206,24 @@ class DatasetTest(unittest.TestCase):
         return result.stdout
 
     def fails(self, *arguments, text):
-        """Fails with exactly one line, which has this text in it."""
-        result = self.call(*arguments)
-        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
-        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
-        self.assertTrue(result.stderr.startswith("ERROR: "), result.stderr)
-        self.assertIn(text, result.stderr)
+        check_one_line(self, self.call(*arguments), text)
 
-    def copy_of(self, scene, name):
-        target = self.folder / name / scene.name
-        shutil.copytree(scene, target)
-        return target
+    def fails_of_changes(self, scene, options, cases):
+        """That copies of a scene are refused in which a file is changed, and nothing is
+        written. cases: (file, part of its text or None where it is removed, what is in
+        its place, text of the error)."""
+        output = self.folder / "nothing"
+        for number, (file, old, new, text) in enumerate(cases):
+            copy = self.folder / f"damaged{number}" / scene.name
+            shutil.copytree(scene, copy)
+            if old is None:
+                (copy / file).unlink()
+            else:
+                content = (copy / file).read_text()
+                self.assertIn(old, content)
+                (copy / file).write_text(content.replace(old, new, 1))
+            self.fails(copy, "--output_path", output, *options, text=text)
+        self.assertFalse(output.exists())
 
     def files_of(self, folder):
         """Content of all files, and when they were written."""

@@ -84,17 +84,13 @@ class VirtualScanTest(FolderTest):
         far = points[~near]
         self.assertTrue((np.abs(far[:, :2]).max(1) > 0.5 / 2 * 5 - 2 * 5 / 70).all())
 
-    def test_the_nearer_one_is_seen_in_any_order(self):
-        walls = square(4, 8.0), square(2, 4.0)  # Both cover the same pixels.
-        for first, second in (walls, walls[::-1]):
-            np.testing.assert_allclose(self.scan(first, second)[:, 2], 4, atol=1e-12)
-
-    def test_nothing_behind_the_camera(self):
-        self.assertEqual(len(self.scan(square(10, -5.0))), 0)
-
-    def test_the_frame_is_the_cameras(self):
-        pose = Pose(np.diag([1.0, -1, -1]), np.array([0, 0, 7.0]))  # Looks from z = 7 down.
-        np.testing.assert_allclose(self.scan(square(20, 1.0), pose=pose)[:, 2], 6, atol=1e-12)
+    def test_depths(self):
+        turned = Pose(np.diag([1.0, -1, -1]), np.array([0, 0, 7.0]))  # Looks from z = 7 down.
+        near, far = square(2, 4.0), square(4, 8.0)  # Both cover the same pixels.
+        for squares, pose, depth in (((near, far), self.pose, 4), ((far, near), self.pose, 4),
+                                     ((square(20, 1.0),), turned, 6)):
+            np.testing.assert_allclose(self.scan(*squares, pose=pose)[:, 2], depth, atol=1e-12)
+        self.assertEqual(len(self.scan(square(10, -5.0))), 0)  # Behind the camera.
 
     def test_files(self):
         points, faces = square(10, 5.0)

@@ -3,8 +3,9 @@
 """How the tests run reconstruct.sh with stand-ins for the programs."""
 import os
 import subprocess
+import sys
 
-from dataset_testing import REPOSITORY, FolderTest
+from dataset_testing import REPOSITORY, FolderTest, check_one_line
 
 STAND_IN = REPOSITORY / "tests" / "datasets" / "stand_ins.py"
 STEPS = ["features", "matches", "sparse", "workspace", "stereo", "fusion_before", "refinement",
@@ -28,12 +29,12 @@ class StandInTest(FolderTest):
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_bytes(PHOTO)
 
-    def call(self, *options, photos=None, output=None, stereo="tsar", program=STAND_IN):
+    def call(self, *options, photos=None, output=None, stereo="tsar"):
         return subprocess.run(
             [str(part) for part in (
-                REPOSITORY / "scripts" / "reconstruct.sh", self.photos if photos is None else photos,
-                self.output if output is None else output, "--colmap", program, "--colmap_tsar", program,
-                "--python", program,
+                sys.executable, REPOSITORY / "scripts" / "datasets" / "reconstruct.py",
+                self.photos if photos is None else photos, self.output if output is None else output,
+                "--colmap", STAND_IN, "--colmap_tsar", STAND_IN, "--python", STAND_IN,
                 "--stereo", stereo, *options)],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
             env={**os.environ, "STAND_IN_FOLDER": str(self.root)})
@@ -55,8 +56,5 @@ class StandInTest(FolderTest):
 
     def refuses(self, text, *options, **where):
         result = self.call(*options, **where)
-        self.assertEqual(result.returncode, 1, result.stdout + result.stderr)
-        self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
-        self.assertTrue(result.stderr.startswith("ERROR: "), result.stderr)
-        self.assertIn(text, result.stderr)
+        check_one_line(self, result, text)
         return result.stderr

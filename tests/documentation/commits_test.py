@@ -3,14 +3,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every commit that the documents name is in the history. Without a history, or
 with a part of it alone, nothing can be told."""
-import argparse
 import os
 import re
-import sys
 
-from sample_testing import call, check, run
+from sample_testing import call, check, parse_arguments, run, skip
 
-SKIPPED = 77
 
 # Of other projects, which are named beside them.
 OTHERS = {
@@ -20,9 +17,7 @@ OTHERS = {
     "a69263d": "PoseLib",
 }
 
-parser = argparse.ArgumentParser()
-parser.add_argument("--repository", required=True)
-args = parser.parse_args()
+args = parse_arguments("repository")
 
 
 def git(*command):
@@ -30,12 +25,11 @@ def git(*command):
 
 
 try:
-    root = call(*git("rev-parse", "--show-toplevel", "--is-shallow-repository"))
+    root = call(*git("rev-parse", "--show-toplevel", "--is-shallow-repository")).stdout
 except OSError:
-    sys.exit(SKIPPED)
-if root.stdout.split("\n")[:2] != [os.path.realpath(args.repository), "false"]:
-    print("skipped: no repository with its whole history")
-    sys.exit(SKIPPED)
+    root = ""
+if root.split("\n")[:2] != [os.path.realpath(args.repository), "false"]:
+    skip("no repository with its whole history")
 
 history = run(*git("rev-list", "HEAD")).split()
 num_named = 0

@@ -5,16 +5,13 @@
 their libraries, or their instructions, round differently. Addition,
 multiplication, division and square root are rounded alike everywhere; what else
 is needed consists of these, as in base/arithmetic.h."""
-import argparse
 import os
 import re
 
 from library_sources import library_sources
-from sample_testing import check
+from sample_testing import check, parse_arguments
 
-parser = argparse.ArgumentParser()
-parser.add_argument("--repository", required=True)
-args = parser.parse_args()
+args = parse_arguments("repository")
 
 FUNCTIONS = (
     "exp|exp2|exp10|expm1|log|log2|log10|log1p|pow|powi|sin|cos|tan|sincos|sinpi|cospi|"

@@ -4,17 +4,14 @@
 """Equations of the paper have one number everywhere: that of the list in
 docs/method.md, which says where each is computed. The paper itself is not part
 of the project."""
-import argparse
 import glob
 import os
 import re
 
 from library_sources import library_sources
-from sample_testing import check
+from sample_testing import check, parse_arguments
 
-parser = argparse.ArgumentParser()
-parser.add_argument("--repository", required=True)
-args = parser.parse_args()
+args = parse_arguments("repository")
 
 with open(os.path.join(args.repository, "docs/method.md"), encoding="utf-8") as file:
     method = file.read()

@@ -5,16 +5,13 @@
 CMakeLists.txt, with the tools, which may be left out, below the commands alone:
 a file includes what lies in its own folder or in one below, and no file
 includes itself by way of others."""
-import argparse
 import os
 import re
 
 from library_sources import library_sources
-from sample_testing import check
+from sample_testing import check, parse_arguments
 
-parser = argparse.ArgumentParser()
-parser.add_argument("--repository", required=True)
-args = parser.parse_args()
+args = parse_arguments("repository")
 
 INCLUDE = re.compile(r'^#include "colmap_tsar/([^"]+)"', re.MULTILINE)
 

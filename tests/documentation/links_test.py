@@ -3,17 +3,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The documents name only options and commands that exist, and link to files
 and headings that are there."""
-import argparse
 import glob
 import os
 import re
 
-from sample_testing import check, run
+from sample_testing import check, parse_arguments, run
 
-parser = argparse.ArgumentParser()
-for name in ("program", "repository"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("program", "repository")
 
 
 def read(path):

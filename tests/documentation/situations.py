@@ -6,13 +6,13 @@ workspace, in the current folder. Its files are hard links: they are replaced,
 never written into."""
 import contextlib
 import fcntl
-import json
 import os
 import resource
 import struct
 import subprocess
 import time
-import zlib
+
+from sample_testing import gray_png
 
 
 def write(path, content):
@@ -27,6 +27,9 @@ def write(path, content):
 def read(path):
     with open(path) as file:
         return file.read()
+
+
+MAP = "dense/stereo/depth_maps/v003.jpg.geometric.bin"
 
 
 class SmallFiles:
@@ -53,25 +56,18 @@ def edit(path, old, new):
     write(path, text.replace(old, new, 1))
 
 
-def truncate_a_map():
-    path = "dense/stereo/depth_maps/v003.jpg.geometric.bin"
+def spoil(path, change):
+    """Replaces the bytes of a file of the workspace."""
     with open(path, "rb") as file:
-        content = file.read()
-    write(path, content[: len(content) // 2])
+        write(path, change(file.read()))
 
 
-def cut_an_image():
-    path = "dense/images/v003.jpg"
-    with open(path, "rb") as file:
-        content = file.read()
-    write(path, content[: len(content) // 10])
-
-
-def transpose_a_map():
-    path = "dense/stereo/depth_maps/v003.jpg.geometric.bin"
-    with open(path, "rb") as file:
-        content = file.read()
-    write(path, content.replace(b"480&360&", b"360&480&", 1))
+def enlarge_the_camera_of_an_image():
+    cameras = read("dense/sparse/cameras.txt")
+    assert "1 PINHOLE 640 480" in cameras
+    write("dense/sparse/cameras.txt",
+          cameras + cameras.replace("1 PINHOLE 640 480", "2 PINHOLE 1280 960"))
+    edit("dense/sparse/images.txt", " 1 v000.jpg", " 2 v000.jpg")
 
 
 def lock():
@@ -82,16 +78,9 @@ def lock():
     return file
 
 
-def png(bits, width, height, channels=1):
-    """A picture of zeros: gray, or of three channels."""
-    def chunk(kind, data):
-        body = kind + data
-        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
-
-    rows = b"".join(b"\0" + bytes(width * channels * bits // 8) for _ in range(height))
-    return (b"\x89PNG\r\n\x1a\n"
-            + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, bits, 2 if channels == 3 else 0, 0, 0, 0))
-            + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+def png(bits, width, height):
+    """A gray picture of zeros."""
+    return gray_png([bytes(width * bits // 8)] * height, bits)
 
 
 def photo_after_stereo():
@@ -105,18 +94,8 @@ def photo_after_stereo():
     process.kill()
     process.wait()
     write("dense/stereo/depth_maps/v000.jpg.photometric.bin", "1&1&1&0000")
-    with open("dense/images/v001.jpg", "rb") as file:
-        photo = file.read()
-    write("dense/images/v001.jpg", photo)
+    spoil("dense/images/v001.jpg", lambda content: content)
     os.utime("dense/images/v001.jpg", (0, 0))
-
-
-def depth_images_of_8_bits():
-    write("depth/v000.png", png(8, 480, 360))
-
-
-def depth_images_of_other_names():
-    write("depth/frame-17.png", png(16, 480, 360))
 
 
 def depth_in_other_units():
@@ -146,14 +125,15 @@ SITUATIONS = {
         "dense/sparse/cameras.txt", "PINHOLE 640 480 ", "EQUIRECTANGULAR 640 480 "),
     "An image has an impossible name": lambda: edit(
         "dense/sparse/images.txt", "v000.jpg", "v\x1b[2J000.jpg"),
-    "The images were changed": lambda: edit(
-        "dense/sparse/cameras.txt", "640 480", "1280 960"),
+    "The images were changed": enlarge_the_camera_of_an_image,
     "There are no maps yet": lambda: remove_maps("geometric", "photometric"),
     "The maps are of the other type": lambda: remove_maps("geometric"),
     "No image has maps to fuse": lambda: remove_maps("geometric", "photometric"),
-    "A map is cut off": truncate_a_map,
-    "A map is of another shape": transpose_a_map,
-    "An image is damaged": cut_an_image,
+    "A map is cut off": lambda: spoil(MAP, lambda content: content[:len(content) // 2]),
+    "A map is of another shape": lambda: spoil(
+        MAP, lambda content: content.replace(b"480&360&", b"360&480&", 1)),
+    "An image is damaged": lambda: spoil(
+        "dense/images/v003.jpg", lambda content: content[:len(content) // 10]),
     "Another program works there": lock,
     "A file may not become as large": lambda: SmallFiles(1000),
     "A value was forgotten": lambda: None,
@@ -174,7 +154,8 @@ SITUATIONS = {
     "There is a cloud already": lambda: write("dense/fused.ply", "of stereo_fusion"),
     "tsar_stereo finds maps of COLMAP": lambda: None,
     "An image changed after tsar_stereo": photo_after_stereo,
-    "The depth images are pictures": depth_images_of_8_bits,
-    "The depth images have other names": depth_images_of_other_names,
+    "The depth images are pictures": lambda: write("depth/v000.png", png(8, 480, 360)),
+    "The depth images have other names": lambda: write(
+        "depth/frame-17.png", png(16, 480, 360)),
     "The depth is in other units": depth_in_other_units,
 }

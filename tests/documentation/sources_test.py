@@ -3,16 +3,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the library does in one place alone, because it is easily done wrong in
 others, is not in the sources elsewhere."""
-import argparse
 import fnmatch
 import re
 
 from library_sources import library_sources
-from sample_testing import check
+from sample_testing import check, parse_arguments
 
-parser = argparse.ArgumentParser()
-parser.add_argument("--repository", required=True)
-args = parser.parse_args()
+args = parse_arguments("repository")
 
 # What must not be there, in which files it may, and what to take instead.
 RULES = (

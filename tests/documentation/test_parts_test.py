@@ -3,7 +3,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The list of the tests' large parts names what is there, and scripts/test.sh
 runs each of them; what changed decides which."""
-import argparse
 import json
 import re
 import subprocess
@@ -11,11 +10,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-from sample_testing import check
+from sample_testing import check, parse_arguments
 
-parser = argparse.ArgumentParser()
-parser.add_argument("--repository", required=True)
-args = parser.parse_args()
+args = parse_arguments("repository")
 repository = Path(args.repository)
 sys.path.insert(0, str(repository / "scripts"))
 sys.dont_write_bytecode = True

@@ -4,18 +4,14 @@
 """Checks what scripts/build_colmap.sh decides: which patch and packages belong
 to a version, and what CMake gets. Stand-ins take the place of CMake and of the
 package manager, and a folder with one file that of COLMAP."""
-import argparse
 import json
 import os
 import shutil
 import sys
 
-from sample_testing import call, check
+from sample_testing import call, check, parse_arguments
 
-parser = argparse.ArgumentParser()
-for name in ("repository", "folder"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("repository", "folder")
 
 SOURCE_FILE = os.path.join("src", "colmap", "exe", "colmap.cc")
 STAND_INS = {

@@ -2,22 +2,18 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Compares the manual pages and the completions with --help_json: every command,
-option, choice and default is in them, the pages are clean troff, and bash and
-fish really complete. What needs a shell or formatter that is not installed is
+option, choice and default is in them, the pages are clean troff, and bash really
+completes. What needs a shell or formatter that is not installed is
 skipped by a line that says so."""
-import argparse
 import gzip
 import json
 import os
 import re
 import shutil
 
-from sample_testing import call, check, run
+from sample_testing import call, check, parse_arguments, run
 
-parser = argparse.ArgumentParser()
-for name in ("program", "pages", "folder"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("program", "pages", "folder")
 
 
 def told(*words):
@@ -120,35 +116,22 @@ def test_bash():
         check(not wrong, f"bash: what follows the options of {' '.join(words)}: {wrong}")
 
 
-def test_fish():
-    path = os.path.join(args.pages, "fish")
-
-    def completes(line):
-        text = run("fish", "--no-config", "-c", f"source {path}; complete -C '{line}'")
-        return {found.split("\t")[0] for found in text.splitlines()}
-
-    check(completes("colmap_tsar tsar_") == set(COMMANDS), "fish: all commands")
-    for words, options in CALLS.items():
-        line = " ".join(["colmap_tsar", *words])
-        names = {"--" + option["name"] for option in options}
-        check(completes(line + " --") == names | {"--help", "--help_all", "--help_json"},
-              f"fish: the options of {line}")
-        wrong = [option["name"] for option in options if option["choices"]
-                 and completes(f"{line} --{option['name']} ") != set(option["choices"])]
-        check(not wrong, f"fish: the choices of {line}: {wrong}")
-
-
-def test_zsh():
-    path = os.path.join(args.pages, "zsh")
-    with open(path) as file:
-        text = file.read()
-    check(text.startswith("#compdef colmap_tsar\n"), "zsh: the head that compinit looks for")
-    for words, options in CALLS.items():
-        wrong = [option["name"] for option in options if f"--{option['name']}=" not in text
-                 or (option["choices"] and f"({' '.join(option['choices'])})" not in text)]
-        check(not wrong, f"zsh: the options of {' '.join(words)}: {wrong}")
-    if has("zsh"):
-        run("zsh", "-n", path)
+def test_fish_and_zsh():
+    """That what they read names all."""
+    for shell, command, written, choices in (("fish", " -a {} ", " -l {} ", " -a '{}' "),
+                                             ("zsh", "'{}':", "--{}=", "({})")):
+        path = os.path.join(args.pages, shell)
+        with open(path) as file:
+            text = file.read()
+        missing = [name for name in COMMANDS if command.format(name) not in text]
+        check(not missing, f"{shell}: all commands: {missing}")
+        for words, options in CALLS.items():
+            wrong = [option["name"] for option in options
+                     if written.format(option["name"]) not in text or
+                     (option["choices"] and choices.format(" ".join(option["choices"])) not in text)]
+            check(not wrong, f"{shell}: the options of {' '.join(words)}: {wrong}")
+        if has(shell):
+            run(shell, "-n", path)
 
 
 shutil.rmtree(args.folder, ignore_errors=True)
@@ -157,6 +140,4 @@ check(len(COMMANDS) > 3 and len(CALLS) > len(COMMANDS), "--help_json lists comma
 test_pages()
 test_troff()
 test_bash()
-if has("fish"):
-    test_fish()
-test_zsh()
+test_fish_and_zsh()

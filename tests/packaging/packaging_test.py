@@ -3,20 +3,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Packs the built tree as Debian packages and as an archive, without building
 anything, looks at what is in them, and runs the program from both."""
-import argparse
 import glob
 import gzip
+import io
 import os
 import shutil
+import subprocess
 import sys
 import tarfile
 
-from sample_testing import call, check, run
+from sample_testing import call, check, parse_arguments, run, skip
 
-parser = argparse.ArgumentParser()
-for name in ("cmake", "cpack", "build", "source", "version", "folder"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("cmake", "cpack", "build", "source", "version", "folder")
 
 PROGRAM_FILES = [
     "bin/colmap_tsar",
@@ -124,10 +122,9 @@ def test_debian_packages():
             for line in run("dpkg-deb", "--field", found[0]).splitlines()
             if not line.startswith(" ") and ": " in line
         )
-        listing = os.path.join(args.folder, "data.tar")
-        with open(listing, "wb") as file:
-            file.write(read_binary("dpkg-deb", "--fsys-tarfile", found[0]))
-        with tarfile.open(listing) as archive:
+        listing = subprocess.run(["dpkg-deb", "--fsys-tarfile", found[0]], check=True,
+                                 stdout=subprocess.PIPE).stdout
+        with tarfile.open(fileobj=io.BytesIO(listing)) as archive:
             members = archive.getmembers()
         check_modes([(m.name, m.mode, m.isdir()) for m in members], package)
         check(all(m.uid == 0 and m.gid == 0 for m in members), f"{package}: root owns all")
@@ -179,13 +176,6 @@ def test_debian_packages():
         print("skipped: lintian is not installed")
 
 
-def read_binary(*command):
-    path = os.path.join(args.folder, "output")
-    run("sh", "-c", '"$@" >"$0"', path, *command)
-    with open(path, "rb") as file:
-        return file.read()
-
-
 def test_dpkg(packages):
     """dpkg itself installs and removes them, in a system of nothing else."""
     root = os.path.join(args.folder, "system")
@@ -228,8 +218,7 @@ def test_archive():
 
 for tool in ("dpkg-deb", "dpkg-shlibdeps", "objdump", "file"):
     if not shutil.which(tool):
-        print(f"skipped: {tool} is not installed")
-        sys.exit(77)
+        skip(f"{tool} is not installed")
 shutil.rmtree(args.folder, ignore_errors=True)
 os.makedirs(args.folder)
 before = built_files()

@@ -3,14 +3,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Refines the sample scene, one of whose images has a hostile name, writes its
 page and opens it from the disk in a headless Chromium without a network."""
-import argparse
 import os
 import shutil
 import sys
 import time
 import urllib.parse
 
-SKIPPED = 77  # To ctest.
+sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "sample"))
+from sample_testing import check, parse_arguments, run, skip, unpack_small
+
 SYSTEM_PYTHON = "/usr/bin/python3"
 
 try:
@@ -22,25 +23,17 @@ except ImportError:
     # The distribution's Python has its packages; another may come before it.
     if sys.executable != SYSTEM_PYTHON and os.access(SYSTEM_PYTHON, os.X_OK):
         os.execv(SYSTEM_PYTHON, [SYSTEM_PYTHON] + sys.argv)
-    print("SKIPPED: no Selenium; install python3-selenium")
-    sys.exit(SKIPPED)
-
-sys.path.insert(0, os.path.join(os.path.dirname(__file__), "..", "sample"))
-from sample_testing import check, run, unpack
+    skip("no Selenium; install python3-selenium")
 
 HOSTILE = '"><svg onload=window.attacked=1>.jpg'
 
-parser = argparse.ArgumentParser()
-for name in ("program", "repository", "folder"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("program", "repository", "folder")
 
 
 def open_browser():
     chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
     if not chromium or not driver:
-        print("SKIPPED: no Chromium with its driver; see install_dependencies.sh --tests")
-        sys.exit(SKIPPED)
+        skip("no Chromium with its driver; see install_dependencies.sh --tests")
     options = Options()
     options.binary_location = chromium
     for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage",
@@ -74,7 +67,7 @@ browser = open_browser()
 try:
     shutil.rmtree(args.folder, ignore_errors=True)
     workspace, page = (os.path.join(args.folder, name) for name in ("sample", "page # 100%"))
-    unpack(args.repository, workspace)
+    unpack_small(args.repository, workspace)
     rename_image(workspace, "v000.jpg", HOSTILE)
     run(args.program, "tsar_refine", "--workspace_path", workspace, "--TsarRefine.device", "cpu")
     run(args.program, "tsar_report", "--workspace_path", workspace, "--report_path", page)

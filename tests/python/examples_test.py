@@ -11,14 +11,12 @@ import pathlib
 import re
 import shutil
 import sys
-import tempfile
 import textwrap
 
-from sample_testing import check, unpack
-from support import REPOSITORY, WORK_FOLDER
-from virtual_environment import run_in_environment
+from sample_testing import check, unpack_small
+from support import REPOSITORY, WORK_FOLDER, new_folder, read_map
+from virtual_environment import IS_INSIDE, run_in_environment
 
-IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
 if IS_INSIDE:
     import numpy as np
     import pycolmap
@@ -42,28 +40,21 @@ def examples():
 def prepare(folder):
     """images/, sparse/0, scans/ and depth_images/, as the examples name them."""
     sample = folder / "sample"
-    unpack(REPOSITORY, sample)
+    unpack_small(REPOSITORY, sample)
     shutil.copytree(sample / "images", folder / "images")
     shutil.copytree(sample / "sparse", folder / "sparse" / "0")
     shutil.copytree(sample / "scans", folder / "scans")
     (folder / "depth_images").mkdir()
     for path in (sample / "ground_truth" / "depth").iterdir():
-        width, height, _, body = path.read_bytes().split(b"&", 3)
-        depth = np.frombuffer(body, "<f4").reshape(int(height), int(width))
         name = path.name.replace(".jpg.bin", ".npy")
-        np.save(folder / "depth_images" / name, depth)
+        np.save(folder / "depth_images" / name, read_map(path)[::2, ::2, 0])
 
     def copy_maps(workspace_path):
         for kind in ("depth_maps", "normal_maps"):
-            shutil.copytree(
-                sample / "stereo" / kind,
-                pathlib.Path(workspace_path, "stereo", kind),
-                dirs_exist_ok=True,
-            )
+            shutil.copytree(sample / "stereo" / kind, pathlib.Path(workspace_path, "stereo", kind),
+                            dirs_exist_ok=True)
         # Not of COLMAP's; evaluate_depth() looks for it there.
-        shutil.copytree(
-            sample / "ground_truth", pathlib.Path(workspace_path, "ground_truth")
-        )
+        shutil.copytree(sample / "ground_truth", pathlib.Path(workspace_path, "ground_truth"))
 
     pycolmap.patch_match_stereo = copy_maps
 
@@ -85,7 +76,7 @@ def run_example(line, text, expected_error, names):
 
 
 def main():
-    folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
+    folder = new_folder()
     try:
         prepare(folder)
         os.chdir(folder)
@@ -107,6 +98,5 @@ def main():
 
 if __name__ == "__main__":
     if not IS_INSIDE:
-        environment = ("pycolmap_environment", __file__, "pycolmap", "numpy")
-        sys.exit(run_in_environment(*environment))
+        run_in_environment(__file__, "pycolmap", "numpy")
     main()

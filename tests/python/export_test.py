@@ -7,25 +7,18 @@ Needs NumPy and OpenCV: the Python's own, or those of a virtual environment that
 build folder. Skipped where they cannot be had."""
 import json
 import os
-import pathlib
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
 import colmap_tsar
 from sample_testing import digests
-from support import WORK_FOLDER, write_black_mask
-from virtual_environment import run_in_environment
+from support import new_folder, write_black_mask
+from virtual_environment import optional, run_tests
 
 os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
-IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
-try:
-    import cv2
-    import numpy as np
-except ImportError:
-    cv2 = None
+cv2, np = optional("cv2"), optional("numpy")
 
 NAMES = ["a.png", "left/b.png", "c.png"]  # The last has no maps.
 WIDTH, HEIGHT = 8, 6  # Of photos; maps have half of it.
@@ -94,8 +87,7 @@ def make_workspace(root):
 
 class ExportTest(unittest.TestCase):
     def setUp(self):
-        WORK_FOLDER.mkdir(exist_ok=True)
-        self.folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
+        self.folder = new_folder()
         self.addCleanup(shutil.rmtree, self.folder)
         self.root, self.site = self.folder / "dense", self.folder / "site"
         self.output = self.site / "exported"
@@ -296,7 +288,4 @@ class ExportTest(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if cv2 is None and not IS_INSIDE:
-        packages = "numpy", "opencv-python-headless"
-        sys.exit(run_in_environment("opencv_environment", __file__, *packages))
-    unittest.main(argv=sys.argv[:1])
+    run_tests(__file__, ["opencv-python-headless", "numpy"], cv2, np)

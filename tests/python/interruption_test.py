@@ -8,29 +8,29 @@ import sys
 import unittest
 
 import colmap_tsar
-from support import SampleTest, results
+from sample_testing import results
+from support import PLANES, SampleTest
 
-REFINE = """
+REFINE = f"""
 import sys, colmap_tsar
 def tell(*state):
     print(*state, file=sys.stderr, flush=True)
-colmap_tsar.Workspace(sys.argv[1]).refine(device="cpu", num_threads=1, progress=tell)
+def refine():
+    colmap_tsar.Workspace(sys.argv[1]).refine(device="cpu", num_threads=1, progress=tell, **{PLANES})
 """
 
 # Lives on, whatever comes; says what came.
-REFINE_AND_GO_ON = """
-import signal, sys, time, colmap_tsar
+GO_ON = """
+import signal, time
 num_signals = 0
 def note(*_):
     global num_signals
     num_signals += 1
-    print("signal", num_signals, file=sys.stderr, flush=True)
+    tell("signal", num_signals)
     raise KeyboardInterrupt
 signal.signal(signal.SIGINT, note)
-def tell(*state):
-    print(*state, file=sys.stderr, flush=True)
 try:
-    colmap_tsar.Workspace(sys.argv[1]).refine(device="cpu", num_threads=1, progress=tell)
+    refine()
 except KeyboardInterrupt:
     print("interrupted")
 while num_signals < 2:
@@ -43,23 +43,23 @@ print("went on")
 
 
 class InterruptionTest(SampleTest):
-    num_images = 8
+    num_images = 4
 
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
         in_one_go = cls.class_folder / "in_one_go"
         shutil.copytree(cls.sample, in_one_go)
-        colmap_tsar.refine(in_one_go, device="cpu", progress=False)
+        colmap_tsar.refine(in_one_go, device="cpu", progress=False, **PLANES)
         cls.refined = results(in_one_go)
 
-    def start(self, script):
-        return subprocess.Popen(
-            [sys.executable, "-c", script, str(self.workspace)],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            text=True,
-        )
+    def interrupt(self, script):
+        """Starts it, and sends a signal when an image is done."""
+        process = subprocess.Popen([sys.executable, "-c", REFINE + script, str(self.workspace)],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.wait_for(process, "Pass 3 of 3 1 4")
+        process.send_signal(signal.SIGINT)
+        return process
 
     def wait_for(self, process, text):
         """Reads the process's standard error up to the line with this text."""
@@ -72,21 +72,16 @@ class InterruptionTest(SampleTest):
         """Every map is COLMAP's or the refined one, some of both are there, and the
         same call goes on from there to the same bytes as in one go."""
         original, refined = results(self.sample), self.refined
-        interrupted = results(self.workspace)
-        for path, digest in interrupted.items():
+        for path, digest in results(self.workspace).items():
             self.assertIn(digest, (original.get(path), refined[path]), path)
-        summary = colmap_tsar.refine(self.workspace, device="cpu", progress=False)
+        summary = colmap_tsar.refine(self.workspace, device="cpu", progress=False, **PLANES)
         self.assertGreater(summary.num_skipped, 0)
         self.assertGreater(summary.num_refined, 0)
-        self.assertEqual(
-            summary.num_skipped + summary.num_refined, self.num_images
-        )
+        self.assertEqual(summary.num_skipped + summary.num_refined, self.num_images)
         self.assertEqual(results(self.workspace), refined)
 
     def test_ends_in_order_and_goes_on(self):
-        process = self.start(REFINE)
-        self.wait_for(process, "Pass 3 of 3 1 8")
-        process.send_signal(signal.SIGINT)
+        process = self.interrupt("refine()")
         _, errors = process.communicate()
         # As Python ends whatever a KeyboardInterrupt ends.
         self.assertEqual(process.returncode, -signal.SIGINT, errors)
@@ -94,9 +89,7 @@ class InterruptionTest(SampleTest):
         self.expect_whole_workspace()
 
     def test_a_second_one_does_no_harm(self):
-        process = self.start(REFINE_AND_GO_ON)
-        self.wait_for(process, "Pass 3 of 3 1 8")
-        process.send_signal(signal.SIGINT)
+        process = self.interrupt(GO_ON)
         self.wait_for(process, "signal 1")
         process.send_signal(signal.SIGINT)
         output, errors = process.communicate()

@@ -6,44 +6,29 @@ Needs NumPy: the Python's own, or that of a virtual environment that is kept in 
 build folder. Skipped where it cannot be had."""
 import json
 import sys
-import unittest
 from unittest import mock
 
 import colmap_tsar
 from sample_testing import digests
-from support import SampleTest, run_program
-from virtual_environment import run_in_environment
+from support import HEIGHT, WIDTH, RefinedTest, run_program
+from virtual_environment import optional, run_tests
 
-IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of the environment.
-try:
-    import numpy as np
-except ImportError:
-    np = None
+np = optional("numpy")
 
 MAP = "stereo/plane_maps/v001.jpg.geometric.png"
-SIGMA_MAP = "stereo/sigma_maps/v001.jpg.geometric.npy"
 
 
-class PlanesTest(SampleTest):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        colmap_tsar.refine(cls.sample, device="cpu", progress=False)
-
-    def truncate(self, name, size=None):
-        path = self.workspace / name
-        content = path.read_bytes()
-        path.write_bytes(content[: len(content) * 2 // 3 if size is None else size])
+class PlanesTest(RefinedTest):
+    def setUp(self):
+        super().setUp()
+        self.workspace = self.new_workspace("refined", self.refined)
 
     def test_gives_what_the_program_writes(self):
         before = digests(self.workspace)
         planes = colmap_tsar.read_planes(self.workspace)
         self.assertEqual(digests(self.workspace), before)
         output = self.folder / "planes.json"
-        run_program(
-            *("tsar_planes", "--workspace_path", self.workspace),
-            *("--output_path", output),
-        )
+        run_program("tsar_planes", "--workspace_path", self.workspace, "--output_path", output)
         expected = json.loads(output.read_text())
         self.assertGreaterEqual(len(planes), 3)
         self.assertEqual(len(planes), len(expected["planes"]))
@@ -53,50 +38,31 @@ class PlanesTest(SampleTest):
         self.assertEqual(planes.vertical_from, expected["vertical_from"])
         self.assertEqual(planes.frames.tolist(), expected["frames"])
         for name, key in (
-            ("ids", "id"),
-            ("normals", "normal"),
-            ("offsets", "offset"),
-            ("centers", "center"),
-            ("areas", "area"),
-            ("resolutions", "resolution"),
+            *((key + "s", key) for key in ("id", "normal", "offset", "center", "area", "resolution",
+                                           "support", "component")),
             ("shares_measured", "share_measured"),
-            ("supports", "support"),
             ("num_pixels", "num_pixels"),
-            ("components", "component"),
         ):
             with self.subTest(name=name):
-                self.assertEqual(
-                    getattr(planes, name).tolist(),
-                    [plane[key] for plane in expected["planes"]],
-                )
+                self.assertEqual(getattr(planes, name).tolist(),
+                                 [plane[key] for plane in expected["planes"]])
         for i, plane in enumerate(expected["planes"]):
             with self.subTest(plane=plane["id"]):
                 self.assertEqual(planes.classes[i], plane["class"])
                 self.assertEqual(planes.meets[i], plane["meets"])
-                self.assertEqual(
-                    planes.axes[i].tolist(), [plane["axis_s"], plane["axis_t"]]
-                )
-                covariance = [
-                    [np.inf if value is None else value for value in row]
-                    for row in plane["covariance"]
-                ]
+                self.assertEqual(planes.axes[i].tolist(), [plane["axis_s"], plane["axis_t"]])
+                covariance = [[np.inf if value is None else value for value in row]
+                              for row in plane["covariance"]]
                 self.assertEqual(planes.covariances[i].tolist(), covariance)
-                for numbers, key in (
-                    (planes.frame_ids, "frame"),
-                    (planes.frame_axes, "axis"),
-                ):
+                for numbers, key in ((planes.frame_ids, "frame"), (planes.frame_axes, "axis")):
                     value = -1 if plane[key] is None else plane[key]
                     self.assertEqual(numbers[i], value)
-                self.assertEqual(
-                    planes.images[i],
-                    {image["name"]: image["num_pixels"] for image in plane["images"]},
-                )
+                self.assertEqual(planes.images[i], {image["name"]: image["num_pixels"]
+                                                    for image in plane["images"]})
                 self.assertEqual(len(planes.polygons[i]), len(plane["polygons"]))
                 for polygon, other in zip(planes.polygons[i], plane["polygons"]):
                     self.assertEqual(polygon.outline.tolist(), other["outline"])
-                    self.assertEqual(
-                        [hole.tolist() for hole in polygon.holes], other["holes"]
-                    )
+                    self.assertEqual([hole.tolist() for hole in polygon.holes], other["holes"])
 
     def test_shapes_hold_without_any_plane(self):
         planes = colmap_tsar.read_planes(self.workspace, min_area=1e9)
@@ -105,26 +71,10 @@ class PlanesTest(SampleTest):
         self.assertEqual(planes.covariances.shape, (0, 3, 3))
         self.assertEqual(planes.ids.shape, (0,))
 
-    def test_small_planes_are_left_out(self):
-        planes = colmap_tsar.read_planes(self.workspace)
-        area = float(np.median(planes.areas))
-        large = colmap_tsar.read_planes(self.workspace, min_area=area)
-        kept = planes.areas >= area
-        self.assertLess(len(large), len(planes))
-        self.assertEqual(large.ids.tolist(), planes.ids[kept].tolist())
-        np.testing.assert_array_equal(large.normals, planes.normals[kept])
-
-    def test_numpy_reads_sigma_maps(self):
-        sigma = np.load(self.workspace / SIGMA_MAP, allow_pickle=False)
-        labels = colmap_tsar.read_plane_map(self.workspace / MAP)
-        self.assertEqual(sigma.shape, labels.shape)
-        self.assertEqual(sigma.dtype, np.float16)
-        self.assertTrue((sigma[labels >= 0] > 0).all())
-
     def test_maps_hold_the_ids(self):
         planes = colmap_tsar.read_planes(self.workspace)
         labels = colmap_tsar.read_plane_map(self.workspace / MAP)
-        self.assertEqual(labels.shape, (360, 480))
+        self.assertEqual(labels.shape, (HEIGHT, WIDTH))
         self.assertEqual(labels.dtype, np.int32)
         self.assertTrue(set(np.unique(labels)) <= {-1, *planes.ids.tolist()})
         for i, plane in enumerate(planes.ids):
@@ -138,22 +88,18 @@ class PlanesTest(SampleTest):
             colmap_tsar.read_planes(self.folder / "nowhere")
         with self.assertRaisesRegex(colmap_tsar.NotFoundError, "nowhere.png"):
             colmap_tsar.read_plane_map(self.folder / "nowhere.png")
-        for name, size in (
-            ("stereo/tsar/planes.bin", None),
-            ("stereo/tsar/planes.bin", 0),
-            (MAP, None),
-            (MAP, 0),
-        ):
-            with self.subTest(name=name, size=size):
-                self.workspace = self.new_workspace(f"{len(name)} {size}")
-                self.truncate(name, size)
-                with self.assertRaisesRegex(
-                    colmap_tsar.CorruptError, name.split("/")[-1]
-                ):
-                    colmap_tsar.read_planes(self.workspace)
-                if name == MAP:
-                    with self.assertRaises(colmap_tsar.CorruptError):
-                        colmap_tsar.read_plane_map(self.workspace / MAP)
+        for name in ("stereo/tsar/planes.bin", MAP):
+            path = self.workspace / name
+            content = path.read_bytes()
+            for size in (len(content) * 2 // 3, 0):
+                with self.subTest(name=name, size=size):
+                    path.write_bytes(content[:size])
+                    with self.assertRaisesRegex(colmap_tsar.CorruptError, path.name):
+                        colmap_tsar.read_planes(self.workspace)
+                    if name == MAP:
+                        with self.assertRaises(colmap_tsar.CorruptError):
+                            colmap_tsar.read_plane_map(path)
+            path.write_bytes(content)
         with self.assertRaisesRegex(colmap_tsar.CorruptError, "16 bits"):
             colmap_tsar.read_plane_map(self.sample / "images" / "v000.jpg")
 
@@ -166,9 +112,8 @@ class PlanesTest(SampleTest):
 
     def test_a_workspace_that_was_not_refined_has_none(self):
         colmap_tsar.restore(self.workspace)
-        with self.assertRaisesRegex(
-            colmap_tsar.NotFoundError, "no refined geometric maps; run tsar_refine"
-        ):
+        text = "no refined geometric maps; run tsar_refine"
+        with self.assertRaisesRegex(colmap_tsar.NotFoundError, text):
             colmap_tsar.read_planes(self.workspace)
 
     def test_bad_arguments_are_named(self):
@@ -188,6 +133,4 @@ class PlanesTest(SampleTest):
 
 
 if __name__ == "__main__":
-    if np is None and not IS_INSIDE:
-        sys.exit(run_in_environment("numpy_environment", __file__, "numpy"))
-    unittest.main(argv=sys.argv[:1])
+    run_tests(__file__, ["numpy"], np)

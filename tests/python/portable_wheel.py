@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Looks at a wheel that scripts/build_wheels.sh has built, and uses it in a new
 virtual environment: it needs nothing of the system but the run time of C and C++,
-and writes the maps that the program writes.
+and writes the maps that the program writes. What of that any wheel does is a function
+for wheel_test.py.
 
   portable_wheel.py WHEEL"""
 import json
@@ -11,11 +12,10 @@ import pathlib
 import re
 import shutil
 import sys
-import tempfile
 import zipfile
 
-from sample_testing import check, run, unpack
-from support import REPOSITORY, WORK_FOLDER, results, run_program
+from sample_testing import check, results, run, unpack_small
+from support import REPOSITORY, new_folder, run_program
 from virtual_environment import VirtualEnvironment
 
 MOST_LIBRARIES = 12
@@ -43,13 +43,16 @@ before_score = colmap_tsar.evaluate_depth(sample).scores[0].f1
 summary = colmap_tsar.refine(sample, device="cpu", progress=False)
 after_score = colmap_tsar.evaluate_depth(sample).scores[0].f1
 scans = sample / "scans" / "scan_alignment.mlp"
-cloud = colmap_tsar.evaluate_cloud(next(scans.parent.glob("*.ply")), scans)
+try:
+    points = colmap_tsar.evaluate_cloud(next(scans.parent.glob("*.ply")), scans).num_points
+except colmap_tsar.UnsupportedError as error:
+    points = str(error)
 print(json.dumps({
     "file": colmap_tsar.__file__,
     "has_cuda": colmap_tsar.has_cuda,
     "libraries": sorted(libraries() - before),
     "num_refined": summary.num_refined,
-    "points": cloud.num_points,
+    "points": points,
     "scores": [before_score, after_score],
     "seconds": seconds,
 }))
@@ -59,29 +62,22 @@ print(json.dumps({
 def check_content(wheel):
     archive = zipfile.ZipFile(wheel)
     names = archive.namelist()
-    bundled = [
-        os.path.basename(name) for name in names if re.search(r"\.libs/.*\.so", name)
-    ]
+    bundled = [os.path.basename(name) for name in names if re.search(r"\.libs/.*\.so", name)]
     check("-manylinux_" in wheel.name, f"{wheel.name} has a tag of manylinux")
     check(
         len(bundled) <= MOST_LIBRARIES and not any(map(UNWANTED.search, bundled)),
         f"{len(bundled)} libraries are inside beside the module: {bundled}",
     )
     licenses = [name for name in names if "/licenses/" in name]
-    check(
-        any(name.endswith("/opencv") for name in licenses),
-        f"{len(licenses)} licenses are inside",
-    )
-    size = wheel.stat().st_size / 1e6
-    print(f"{size:.1f} MB")
+    check(any(name.endswith("/opencv") for name in licenses),
+          f"{len(licenses)} licenses are inside")
+    print(f"{wheel.stat().st_size / 1e6:.1f} MB")
 
 
 def check_use(wheel, folder):
-    user = VirtualEnvironment(folder / "user")
-    status, output = user.pip("install", "--no-index", wheel)
-    if status != 0:
-        sys.exit(f"FAILED: pip install\n{output}")
-    unpack(REPOSITORY, folder / "dense")
+    """What a process tells in which the wheel is installed, after what any has to do."""
+    user = VirtualEnvironment.with_wheel(folder / "user", wheel)
+    unpack_small(REPOSITORY, folder / "dense")
     shutil.copytree(folder / "dense", folder / "expected")
     # Nothing of this shell's, such as a path of libraries.
     environment = {"PATH": os.environ["PATH"], "HOME": str(folder)}
@@ -89,36 +85,28 @@ def check_use(wheel, folder):
     found = json.loads(printed)
     inside = str(user.folder.resolve())
     check(found["file"].startswith(inside), f"imported in {found['seconds']:.3f} s")
-    check(
-        found["has_cuda"] == ("_cuda" in wheel.name), f"has_cuda: {found['has_cuda']}"
-    )
-    outside = [path for path in found["libraries"] if not path.startswith(inside)]
-    foreign = [path for path in outside if not RUN_TIME.fullmatch(os.path.basename(path))]
-    check(not foreign, f"of the system's libraries only {outside} and not {foreign}")
     check(found["num_refined"] == 8, "refines the sample scene")
     check(found["scores"][1] > found["scores"][0] + 0.1, f"F1: {found['scores']}")
-    check(found["points"] > 0, f"scores a cloud of {found['points']} points")
-
-    run_program(
-        *("tsar_refine", "--workspace_path", folder / "expected"),
-        *("--TsarRefine.device", "cpu"),
-    )
+    run_program("tsar_refine", "--workspace_path", folder / "expected", "--TsarRefine.device", "cpu")
     maps = results(folder / "dense")
     check(len(maps) > 16, f"{len(maps)} files of maps")
-    different = sorted(
-        path
-        for path, digest in results(folder / "expected").items()
-        if maps.get(path) != digest
-    )
+    different = sorted(path for path, digest in results(folder / "expected").items()
+                       if maps.get(path) != digest)
     check(not different, f"the program's maps are the same, but for {different}")
+    found["outside"] = [path for path in found["libraries"] if not path.startswith(inside)]
+    return found
 
 
 def main(wheel):
-    WORK_FOLDER.mkdir(parents=True, exist_ok=True)
-    folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
+    folder = new_folder()
     try:
         check_content(wheel)
-        check_use(wheel, folder)
+        found = check_use(wheel, folder)
+        check(found["points"] > 0, f"scores a cloud of {found['points']} points")
+        check(found["has_cuda"] == ("_cuda" in wheel.name), f"has_cuda: {found['has_cuda']}")
+        outside = found["outside"]
+        foreign = [path for path in outside if not RUN_TIME.fullmatch(os.path.basename(path))]
+        check(not foreign, f"of the system's libraries only {outside} and not {foreign}")
     finally:
         shutil.rmtree(folder)
 

@@ -11,8 +11,8 @@ import time
 import unittest
 
 import colmap_tsar
-from sample_testing import digests
-from support import PLANES, QUICK, SampleTest, results, run_program, write_black_mask
+from sample_testing import digests, results
+from support import HEIGHT, PLANES, QUICK, WIDTH, SampleTest, run_program, write_black_mask
 
 
 def refine(workspace, **options):
@@ -29,15 +29,8 @@ class RefineTest(SampleTest):
         for preset in ("default", "paper"):
             with self.subTest(preset=preset):
                 other = self.new_workspace("by_program_" + preset)
-                run_program(
-                    "tsar_refine",
-                    "--workspace_path",
-                    other,
-                    "--TsarRefine.device",
-                    "cpu",
-                    "--TsarRefine.preset",
-                    preset,
-                )
+                run_program("tsar_refine", "--workspace_path", other, "--TsarRefine.device", "cpu",
+                            "--TsarRefine.preset", preset)
                 summary = refine(self.workspace, preset=preset)
                 self.assertEqual(summary.num_refined, self.num_images)
                 self.assertNotEqual(results(self.workspace), results(self.sample))
@@ -55,7 +48,7 @@ class RefineTest(SampleTest):
         self.assertEqual(summary.num_images, self.num_images)
         self.assertEqual(summary.num_refined, self.num_images)
         self.assertEqual((summary.num_skipped, summary.kept), (0, {}))
-        self.assertEqual(summary.counts["pixels"], self.num_images * 480 * 360)
+        self.assertEqual(summary.counts["pixels"], self.num_images * WIDTH * HEIGHT)
         self.assertGreater(summary.seconds["matching"], 0.0)
         self.assertGreater(summary.wall_seconds, 0.0)
         self.assertIn(f"{self.num_images} images: {self.num_images} ref", str(summary))
@@ -110,9 +103,7 @@ class RefineTest(SampleTest):
         self.assertEqual(asked, list(colmap_tsar.Workspace(self.workspace)))
         again = {"v000.jpg": (view, None), "v001.jpg": (None, normals), "v002.jpg": None}
         ws = colmap_tsar.Workspace(self.workspace)
-        summary = ws.refine(
-            **PLANES, priors=again, prior_type="inverse", device="cpu", progress=False
-        )
+        summary = ws.refine(**PLANES, priors=again, prior_type="inverse", device="cpu", progress=False)
         self.assertEqual((summary.num_refined, summary.num_skipped), (0, self.num_images))
         depth[0] = 7.0
         summary = refine(self.workspace, **PLANES, priors={"v000.jpg": view})
@@ -132,9 +123,7 @@ class RefineTest(SampleTest):
     def test_second_workspace(self):
         before = digests(self.workspace)
         output = self.folder / "out"
-        summary = refine(
-            self.workspace, **QUICK, output_path=output, input_type="photometric"
-        )
+        summary = refine(self.workspace, **QUICK, output_path=output, input_type="photometric")
         self.assertEqual(summary.workspace_path, output)
         self.assertEqual(summary.input_type, "photometric")
         self.assertTrue((output / "stereo/depth_maps/v000.jpg.photometric.bin").exists())
@@ -160,18 +149,6 @@ class RefineTest(SampleTest):
                 refine(self.workspace, **QUICK, progress=progress)
             self.assertEqual("[3/3]" in stream.getvalue(), expected)
 
-    def test_what_progress_raises_stops_the_work(self):
-        class Enough(Exception):
-            pass
-
-        def stop(line):
-            raise Enough(line)
-
-        with self.assertRaisesRegex(Enough, r"^\[\d/3\]"):
-            refine(self.workspace, **QUICK, num_threads=1, progress=stop)
-        # Nobody holds the workspace any more.
-        self.assertEqual(refine(self.workspace, **QUICK).num_images, 3)
-
     def test_other_python_threads_run_meanwhile(self):
         num_ticks = 0
         is_done = threading.Event()
@@ -192,26 +169,11 @@ class RefineTest(SampleTest):
         # With the GIL held there would be one for each waking at most.
         self.assertGreater(num_ticks, 100)
 
-    def test_one_run_at_a_time(self):
-        errors = []
-
-        def refine_again(*_):
-            try:
-                refine(self.workspace, **QUICK)
-            except colmap_tsar.Error as error:
-                errors.append(error)
-
-        colmap_tsar.Workspace(self.workspace).refine(
-            **QUICK, device="cpu", num_threads=1, progress=refine_again
-        )
-        self.assertIsInstance(errors[0], colmap_tsar.UnsupportedError)
-        self.assertIn("another program is working", str(errors[0]))
-
-    def expect_error(self, kinds, texts, function, *arguments, **options):
+    def expect_error(self, kinds, texts, function, workspace, **options):
         """One line with these texts, of all these classes; no file changed."""
         before = digests(self.folder)
         with self.assertRaises(kinds[0]) as caught:
-            function(*arguments, **options)
+            function(workspace, **options)
         for kind in (*kinds, colmap_tsar.Error, RuntimeError):
             self.assertIsInstance(caught.exception, kind)
         message = str(caught.exception)
@@ -222,61 +184,32 @@ class RefineTest(SampleTest):
         self.assertEqual(digests(self.folder), before)
 
     def test_errors_say_file_and_advice(self):
-        missing = self.folder / "missing"
+        dense, missing, restore = self.workspace, self.folder / "missing", colmap_tsar.restore
         not_found = (colmap_tsar.NotFoundError, FileNotFoundError)
         bad_option = (colmap_tsar.BadOptionError, ValueError)
-        for kinds, texts, function, arguments, options in (
-            (not_found, [str(missing), "check workspace_path"], refine, [missing], {}),
-            (not_found, [str(missing)], colmap_tsar.restore, [missing], {}),
-            (
-                not_found,
-                [str(self.workspace), "nothing to restore"],
-                colmap_tsar.restore,
-                [self.workspace],
-                {},
-            ),
-            (bad_option, ["workspace_path is missing"], refine, [""], {}),
-            (bad_option, ["num_threads: "], refine, [self.workspace], {"num_threads": 0}),
-            (bad_option, ["cache_size: "], refine, [self.workspace], {"cache_size": 0}),
-            (
-                bad_option,
-                ["gpu_index: ", "-3"],
-                refine,
-                [self.workspace],
-                {"gpu_index": "0,-3"},
-            ),
-            (
-                bad_option,
-                ["input_type: 'normal'", "photometric"],
-                refine,
-                [self.workspace],
-                {"input_type": "normal"},
-            ),
-            (
-                (colmap_tsar.UnsupportedError,),
-                ["choose another output_path"],
-                refine,
-                [self.workspace],
-                {"output_path": self.workspace},
-            ),
+        unsupported, corrupt = (colmap_tsar.UnsupportedError,), (colmap_tsar.CorruptError,)
+        for kinds, texts, function, workspace, options in (
+            (not_found, [str(missing), "check workspace_path"], refine, missing, {}),
+            (not_found, [str(missing)], restore, missing, {}),
+            (not_found, [str(dense), "nothing to restore"], restore, dense, {}),
+            (bad_option, ["workspace_path is missing"], refine, "", {}),
+            (bad_option, ["num_threads: "], refine, dense, {"num_threads": 0}),
+            (bad_option, ["cache_size: "], refine, dense, {"cache_size": 0}),
+            (bad_option, ["gpu_index: ", "-3"], refine, dense, {"gpu_index": "0,-3"}),
+            (bad_option, ["'normal'", "photometric"], refine, dense, {"input_type": "normal"}),
+            (bad_option, ["device: "], colmap_tsar.refine, dense, {"device": "gpu"}),
+            (unsupported, ["choose another output_path"], refine, dense, {"output_path": dense}),
         ):
             with self.subTest(texts=texts):
-                self.expect_error(kinds, texts, function, *arguments, **options)
-        self.expect_error(
-            bad_option, ["device: "], colmap_tsar.refine, self.workspace, device="gpu"
-        )
-
-        path = self.workspace / "stereo/depth_maps/v000.jpg.geometric.bin"
+                self.expect_error(kinds, texts, function, workspace, **options)
+        path = dense / "stereo/depth_maps/v000.jpg.geometric.bin"
         path.write_bytes(path.read_bytes()[:-1])
-        self.expect_error(
-            (colmap_tsar.CorruptError,), [str(path)], refine, self.workspace
-        )
-        path = self.workspace / "images/v000.jpg"
-        path.unlink()
-        (self.workspace / "stereo/depth_maps/v000.jpg.geometric.bin").unlink()
-        (self.workspace / "stereo/normal_maps/v000.jpg.geometric.bin").unlink()
-        (self.workspace / "images/v001.jpg").unlink()
-        self.expect_error(not_found, ["images/v001.jpg"], refine, self.workspace)
+        self.expect_error(corrupt, [str(path)], refine, dense)
+        # Of an image that has no maps, nothing is missed.
+        for name in ("images/v000.jpg", "stereo/depth_maps/v000.jpg.geometric.bin",
+                     "stereo/normal_maps/v000.jpg.geometric.bin", "images/v001.jpg"):
+            (dense / name).unlink()
+        self.expect_error(not_found, ["images/v001.jpg"], refine, dense)
 
     def test_names_need_not_be_utf8_and_are_printable(self):
         path = os.fsencode(self.folder) + b"/\xff\x1b[2J\xc2\x9b\xc3\xa9"

@@ -4,13 +4,11 @@
 from the package index."""
 import os
 import pathlib
-import subprocess
-import sys
 import tempfile
 
 import colmap_tsar
-from sample_testing import call, check, run
-from support import SKIPPED, WORK_FOLDER
+from sample_testing import call, check, run, skip
+from support import WORK_FOLDER
 from virtual_environment import VirtualEnvironment
 
 USE = """\
@@ -51,7 +49,6 @@ MISUSE = (
 
 
 def main():
-    WORK_FOLDER.mkdir(parents=True, exist_ok=True)
     package = pathlib.Path(colmap_tsar.__file__).parent
     with tempfile.TemporaryDirectory(dir=WORK_FOLDER) as folder:
         folder = pathlib.Path(folder)
@@ -59,8 +56,7 @@ def main():
 
         environment = VirtualEnvironment(WORK_FOLDER / "mypy_environment")
         if not environment.install("mypy", "numpy"):
-            print("skipped: mypy cannot be had from the package index")
-            return SKIPPED
+            skip("mypy cannot be had from the package index")
         python = environment.python
         print(run(python, "-m", "mypy.stubtest", "--ignore-missing-stub", "colmap_tsar"))
         (folder / "use.py").write_text(USE + "\n".join(MISUSE) + "\n")
@@ -76,8 +72,7 @@ def main():
             lines == set(range(first, first + len(MISUSE))),
             f"mypy finds what is wrong and nothing else:\n{checked.stdout}{checked.stderr}",
         )
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -4,17 +4,17 @@
 import os
 import pathlib
 import shutil
-import struct
 import tempfile
 import unittest
-import zlib
 
-from sample_testing import digests, run, unpack
+import colmap_tsar
+from sample_testing import gray_png, keep_images, run, unpack_small
 
 PROGRAM = os.environ["TSAR_PROGRAM"]
 REPOSITORY = pathlib.Path(os.environ["TSAR_SOURCE_DIR"])
 WORK_FOLDER = pathlib.Path(os.environ["TSAR_WORK_FOLDER"])
-SKIPPED = 77  # CTest's SKIP_RETURN_CODE.
+WORK_FOLDER.mkdir(parents=True, exist_ok=True)
+WIDTH, HEIGHT = 240, 180  # Of the maps; photos have 640 x 480.
 # Options of refine() that leave out what takes most of the time.
 QUICK = {"scene_planes": False, "segment": False, "num_iterations": 1}
 # The same with the planes of the scene.
@@ -25,54 +25,61 @@ def run_program(*arguments):
     return run(PROGRAM, *arguments)
 
 
-def keep_images(workspace, count):
-    """Has only the first images of the sample refined; the rest are sources."""
-    text = "".join(f"v{i:03d}.jpg\n__auto__, 20\n" for i in range(count))
-    (workspace / "stereo" / "patch-match.cfg").write_text(text)
+def words_of(options, group=""):
+    """The options of a command that these keywords stand for."""
+    words = []
+    for name, value in options.items():
+        value = ",".join(map(str, value)) if isinstance(value, (list, tuple)) else value
+        words += [f"--{group}{name}", int(value) if isinstance(value, bool) else value]
+    return words
+
+
+def new_folder():
+    return pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
 
 
 def write_black_mask(path, width, height):
-    """A gray PNG file of zeros, in a new folder."""
-
-    def chunk(kind, data):
-        body = kind + data
-        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
-
     path.parent.mkdir()
-    path.write_bytes(
-        b"\x89PNG\r\n\x1a\n"
-        + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 0, 0, 0, 0))
-        + chunk(b"IDAT", zlib.compress(bytes((width + 1) * height)))
-        + chunk(b"IEND", b"")
-    )
+    path.write_bytes(gray_png([bytes(width)] * height))
 
 
-def results(workspace):
-    """The digests of all that depends on the input and the options alone."""
-    return {
-        path: digest
-        for path, digest in digests(workspace).items()
-        if path.startswith("stereo/") and not path.startswith("stereo/tsar/")
-    }
+def read_map(path):
+    """A file of COLMAP's, as height x width x channels."""
+    import numpy as np
+
+    width, height, channels, body = path.read_bytes().split(b"&", 3)
+    shape = int(channels), int(height), int(width)
+    return np.frombuffer(body, "<f4").reshape(shape).transpose(1, 2, 0)
 
 
 class SampleTest(unittest.TestCase):
-    """Gives every test workspaces of its own: copies of the sample scene."""
+    """Gives every test workspaces of its own: copies of the sample scene, with small
+    maps."""
 
     num_images = 3
 
     @classmethod
     def setUpClass(cls):
-        WORK_FOLDER.mkdir(parents=True, exist_ok=True)
-        cls.class_folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
+        cls.class_folder = new_folder()
         cls.addClassCleanup(shutil.rmtree, cls.class_folder)
         cls.sample = cls.class_folder / "sample"
-        unpack(REPOSITORY, cls.sample)
+        unpack_small(REPOSITORY, cls.sample)
         keep_images(cls.sample, cls.num_images)
 
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(dir=self.class_folder))
         self.workspace = self.new_workspace("dense")
 
-    def new_workspace(self, name):
-        return pathlib.Path(shutil.copytree(self.sample, self.folder / name))
+    def new_workspace(self, name, source=None):
+        return pathlib.Path(shutil.copytree(source or self.sample, self.folder / name))
+
+
+class RefinedTest(SampleTest):
+    """Has a refined copy, too, which is not to be changed."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.refined = cls.class_folder / "refined"
+        shutil.copytree(cls.sample, cls.refined)
+        colmap_tsar.refine(cls.refined, device="cpu", progress=False)

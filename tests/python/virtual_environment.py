@@ -3,13 +3,18 @@
 """Virtual environments for tests that need packages of the package index."""
 import contextlib
 import fcntl
+import importlib
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
+import unittest
 
-from support import SKIPPED, WORK_FOLDER
+from sample_testing import SKIPPED
+from support import WORK_FOLDER
+
+IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of an environment.
 
 # What pip says where there is no network or no index, and what it says there if it
 # was told to do without. Anything else that goes wrong is a failure, not a reason
@@ -29,25 +34,25 @@ class VirtualEnvironment:
         self.folder = pathlib.Path(folder)
         self.python = self.folder / "bin" / "python"
         # The Python may have been replaced since.
-        if subprocess.run(
-            ["sh", "-c", f"'{self.python}' -m pip --version"],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        ).returncode != 0:
-            subprocess.run(
-                [sys.executable, "-m", "venv", "--clear", self.folder], check=True
-            )
+        check = ["sh", "-c", f"'{self.python}' -m pip --version"]
+        if subprocess.run(check, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode:
+            subprocess.run([sys.executable, "-m", "venv", "--clear", self.folder], check=True)
 
     def pip(self, *arguments):
         """Exit code and output."""
         command = [self.python, "-m", "pip", "--disable-pip-version-check", *arguments]
-        result = subprocess.run(
-            [str(part) for part in command],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-        )
+        result = subprocess.run([str(part) for part in command], stdout=subprocess.PIPE,
+                                stderr=subprocess.STDOUT, text=True)
         return result.returncode, result.stdout
+
+    @classmethod
+    def with_wheel(cls, folder, wheel):
+        """A new one in which the wheel alone is installed."""
+        environment = cls(folder)
+        status, output = environment.pip("install", "--no-index", wheel)
+        if status != 0:
+            sys.exit(f"FAILED: pip install\n{output}")
+        return environment
 
     def reaches_index(self):
         """Whether pip gets from it what every index has."""
@@ -79,15 +84,29 @@ def locked(folder):
         yield
 
 
-def run_in_environment(name, file, *packages):
+def optional(module):
+    """The module, or None."""
+    try:
+        return importlib.import_module(module)
+    except ImportError:
+        return None
+
+
+def run_in_environment(file, *packages):
     """Runs this test again, with --inside, in an environment that is kept in the build
-    folder. Returns its exit code, or that of a skipped test."""
-    folder = WORK_FOLDER / name
-    folder.parent.mkdir(parents=True, exist_ok=True)
+    folder, and ends as it does; as a skipped test where it cannot have the packages."""
+    folder = WORK_FOLDER / f"{packages[0]}_environment"
     with locked(folder):
         environment = VirtualEnvironment(folder)
         is_complete = environment.install(*packages)
     if not is_complete:
         print(f"skipped: {packages[0]} cannot be had from the package index")
-        return SKIPPED
-    return subprocess.run([environment.python, file, "--inside"]).returncode
+        sys.exit(SKIPPED)
+    sys.exit(subprocess.run([environment.python, file, "--inside"]).returncode)
+
+
+def run_tests(file, packages, *modules):
+    """The tests of this file, in such an environment where a module is missing."""
+    if None in modules and not IS_INSIDE:
+        run_in_environment(file, *packages)
+    unittest.main(argv=sys.argv[:1])

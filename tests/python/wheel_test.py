@@ -6,36 +6,15 @@ cannot be had from the package index. The scores of point clouds are left out of
 which scripts/build_wheels.sh leaves in.
 
   wheel_test.py BUILD_FOLDER [NAME=VALUE of CMake]..."""
-import os
-import pathlib
 import re
 import shutil
 import sys
-import tempfile
 import zipfile
 
-from sample_testing import check, run, unpack
-from support import REPOSITORY, SKIPPED, WORK_FOLDER
+from portable_wheel import check_use
+from sample_testing import check, skip
+from support import REPOSITORY, WORK_FOLDER, new_folder
 from virtual_environment import VirtualEnvironment
-
-USE = """
-import json, pathlib, sys
-import colmap_tsar
-assert pathlib.Path(colmap_tsar.__file__).is_relative_to(sys.prefix)
-summary = colmap_tsar.refine(
-    sys.argv[1], scene_planes=False, num_iterations=1, progress=False)
-assert summary.num_refined == 8, summary
-try:
-    colmap_tsar.evaluate_cloud(sys.argv[1] + "/a.ply", sys.argv[1] + "/scans.mlp")
-except colmap_tsar.UnsupportedError as error:
-    assert "TSAR_CLOUD_EVALUATION=ON" in str(error), error
-else:
-    raise AssertionError("a cloud was scored, or read")
-scores = colmap_tsar.evaluate_depth(sys.argv[1]).scores
-assert colmap_tsar.restore(sys.argv[1]).num_restored == 8
-assert scores[0].f1 > colmap_tsar.evaluate_depth(sys.argv[1]).scores[0].f1
-print(json.dumps([colmap_tsar.__version__, colmap_tsar.has_cuda]))
-"""
 
 
 def build_requirements():
@@ -45,12 +24,10 @@ def build_requirements():
 
 
 def main(build_folder, definitions):
-    WORK_FOLDER.mkdir(parents=True, exist_ok=True)
     builder = VirtualEnvironment(WORK_FOLDER / "build_environment")
     if not builder.install(*build_requirements()):
-        print("skipped: the build's packages cannot be had from the package index")
-        return SKIPPED
-    folder = pathlib.Path(tempfile.mkdtemp(dir=WORK_FOLDER))
+        skip("the build's packages cannot be had from the package index")
+    folder = new_folder()
     try:
         # In the environment that is there, so that nothing is fetched again.
         status, output = builder.pip(
@@ -67,27 +44,18 @@ def main(build_folder, definitions):
         names = zipfile.ZipFile(wheels[0]).namelist()
         roots = {name.split("/")[0] for name in names}
         version = wheels[0].name.split("-")[1]
-        check(
-            roots == {"colmap_tsar", f"colmap_tsar-{version}.dist-info"},
-            "holds the package and nothing else",
-        )
+        check(roots == {"colmap_tsar", f"colmap_tsar-{version}.dist-info"},
+              "holds the package and nothing else")
         for name in ("py.typed", "__init__.py", "_keywords.py"):
             check(f"colmap_tsar/{name}" in names, "holds " + name)
 
-        user = VirtualEnvironment(folder / "user")
-        status, output = user.pip("install", "--no-index", wheels[0])
-        if status != 0:
-            sys.exit(f"FAILED: pip install\n{output}")
-        unpack(REPOSITORY, folder / "dense")
-        environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-        printed = run(user.python, "-I", "-c", USE, folder / "dense", env=environment)
-        check(f'["{version}", ' in printed, f"works when installed: {printed.strip()}")
+        found = check_use(wheels[0], folder)
+        check("TSAR_CLOUD_EVALUATION=ON" in str(found["points"]), "clouds are left out of it")
         text = (REPOSITORY / "CMakeLists.txt").read_text()
         check(f"VERSION {version} " in text, "has the project's version")
     finally:
         shutil.rmtree(folder)
-    return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2:]))
+    main(sys.argv[1], sys.argv[2:])

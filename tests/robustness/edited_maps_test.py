@@ -7,34 +7,24 @@ original comes back; any other map is the new original and stays. No original an
 nothing that others wrote is removed."""
 import itertools
 import os
-import resource
 import shutil
 
 import synthetic_workspace
-from robustness import (Program, check, check_same, copy, make_folder, parse_arguments, read_tree,
-                        set_time)
-from start_workspaces import StartWorkspaces
+from robustness import KEY, Setting, check, check_same, copy, read, read_tree, set_time
 
 KINDS = ("depth_maps", "normal_maps")
-MAP = "v0.png.geometric.bin"
+MAP = KEY + ".bin"
 NUM_PIXELS = synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT
 
-args = parse_arguments()
-program = Program(args.program)
-folder = make_folder(args.folder)
-work = os.path.join(folder.name, "work")
-start = StartWorkspaces(folder.name)
-start.make(program)
-untouched = read_tree(start.mapped)
+setting = Setting()
+program, work = setting.program, setting.work
+untouched = read_tree(setting.mapped)
+RESTORE = ["tsar_refine", work, "--restore", 1]
+REFINE_AGAIN = ["tsar_refine", work, "--TsarRefine.superpixel_size", 300]
 
 
 def path_of(kind):
     return os.path.join(work, "stereo", kind, MAP)
-
-
-def read(path):
-    with open(path, "rb") as file:
-        return file.read()
 
 
 def mask(content):
@@ -46,129 +36,80 @@ def mask(content):
     return content[:head] + b"".join(bytes(plane // 2) + p[plane // 2:] for p in planes)
 
 
-def anew(kind):
-    """What patch_match_stereo would write with other options."""
-    depths = [synthetic_workspace.DEPTH * (1.002 + 0.0001 * (i % 13)) for i in range(NUM_PIXELS)]
-    channel = [0.01 + 0.0001 * (i % 7) for i in range(NUM_PIXELS)]
-    return synthetic_workspace.map_file(
-        [depths] if kind == "depth_maps" else [channel, channel, [-0.99] * NUM_PIXELS])
-
-
-# What becomes of a map, and whether it is the user's then.
+# What becomes of a map, and whether it is the user's then; that of one map alone, in
+# more ways, is in tests/run/store/ownership_test.cc.
 CHANGES = {
     "left alone": (None, False),
-    "copied": (lambda kind, content: content, False),
-    "masked": (lambda kind, content: mask(content), True),
-    "cut in half": (lambda kind, content: content[:len(content) // 2], False),
-    "emptied": (lambda kind, content: b"", False),
-    "made anew": (lambda kind, content: anew(kind), True),
+    "copied": (lambda content: content, False),
+    "masked": (mask, True),
+    "cut in half": (lambda content: content[:len(content) // 2], False),
 }
-KEPT = "stereo/tsar/original"
-RESTORE = ["tsar_refine", work, "--restore", 1]
-REFINE_AGAIN = ["tsar_refine", work, "--TsarRefine.superpixel_size", 300]
 
 
-def change(source, changes):
-    """A copy of a workspace with changed maps; returns what these hold."""
-    copy(source, work)
+def check_owners(what, command, place):
+    """That after this command each original is in its place, a user's map as it was,
+    and what gave way is aside."""
+    copy(setting.refined, work)
     written = {}
     for kind, name in zip(KINDS, changes):
-        edit, _ = CHANGES[name]
-        if edit:
-            content = edit(kind, read(path_of(kind)))
-            synthetic_workspace.write(path_of(kind), content)
+        change, _ = CHANGES[name]
+        if change:
+            written[kind] = change(read(path_of(kind)))
+            synthetic_workspace.write(path_of(kind), written[kind])
             set_time(path_of(kind), 1)
-            written[kind] = content
-    return written
-
-
-def check_owners(changes, written, tree, what, place_of):
-    """That each original is where it belongs, and what gave way is aside."""
+    program.run(*command)
+    tree = read_tree(work)
     for kind, name in zip(KINDS, changes):
         original = untouched[f"stereo/{kind}/{MAP}"]
         is_users = CHANGES[name][1]
-        check(tree.get(place_of(kind)) == (written[kind] if is_users else original),
-              f"{what}: {kind} are of another source")
+        check(tree.get(f"{place}/{kind}/{MAP}") == (written[kind] if is_users else original),
+              f"{what} {changes}: {kind} are of another source")
         if is_users:
             check(tree.get(f"stereo/tsar/superseded/{kind}/{MAP}") == original,
-                  f"{what}: the original before of {kind} is lost")
+                  f"{what} {changes}: the original before of {kind} is lost")
+    return tree
 
 
 num_cases = 0
 for changes in itertools.product(CHANGES, repeat=2):
-    what = f"restoring: depth {changes[0]}, normals {changes[1]}"
-    written = change(start.refined, changes)
-    program.run(*RESTORE)
-    tree = read_tree(work)
-    check_owners(changes, written, tree, what, lambda kind: f"stereo/{kind}/{MAP}")
+    restored = check_owners("restoring", RESTORE, "stereo")
     if not any(CHANGES[name][1] for name in changes):
-        rest = {path: content for path, content in tree.items()
+        rest = {path: content for path, content in restored.items()
                 if not path.startswith("stereo/tsar/superseded/")}
-        check_same(rest, untouched, what)
-    num_cases += 1
-    what = f"refining again: depth {changes[0]}, normals {changes[1]}"
-    written = change(start.refined, changes)
-    program.run(*REFINE_AGAIN)
-    check_owners(changes, written, read_tree(work), what,
-                 lambda kind: f"{KEPT}/{kind}/{MAP}")
-    num_cases += 1
+        check_same(rest, untouched, f"restoring {changes}")
+    check_owners("refining again", REFINE_AGAIN, "stereo/tsar/original")
+    num_cases += 2
 
 # An original that is kept is no map any more, or gone: the whole refined map stays.
-for name, content in (("empty", b""), ("gone", None)):
-    copy(start.refined, work)
+for is_gone in (False, True):
+    copy(setting.refined, work)
     kept = os.path.join(work, "stereo", "tsar", "original", "depth_maps", MAP)
-    if content is None:
+    synthetic_workspace.write(kept, b"")
+    if is_gone:
         os.remove(kept)
-    else:
-        synthetic_workspace.write(kept, content)
     before = read_tree(work)
     for command in (REFINE_AGAIN, RESTORE):
         program.fails_with_one_line(*command, texts=[MAP])
         after = read_tree(work)
-        for path in before:
-            if MAP in path:
-                check(after.get(path) == before[path], f"{command}, {name}: {path} changed")
-    num_cases += 1
+        check_same({path: after.get(path) for path in before if MAP in path},
+                   {path: before[path] for path in before if MAP in path}, f"{command}, {is_gone}")
+        num_cases += 1
 
 # Nothing that could be refined: what comes next must not go on with it.
-copy(start.mapped, work)
+copy(setting.mapped, work)
 synthetic_workspace.write(os.path.join(work, "stereo", "patch-match.cfg"),
                           b"v0.png\nleft/v1.png\n")
 for kind in KINDS:
     os.remove(os.path.join(work, "stereo", kind, "left", "v1.png.geometric.bin"))
 program.fails_with_one_line("tsar_refine", work, texts=["no image could be refined; v0.png: none of"])
 check(read(path_of("depth_maps")) == untouched[f"stereo/depth_maps/{MAP}"], "the map that was kept")
-num_cases += 1
 
 # stereo/tsar deleted by hand: what is left are refined maps, not originals.
-copy(start.refined, work)
+copy(setting.refined, work)
 shutil.rmtree(os.path.join(work, "stereo", "tsar"))
 before = read_tree(work)
-for command in (["tsar_refine", work],
-                ["tsar_stereo", work, "--overwrite", 1]):
-    program.fails_with_one_line(*command, texts=["has been refined", "provenance_maps"])
-    check_same(read_tree(work), before, f"{command[0]} without stereo/tsar")
-    num_cases += 1
-
-
-def limit_descriptors(number):
-    resource.setrlimit(resource.RLIMIT_NOFILE, (number, number))
-
-
-# Too few descriptors to list what is kept: an error, and nothing is lost.
-codes = set()
-for number in range(3, 16):
-    copy(start.refined, work)
-    code, _ = program.call(*RESTORE, prepare=lambda: limit_descriptors(number))
-    codes.add(code)
-    tree = read_tree(work)
-    for path in untouched:
-        if "_maps/" in path:
-            stored = KEPT + path[len("stereo"):]
-            check(untouched[path] in (tree.get(path), tree.get(stored)),
-                  f"{number} descriptors lose {path}")
-    program.call(*RESTORE)
-    check_same(read_tree(work), untouched, f"after {number} descriptors")
-    num_cases += 1
-check(codes == {0, 1} or codes == {0, 1, 127}, f"few descriptors: {codes}")
-print(f"{num_cases} cases")
+for command in ("tsar_refine", "tsar_stereo"):
+    program.fails_with_one_line(command, work, *(["--overwrite", 1] if command == "tsar_stereo" else []),
+                                texts=["has been refined", "provenance_maps"])
+    check_same(read_tree(work), before, f"{command} without stereo/tsar")
+print(f"{num_cases + 3} cases")

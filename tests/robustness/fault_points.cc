@@ -101,25 +101,10 @@ void Note(const std::string& name,
   }
 }
 
-template <typename Function>
-Function Next(const char* name) {
-  return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
-}
-
-int Open(const char* name, const char* path, int flags, mode_t mode) {
-  if ((flags & O_CREAT) != 0) {
-    Note("create", path);
-  }
-  return Next<int (*)(const char*, int, ...)>(name)(path, flags, mode);
-}
-
-int OpenAt(
-    const char* name, int folder, const char* path, int flags, mode_t mode) {
-  if ((flags & O_CREAT) != 0) {
-    Note("create", PathAt(folder, path));
-  }
-  return Next<int (*)(int, const char*, int, ...)>(name)(
-      folder, path, flags, mode);
+// What would be called without this library.
+template <typename Function, typename... Arguments>
+auto CallNext(const char* name, Function*, Arguments... arguments) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name))(arguments...);
 }
 
 mode_t ModeOf(int flags, va_list arguments) {
@@ -135,15 +120,10 @@ int open(const char* path, int flags, ...) {
   va_start(arguments, flags);
   const mode_t mode = ModeOf(flags, arguments);
   va_end(arguments);
-  return Open("open", path, flags, mode);
-}
-
-int open64(const char* path, int flags, ...) {
-  va_list arguments;
-  va_start(arguments, flags);
-  const mode_t mode = ModeOf(flags, arguments);
-  va_end(arguments);
-  return Open("open64", path, flags, mode);
+  if ((flags & O_CREAT) != 0) {
+    Note("create", path);
+  }
+  return CallNext("open", open, path, flags, mode);
 }
 
 int openat(int folder, const char* path, int flags, ...) {
@@ -151,54 +131,38 @@ int openat(int folder, const char* path, int flags, ...) {
   va_start(arguments, flags);
   const mode_t mode = ModeOf(flags, arguments);
   va_end(arguments);
-  return OpenAt("openat", folder, path, flags, mode);
-}
-
-int openat64(int folder, const char* path, int flags, ...) {
-  va_list arguments;
-  va_start(arguments, flags);
-  const mode_t mode = ModeOf(flags, arguments);
-  va_end(arguments);
-  return OpenAt("openat64", folder, path, flags, mode);
+  if ((flags & O_CREAT) != 0) {
+    Note("create", PathAt(folder, path));
+  }
+  return CallNext("openat", openat, folder, path, flags, mode);
 }
 
 ssize_t write(int descriptor, const void* data, size_t size) {
-  const auto next = Next<ssize_t (*)(int, const void*, size_t)>("write");
   if (IsOnDisk(descriptor) && IsLast("write", PathOf(descriptor))) {
-    next(descriptor, data, size / 2);
+    CallNext("write", write, descriptor, data, size / 2);
     raise(SIGKILL);
   }
-  return next(descriptor, data, size);
+  return CallNext("write", write, descriptor, data, size);
 }
 
 ssize_t writev(int descriptor, const iovec* parts, int num_parts) {
-  const auto next = Next<ssize_t (*)(int, const iovec*, int)>("writev");
   if (IsOnDisk(descriptor) && IsLast("write", PathOf(descriptor))) {
-    next(descriptor, parts, num_parts / 2);
+    CallNext("writev", writev, descriptor, parts, num_parts / 2);
     raise(SIGKILL);
   }
-  return next(descriptor, parts, num_parts);
+  return CallNext("writev", writev, descriptor, parts, num_parts);
 }
 
 int fsync(int descriptor) {
   if (IsOnDisk(descriptor)) {
     Note("fsync", PathOf(descriptor));
   }
-  return Next<int (*)(int)>("fsync")(descriptor);
+  return CallNext("fsync", fsync, descriptor);
 }
 
 int rename(const char* from, const char* to) noexcept {
   Note("rename", from, to);
-  return Next<int (*)(const char*, const char*)>("rename")(from, to);
-}
-
-int renameat(int from_folder,
-             const char* from,
-             int to_folder,
-             const char* to) noexcept {
-  Note("rename", PathAt(from_folder, from), PathAt(to_folder, to));
-  return Next<int (*)(int, const char*, int, const char*)>("renameat")(
-      from_folder, from, to_folder, to);
+  return CallNext("rename", rename, from, to);
 }
 
 int renameat2(int from_folder,
@@ -211,8 +175,8 @@ int renameat2(int from_folder,
     return -1;
   }
   Note("rename", PathAt(from_folder, from), PathAt(to_folder, to));
-  return Next<int (*)(int, const char*, int, const char*, unsigned)>(
-      "renameat2")(from_folder, from, to_folder, to, flags);
+  return CallNext(
+      "renameat2", renameat2, from_folder, from, to_folder, to, flags);
 }
 
 int linkat(int from_folder,
@@ -221,49 +185,42 @@ int linkat(int from_folder,
            const char* to,
            int flags) noexcept {
   Note("link", PathAt(from_folder, from), PathAt(to_folder, to));
-  return Next<int (*)(int, const char*, int, const char*, int)>("linkat")(
-      from_folder, from, to_folder, to, flags);
+  return CallNext("linkat", linkat, from_folder, from, to_folder, to, flags);
 }
 
 int symlink(const char* target, const char* link) noexcept {
   Note("symlink", target, link);
-  return Next<int (*)(const char*, const char*)>("symlink")(target, link);
+  return CallNext("symlink", symlink, target, link);
 }
 
 int symlinkat(const char* target, int folder, const char* link) noexcept {
   Note("symlink", target, PathAt(folder, link));
-  return Next<int (*)(const char*, int, const char*)>("symlinkat")(
-      target, folder, link);
+  return CallNext("symlinkat", symlinkat, target, folder, link);
 }
 
 int unlink(const char* path) noexcept {
   Note("unlink", path);
-  return Next<int (*)(const char*)>("unlink")(path);
+  return CallNext("unlink", unlink, path);
 }
 
 int unlinkat(int folder, const char* path, int flags) noexcept {
   Note((flags & AT_REMOVEDIR) != 0 ? "rmdir" : "unlink", PathAt(folder, path));
-  return Next<int (*)(int, const char*, int)>("unlinkat")(folder, path, flags);
+  return CallNext("unlinkat", unlinkat, folder, path, flags);
 }
 
 int remove(const char* path) noexcept {
   Note("unlink", path);
-  return Next<int (*)(const char*)>("remove")(path);
+  return CallNext("remove", remove, path);
 }
 
 int rmdir(const char* path) noexcept {
   Note("rmdir", path);
-  return Next<int (*)(const char*)>("rmdir")(path);
-}
-
-int mkdirat(int folder, const char* path, mode_t mode) noexcept {
-  Note("mkdir", PathAt(folder, path));
-  return Next<int (*)(int, const char*, mode_t)>("mkdirat")(folder, path, mode);
+  return CallNext("rmdir", rmdir, path);
 }
 
 int mkdir(const char* path, mode_t mode) noexcept {
   Note("mkdir", path);
-  return Next<int (*)(const char*, mode_t)>("mkdir")(path, mode);
+  return CallNext("mkdir", mkdir, path, mode);
 }
 
 int pthread_create(pthread_t* thread,
@@ -275,8 +232,8 @@ int pthread_create(pthread_t* thread,
   if (++num_threads >= from && from > 0) {
     return EAGAIN;
   }
-  return Next<decltype(&pthread_create)>("pthread_create")(
-      thread, attributes, function, argument);
+  return CallNext(
+      "pthread_create", pthread_create, thread, attributes, function, argument);
 }
 
 }  // extern "C"

@@ -1,154 +1,205 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kills a command before each call by which it changes files, and in the middle
-of each write, one run per call. After every kill each map is, byte for byte, the
-one that was there or the one that an undisturbed run writes, the former bytes
-are all to be found, and the same command goes on to the same bytes."""
-import itertools
+"""Kills a command before each call by which it changes files, and in the middle of
+each write, one run per call. Of a workspace, each map is then, byte for byte, the one
+that was there or the one that an undisturbed run writes, and the former bytes are all
+to be found. A page, an import and a cloud are the former or the new one, whole. The
+same command goes on to the bytes of an undisturbed run."""
 import json
 import os
+import shutil
 
 import synthetic_workspace
-from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
-                        read_tree, without_accounts)
-from start_workspaces import NUM_IMAGES, STEREO
+from robustness import (KEY, Setting, check, check_kept, check_same, copy, maps_of, read, read_tree)
 
-# Undoing is checked after every so manieth kill.
-UNDO_EVERY = 10
-# The calls at which to kill: every one, or every so manieth of a slow command.
-STEPS = {"stereo": 4}
-
-args = parse_arguments("shim", "command")
-program = Program(args.program, args.shim)
-folder = make_folder(args.folder)
-before, work, spare = (os.path.join(folder.name, name) for name in ("before", "work", "spare"))
-# The folder in which a command keeps the maps that it replaces.
-KEPT = {"refine": "stereo/tsar/original/", "restore": "stereo/tsar/original/",
-        "compose": "stereo/tsar/original/"}
+setting = Setting("command")
+program, work = setting.program, setting.work
+before, site = setting.path("before"), setting.path("site")
+# One kill of so many, of those that write as others do or are slow.
+STEPS = {"compose": 3, "stereo": 4}
 SHARD = ["--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
-COMMANDS = {
-    "refine": ["tsar_refine", work],
-    "compose": ["tsar_refine", work, *SHARD, "compose"],
-    "restore": ["tsar_refine", work, "--restore", 1],
-    "stereo": ["tsar_stereo", work, *STEREO, "--overwrite", 1],
-}
-UNDO = {"refine": COMMANDS["restore"], "compose": COMMANDS["restore"]}
+setting.commands["compose"] = (["tsar_refine", work, *SHARD, "compose"], before)
 
 
-def leave_normals_unchanged(name):
+def check_order(log, is_final):
+    """That what a name stands for is on the disk before the name: a file before it is
+    renamed, and before a final name is given all that belongs to it. is_final: tells
+    from a name what belongs to it, or nothing of others."""
+    dirty = set()
+    for line in log:
+        name, first, second = line.split("\t")
+        if name in ("create", "write", "link"):
+            dirty.add(second if name == "link" else first)
+        elif name == "mkdir":
+            dirty.add(os.path.dirname(first))
+        elif name == "fsync":
+            dirty.discard(first)
+        elif name == "rename":
+            check(first not in dirty, f"{first} is renamed before it is flushed")
+            dirty.add(os.path.dirname(second))
+            belongs = is_final(second)
+            left = [path for path in dirty if belongs and path.startswith(belongs)]
+            check(not left, f"{second} gets its name before {left} are on the disk")
+
+
+def kill_everywhere(what, start, command, check_killed, check_done, step=1, **faults):
+    """Returns the calls of an undisturbed run. step: one kill of so many, where it is a
+    number; or what tells the kills from the calls."""
+    start()
+    log = program.log(*command, **faults)
+    kills = step(log) if callable(step) else range(1, len(log) + 1, step)
+    for kill_at in kills:
+        start()
+        try:
+            code, errors = program.call(*command, kill_at=kill_at, **faults)
+            check(code == -9, f"ended with {code}: {errors}")
+            check_killed(kill_at)
+            code, errors = program.call(*command, **faults)
+            # A killed undoing may have been at its end.
+            at_end = code == 1 and "nothing to restore" in errors and "--restore" in command
+            check(code == 0 or at_end, f"going on ended with {code}: {errors}")
+            check_done()
+        except SystemExit as error:
+            raise SystemExit(f"{error}\n{what}, after kill {kill_at}, at {log[kill_at - 1]}") from None
+    check(len(kills) >= 8, f"only {len(kills)} kills")
+    print(f"{what}: {len(kills)} kills of {len(log)} calls")
+    return log
+
+
+def leave_normals_unchanged():
     """As if the refinement of this image had come to the normals that it had."""
-    with open(os.path.join(work, KEPT["restore"], "normal_maps", name + ".bin"), "rb") as file:
-        original = file.read()
-    synthetic_workspace.write(os.path.join(work, "stereo", "normal_maps", name + ".bin"), original)
-    path = os.path.join(work, "stereo", "tsar", "records", name + ".json")
-    with open(path, encoding="utf-8") as file:
-        record = json.load(file)
-    state = os.stat(os.path.join(work, "stereo", "normal_maps", name + ".bin"))
+    normals = os.path.join(before, "stereo", "normal_maps", KEY + ".bin")
+    synthetic_workspace.write(normals, read(os.path.join(
+        before, "stereo", "tsar", "original", "normal_maps", KEY + ".bin")))
+    path = os.path.join(before, "stereo", "tsar", "records", KEY + ".json")
+    record = json.loads(read(path))
+    state = os.stat(normals)
     record["files"]["normal"] = [f"{state.st_size}@{state.st_mtime_ns}"]
     synthetic_workspace.write(path, json.dumps(record).encode())
 
 
-def prepare():
-    """Makes `before`; returns its files, and those of the untouched workspace."""
-    synthetic_workspace.draw(work, NUM_IMAGES)
-    untouched = read_tree(work)
-    if args.command == "restore":
-        program.run("tsar_refine", work)
-        leave_normals_unchanged("v0.png.geometric")
-    elif args.command == "compose":
+def kill_in_workspace(case):
+    command, source = setting.commands[case]
+    if case == "compose":
+        copy(setting.mapped, work)
         program.run("tsar_refine", work, *SHARD, "observe")
         program.run("tsar_refine", work, "--TsarRefine.pass", "model")
-    os.rename(work, before)
-    return read_tree(before), untouched
-
-
-def check_order(log):
-    """That what a name stands for is on the disk before the name: a file is
-    flushed after its last write and before it is renamed, a new folder is
-    flushed into the one above it, before a map is replaced."""
-    dirty = set()
-    unflushed = set()
-    for line in log:
-        name, first, second = line.rstrip("\n").split("\t")
-        if name in ("create", "write"):
-            dirty.add(first)
-        elif name == "fsync":
-            dirty.discard(first)
-            unflushed = {path for path in unflushed if os.path.dirname(path) != first}
-        elif name == "mkdir":
-            unflushed.add(first)
-        elif name == "link":
-            dirty.add(second)  # Whoever wrote it may not have flushed it.
-        elif name == "rename":
-            check(first not in dirty, f"{first} is renamed before it is flushed")
-            if "_maps/" in second and KEPT.get(args.command, "") not in second:
-                kept = [path for path in unflushed if "/stereo/tsar/" in path]
-                check(not kept, f"{second} is replaced before {kept} are on the disk")
-
-
-def check_whole(tree, first, last):
-    """Every map is of before or of after, and what was before is not lost."""
-    for path in maps_of(first).keys() | maps_of(last).keys():
-        known = [first[path]] if path in first else []
-        known += [last[path]] if path in last else []
-        may_miss = args.command == "stereo" or len(known) == 1
-        found = tree.get(path)
-        check(found in known or (found is None and may_miss), f"{path} is neither")
-        if args.command in KEPT and path in untouched:
-            kept = KEPT[args.command] + path[len("stereo/"):]
-            check(untouched[path] in (found, tree.get(kept)), f"{path} is lost")
-    for path in tree.keys() & untouched.keys() - maps_of(tree).keys():
-        check(tree[path] == untouched[path], f"{path} changed")
-    check(untouched.keys() - maps_of(untouched).keys() <= tree.keys(), "files are missing")
-
-
-def check_undone(words):
-    """That the command that undoes gives all back, from a workspace like this."""
-    copy(work, spare)
-    code, errors = program.call(*words)
-    nothing = code == 1 and "nothing to restore" in errors
-    check(code == 0 or nothing, f"undoing failed: {errors}")
-    tree = read_tree(work)
-    if nothing:  # Some temporaries.
-        tree = {path: content for path, content in tree.items() if not path.endswith(".tsar_tmp")}
-    check_same(tree, untouched, "after undoing")
-    copy(spare, work)
-
-
-first, untouched = prepare()
-command = COMMANDS[args.command]
-copy(before, work)
-log_path = os.path.join(folder.name, "log")
-program.run(*command, log=log_path)
-last = without_accounts(read_tree(work))
-with open(log_path, encoding="utf-8") as file:
-    log = file.readlines()
-check_order(log)
-check(maps_of(last) != maps_of(first), "the command changes maps")
-
-num_kills = 0
-num_undone = 0
-for kill_at in itertools.count(1, STEPS.get(args.command, 1)):
+        os.rename(work, before)
+    else:
+        copy(source, before)
+    if case == "restore":
+        leave_normals_unchanged()
+    first = read_tree(before)
+    untouched = read_tree(setting.bare if case == "stereo" else setting.mapped)
     copy(before, work)
-    code, errors = program.call(*command, kill_at=kill_at)
-    if code == 0:
-        break
-    check(code == -9, f"kill {kill_at} ended with {code}: {errors}")
-    num_kills += 1
-    try:
-        check_whole(read_tree(work), first, last)
-        if args.command in UNDO and num_kills % UNDO_EVERY == 0:
-            num_undone += 1
-            check_undone(UNDO[args.command])
-        code, errors = program.call(*command)
-        # A killed undoing may have been at its end.
-        at_end = code == 1 and args.command == "restore" and "nothing" in errors
-        check(code == 0 or at_end, f"going on ended with {code}: {errors}")
-        check_same(without_accounts(read_tree(work)), last, "after going on")
-    except SystemExit as error:
-        at = log[kill_at - 1].strip() if kill_at <= len(log) else "?"
-        raise SystemExit(f"{error}\nafter kill {kill_at}, at {at}") from None
-check(num_kills >= 20, f"only {num_kills} kills")
-print(f"{args.command}: {num_kills} kills, {num_undone} of them undone; "
-      f"{len(log)} calls in an undisturbed run")
+    program.run(*command)
+    last = setting.read_work()
+    check(maps_of(last) != maps_of(first), "the command changes maps")
+
+    def check_killed(kill_at):
+        check_kept(read_tree(work), first, last, untouched)
+        # That undoing gives all back, from some of these workspaces.
+        if case in ("refine", "compose") and kill_at % 10 == 0:
+            copy(work, site)
+            code, errors = program.call("tsar_refine", site, "--restore", 1)
+            nothing = code == 1 and "nothing to restore" in errors
+            check(code == 0 or nothing, f"undoing failed: {errors}")
+            # Where nothing was done there may be a temporary file.
+            left = {path: content for path, content in read_tree(site).items()
+                    if not (nothing and path.endswith((".tsar_tmp", "tsar/lock")))}
+            check_same(left, untouched, "after undoing")
+
+    log = kill_everywhere(case, lambda: copy(before, work), command, check_killed,
+                          lambda: check_same(setting.read_work(), last, "after going on"),
+                          STEPS.get(case, 1))
+    check_order(log, lambda name: os.path.join(work, "stereo", "tsar", "original") if
+                "_maps/" in name and "/stereo/tsar/" not in name else "")
+
+
+def kill_while_writing_a_folder(case):
+    """Only where the file system cannot exchange two folders there may be none."""
+    output = os.path.join(site, case)
+    if case == "report":
+        options = ["--num_threads", 1, "--overwrite", 1, "--report_path", output]
+        copy(setting.mapped, before)
+        program.run("tsar_refine", before, "--TsarRefine.scene_planes", 0)
+        command = ["tsar_report", before, *options]
+        other = ["tsar_report", setting.refined, *options]  # Shows planes, too.
+        data, listed, marker = "index.html", "tsar_report.txt", "unfinished_page"
+    else:
+        command = setting.import_to(output, "--overwrite", 1)
+        other = [*command, "--check_scale", 0, "--depth_scale", 2, "--output_type", "photometric"]
+        data = listed = "stereo/tsar_import_files.txt"
+        marker = "unfinished_import"
+
+    def read_output():
+        return {path: content for path, content in read_tree(output).items()
+                if path not in (marker, marker + ".tsar_tmp")}
+
+    def start(former):
+        shutil.rmtree(site, ignore_errors=True)
+        os.mkdir(site)
+        if former:
+            copy(setting.path("former"), output)
+
+    def check_done():
+        check_same(read_tree(output), new, "after going on")
+        check(os.listdir(site) == [case], f"left {os.listdir(site)}")
+
+    def kills(log):
+        # While the files are written, nothing is replaced: one kill of ten.
+        begin = next(i for i, line in enumerate(log, 1) if "/" + listed in line)
+        return [*range(1, begin, 10), *range(begin, len(log) + 1)]
+
+    start(False)
+    program.run(*other)
+    old = read_output()
+    copy(output, setting.path("former"))
+    start(False)
+    program.run(*command)
+    new = read_output()
+    check(old.keys() - new.keys() and old[data] != new[data], "they differ")
+    for former, faults in ((False, {}), (True, {}), (True, {"no_exchange": 1})):
+        def check_killed(_):
+            tree = read_output()
+            may_miss = not former or faults
+            check(tree in (old, new) or (may_miss and not tree), "there is no whole folder")
+
+        log = kill_everywhere(f"{case}, former {former} {faults}", lambda: start(former), command,
+                              check_killed, check_done, kills, **faults)
+        check_order(log, lambda name: output if name == output else "")
+
+
+def kill_while_writing_a_cloud():
+    """Beside a cloud is the list of images that belongs to it, or none."""
+    cloud = os.path.join(site, "fused.ply")
+    command = ["tsar_fuse", setting.refined, "--output_path", cloud, "--overwrite", 1,
+               "--TsarFuse.num_threads", 1]
+    os.mkdir(site)
+    program.run(*command, "--TsarFuse.point_spacing", 1)
+    former = read_tree(site)
+    check(sorted(former) == ["fused.ply", "fused.ply.vis"], f"{sorted(former)} were written")
+    copy(site, before)
+    program.run(*command)
+    new = read_tree(site)
+    check(new != former, "another spacing gives another cloud")
+
+    def check_killed(_):
+        left = read_tree(site)
+        whole = [tree for tree in (former, new) if left["fused.ply"] == tree["fused.ply"]]
+        check(whole, "the cloud is none of the two")
+        check(left.get("fused.ply.vis") in (None, whole[0]["fused.ply.vis"]),
+              "the list is of another cloud")
+
+    kill_everywhere("fuse", lambda: copy(before, site), command, check_killed,
+                    lambda: check_same(read_tree(site), new, "after going on"))
+
+
+case = setting.args.command
+if case in ("report", "import"):
+    kill_while_writing_a_folder(case)
+elif case == "fuse":
+    kill_while_writing_a_cloud()
+else:
+    kill_in_workspace(case)

@@ -5,46 +5,36 @@
 one workspace, in place and with an output workspace. Each time every map is the
 original or the refined one, the originals are there, and an input that is not to
 be changed is as it was; in the end the bytes are those of an undisturbed run."""
-import os
 import random
 import shutil
 import time
 
 import synthetic_workspace
-from robustness import (Program, check, check_same, copy, make_folder, maps_of, parse_arguments,
-                        read_tree, without_accounts)
+from robustness import (Setting, check, check_kept, check_same, copy, maps_of, read_tree,
+                        without_accounts)
 
 SEED = 20240607
-NUM_IMAGES = 4
-NUM_KILLS = 60
+NUM_KILLS = 40
 
-args = parse_arguments()
-program = Program(args.program)
-folder = make_folder(args.folder)
-before, work, output = (os.path.join(folder.name, name) for name in ("before", "work", "output"))
-IN_PLACE = ("tsar_refine", work, "--TsarRefine.num_threads", 2)
-
-synthetic_workspace.draw(before, NUM_IMAGES)
-original = maps_of(read_tree(before))
+setting = Setting()
+program, work = setting.program, setting.work
+before, output = setting.path("before"), setting.path("output")
+synthetic_workspace.draw(before, 4)
+original = read_tree(before)
 print(f"seed {SEED}")
 moments = random.Random(SEED)
 
 
-def without_notes(tree):
-    """Beside the lock that a killed program leaves."""
-    return {path: content for path, content in tree.items() if path != "stereo/tsar/lock"}
-
-
-def check_kills(target, command):
+def check_kills(target, *options):
     """Kills the command, which refines the maps of `target`."""
+    command = ("tsar_refine", work, "--TsarRefine.num_threads", 2, *options)
     copy(before, work)
     start = time.monotonic()
     program.run(*command)
     duration = time.monotonic() - start
     last = without_accounts(read_tree(target))
-    refined = maps_of(last)
-    num_kills = 0
-    num_runs = 0
+    first = original if target == work else maps_of(original)
+    num_kills = num_runs = 0
     while num_kills < NUM_KILLS:
         copy(before, work)
         shutil.rmtree(output, ignore_errors=True)
@@ -60,22 +50,18 @@ def check_kills(target, command):
             num_kills += code != 0
             tree = read_tree(target)
             if target != work:
-                check_same(without_notes(read_tree(work)), read_tree(before), "the input")
+                check_same(setting.read_work(), original, "the input")
                 if "stereo/confidence_maps/v0.png.geometric.png" not in tree:
                     continue  # Perhaps not all of it is made.
-            for path, content in original.items():
-                kept = "stereo/tsar/original/" + path[len("stereo/"):]
-                check(tree.get(path) in (content, refined[path]), f"{path} is neither")
-                check(content in (tree[path], tree.get(kept)), f"{path} is lost")
+            # Of an output workspace, the rest are links to folders.
+            check_kept(tree, first, last, original)
         num_runs += 1
         check_same(without_accounts(read_tree(target)), last, "in the end")
         program.run("tsar_refine", target, "--restore", 1)
         tree = read_tree(target)
-        # Of an output workspace, the rest are links to folders.
-        check_same(tree if target == work else maps_of(tree),
-                   read_tree(before) if target == work else original, "after restoring")
+        check_same(tree if target == work else maps_of(tree), first, "after restoring")
     print(f"{num_kills} kills, {num_runs} times to the end")
 
 
-check_kills(work, IN_PLACE)
-check_kills(output, (*IN_PLACE, "--output_path", output))
+check_kills(work)
+check_kills(output, "--output_path", output)

@@ -7,12 +7,26 @@ import math
 import os
 import random
 import struct
-
-from synthetic_photos import png
+import zlib
 
 NAMES = ("v0.png", "left/v1.png", "v2.png", "v3.png")
 WIDTH, HEIGHT = 40, 30
 FOCAL, DEPTH, BASELINE = 34.0, 5.0, 0.4
+
+
+def png_chunk(kind, body):
+    return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+
+def png(rows, bits=8):
+    """Of rows of gray levels: a photo in colors, or of 16 bits in gray, as other
+    programs write depth."""
+    num_channels = 3 if bits == 8 else 1
+    header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), bits, num_channels - 1, 0, 0, 0)
+    body = b"".join(b"\0" + b"".join(level.to_bytes(bits // 8, "big") * num_channels for level in row)
+                    for row in rows)
+    return (b"\x89PNG\r\n\x1a\n" + png_chunk(b"IHDR", header)
+            + png_chunk(b"IDAT", zlib.compress(body)) + png_chunk(b"IEND", b""))
 
 
 def write(path, content):

@@ -4,18 +4,14 @@
 """Checks a COLMAP that was built with one of patches/: that it has the commands
 of the stand-alone program, that they do the same, that it reads its options as
 COLMAP's commands do, and that its own fusion takes the result."""
-import argparse
 import configparser
 import json
 import os
 import shutil
 
-from sample_testing import call, check, digests, run, score, unpack
+from sample_testing import call, check, parse_arguments, results, run, score, unpack
 
-parser = argparse.ArgumentParser()
-for name in ("program", "colmap", "repository", "folder"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("program", "colmap", "repository", "folder")
 
 
 def path(*names):
@@ -91,17 +87,8 @@ with open(os.path.join(by_module, "stereo", "tsar", "manifest.json"), encoding="
     check(json.load(file)["options"]["seed"] == "3", "the project's section is read")
 
 
-def maps(workspace):
-    stereo = os.path.join(workspace, "stereo")
-    return {
-        folder: digests(os.path.join(stereo, folder))
-        for folder in ("depth_maps", "normal_maps", "confidence_maps", "sigma_maps",
-                       "provenance_maps")
-    }
-
-
-check(all(maps(by_module).values()), "all maps are written")
-check(maps(by_module) == maps(by_program), "colmap and colmap_tsar write the same bytes")
+check(len(results(by_module)) > 5 * 8, "all maps are written")
+check(results(by_module) == results(by_program), "colmap and colmap_tsar write the same bytes")
 after = score(args.colmap, args.colmap, by_module, sample)
 print("before", before)
 print("after ", after)

@@ -4,14 +4,10 @@
 """Refines the sample scene in place, fuses before and after with an unmodified
 COLMAP, and checks the gain, the provenance of every pixel, that nothing but the
 maps to refine changed, and that --restore gives every byte back."""
-import argparse
 
-from sample_testing import check, digests, run, score, unpack
+from sample_testing import check, digests, parse_arguments, run, score, unpack
 
-parser = argparse.ArgumentParser()
-for name in ("program", "colmap", "repository", "workspace"):
-    parser.add_argument("--" + name, required=True)
-args = parser.parse_args()
+args = parse_arguments("program", "colmap", "repository", "workspace")
 
 unpack(args.repository, args.workspace)
 original = digests(args.workspace)
