@@ -76,8 +76,7 @@ void FuseCommand::AddTo(OptionSet* set) {
                  FusionPresetNames(),
                  "default: depths weighted by precision and confidence; paper: "
                  "the thresholds of the TSAR-MVS paper, three views and the "
-                 "mean of what agrees; colmap: the thresholds of "
-                 "stereo_fusion, and medians. The options below come on top.");
+                 "mean of what agrees. The options below come on top.");
   FusionOptions* const fusion = &options.fusion;
   set->Add(group + "min_num_views",
            &fusion->min_num_views,

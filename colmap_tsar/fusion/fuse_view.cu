@@ -34,7 +34,7 @@ struct Source {
 };
 
 struct Thresholds {
-  FusionStatistic statistic;
+  int weights_depths;
   int min_num_views;
   float max_squared_reproj_error;
   float max_depth_error;
@@ -45,12 +45,6 @@ struct Thresholds {
 
 TSAR_HD float ConfidenceOf(const FusionPixel& pixel) {
   return ConfidenceOfLevel(pixel.confidence);
-}
-
-// Weights by the relative precision: depths that agree are about equal.
-TSAR_HD float WeightOf(const FusionPixel& pixel) {
-  const float sigma = static_cast<float>(pixel.sigma) * kSigmaStep;
-  return ConfidenceOf(pixel) / (sigma * sigma);
 }
 
 // The size of a pixel on the surface, in powers of kSizeStep, rounded down.
@@ -74,47 +68,18 @@ struct Vote {
 // The votes of the images that agree on one pixel.
 struct Votes {
   TSAR_HD void Add(const FusionPixel& pixel, const Vec3f& normal, Vote vote) {
-    depths[count] = vote.depth;
     ++count;
     weighted_depth += vote.weight * vote.depth;
     weight += vote.weight;
-    depth += vote.depth;
     normals = normals + normal;
     red += pixel.color.r;
     green += pixel.color.g;
     blue += pixel.color.b;
   }
 
-  TSAR_HD float Depth(FusionStatistic statistic) {
-    switch (statistic) {
-      case FusionStatistic::kWeighted:
-        return weighted_depth / weight;
-      case FusionStatistic::kMean:
-        return depth / static_cast<float>(count);
-      case FusionStatistic::kMedian:
-        break;
-    }
-    return Median();
-  }
-
-  // The mean of the two middle depths if their number is even.
-  TSAR_HD float Median() {
-    for (int i = 1; i < count; ++i) {
-      const float value = depths[i];
-      int k = i;
-      for (; k > 0 && depths[k - 1] > value; --k) {
-        depths[k] = depths[k - 1];
-      }
-      depths[k] = value;
-    }
-    return 0.5f * (depths[(count - 1) / 2] + depths[count / 2]);
-  }
-
-  float depths[kMaxFusionSources + 1];
   int count = 0;
   float weighted_depth = 0.f;
   float weight = 0.f;
-  float depth = 0.f;
   Vec3f normals;
   int red = 0;
   int green = 0;
@@ -230,6 +195,15 @@ struct FuseKernel {
            (their_step == own_step && source.comes_first != 0);
   }
 
+  // By the relative precision: depths that agree are about equal.
+  TSAR_HD float WeightOf(const FusionPixel& pixel) const {
+    if (thresholds.weights_depths == 0) {
+      return 1.f;
+    }
+    const float sigma = static_cast<float>(pixel.sigma) * kSigmaStep;
+    return ConfidenceOf(pixel) / (sigma * sigma);
+  }
+
   // The depth of the source's plane along the ray, or that of its point where
   // the plane does not determine it.
   TSAR_HD Vote VoteOf(const Answer& answer, const Vec3f& ray) const {
@@ -271,7 +245,7 @@ struct FuseKernel {
         (thresholds.reject_contradicted != 0 && contradicting > agreeing)) {
       return;
     }
-    fused->position = ray * votes.Depth(thresholds.statistic);
+    fused->position = ray * (votes.weighted_depth / votes.weight);
     fused->normal = Normalized(votes.normals);
     const int half = votes.count / 2;
     fused->color = {static_cast<uint8_t>((votes.red + half) / votes.count),
@@ -328,7 +302,7 @@ std::vector<FusedPoint> FuseView(const FusionInput& view,
                          view.camera.GetIntrinsics(),
                          device_sources.Data(),
                          static_cast<int>(inputs.size()),
-                         {options.statistic,
+                         {options.weights_depths ? 1 : 0,
                           options.min_num_views,
                           max_reproj_error * max_reproj_error,
                           static_cast<float>(options.max_depth_error),

@@ -42,7 +42,7 @@ void FusionOptions::Check() const {
 }
 
 const std::vector<std::string>& FusionPresetNames() {
-  static const std::vector<std::string> names = {"default", "paper", "colmap"};
+  static const std::vector<std::string> names = {"default", "paper"};
   return names;
 }
 
@@ -51,17 +51,11 @@ FusionOptions PresetFusionOptions(const std::string& name) {
   if (name == "default") {
     return options;
   }
+  Require(name == "paper", "preset", "default or paper");
   options.reject_contradicted = false;
   options.min_num_views = 3;
-  if (name == "paper") {
-    options.statistic = FusionStatistic::kMean;
-    options.point_spacing = 1;
-  } else {
-    Require(name == "colmap", "preset", "default, paper or colmap");
-    options.statistic = FusionStatistic::kMedian;
-    options.max_normal_error = 10.0;
-    options.check_num_images = 50;
-  }
+  options.weights_depths = false;
+  options.point_spacing = 1;
   return options;
 }
 

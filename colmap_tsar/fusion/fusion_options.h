@@ -3,22 +3,16 @@
 
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
 namespace tsar {
 
-// The statistic of the depths that agree on a point, used as its depth.
-enum class FusionStatistic : int32_t {
-  kWeighted,  // The mean, weighted by confidence / sigma^2.
-  kMean,
-  kMedian,
-};
-
 // The criteria by which pixels of different images show one point.
 struct FusionOptions {
-  FusionStatistic statistic = FusionStatistic::kWeighted;
+  // Weights the depths that agree on a point by confidence / sigma^2; without
+  // it, all count the same in their mean.
+  bool weights_depths = true;
   // The number of images that have to agree on a point, its own included.
   int min_num_views = 2;
   // The largest distance of a pixel from the reprojection of the other image's
@@ -44,14 +38,13 @@ struct FusionOptions {
 constexpr int kMaxFusionSources = 64;
 constexpr int kMaxPointSpacing = 1000;
 
-// "default", "paper" and "colmap".
+// "default" and "paper".
 const std::vector<std::string>& FusionPresetNames();
 
 // "paper": the values in the TSAR-MVS paper (section 5): depths within 1 %,
 // normals within 30 degrees, reprojection errors of 2 pixels at most, more than
-// one other view that agrees, and the mean of all. "colmap": the thresholds of
-// COLMAP's stereo_fusion, and medians. Throws kBadOption where there is no such
-// preset.
+// one other view that agrees, and the mean of all. Throws kBadOption where
+// there is no such preset.
 FusionOptions PresetFusionOptions(const std::string& name);
 
 }  // namespace tsar

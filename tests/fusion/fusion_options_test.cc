@@ -17,11 +17,11 @@ TEST(FusionOptionsTest, PresetsAreValidAndThePapersIsAsPrinted) {
   EXPECT_EQ(paper.max_normal_error, 30.0);
   EXPECT_EQ(paper.max_reproj_error, 2.0);
   EXPECT_EQ(paper.min_num_views, 3);
-  EXPECT_EQ(paper.statistic, FusionStatistic::kMean);
+  EXPECT_FALSE(paper.weights_depths);
   EXPECT_FALSE(paper.reject_contradicted);
-  ExpectError(ErrorCode::kBadOption,
-              {"preset", "default, paper or colmap"},
-              [] { PresetFusionOptions("pape"); });
+  ExpectError(ErrorCode::kBadOption, {"preset", "default or paper"}, [] {
+    PresetFusionOptions("pape");
+  });
 }
 
 TEST(FusionOptionsTest, EveryLimitIsChecked) {
