@@ -77,24 +77,22 @@ FusionView LoadFusionView(const Workspace& workspace,
 
 std::vector<FusionInput> FusionDevice::Use(const std::vector<int>& images,
                                            const FusionViews& views) {
-  std::vector<FusionInput> inputs;
-  if (!device_.IsCuda()) {
-    for (const int image : images) {
-      const FusionView& view = *views.at(image);
-      inputs.push_back({view.camera, view.pixels.View()});
-    }
-    return inputs;
+  if (device_.IsCuda()) {
+    in_use_.clear();
+    in_use_ = copies_.GetAll(
+        images,
+        [&](int image) {
+          return std::make_shared<const DeviceImage<FusionPixel>>(
+              device_, views.at(image)->pixels);
+        },
+        [] { return false; });
   }
-  in_use_.clear();
-  in_use_ = copies_.GetAll(
-      images,
-      [&](int image) {
-        return std::make_shared<const DeviceImage<FusionPixel>>(
-            device_, views.at(image)->pixels);
-      },
-      [] { return false; });
+  std::vector<FusionInput> inputs;
   for (size_t i = 0; i < images.size(); ++i) {
-    inputs.push_back({views.at(images[i])->camera, in_use_[i]->View()});
+    const FusionView& view = *views.at(images[i]);
+    inputs.push_back(
+        {view.camera,
+         device_.IsCuda() ? in_use_[i]->View() : view.pixels.View()});
   }
   return inputs;
 }
