@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/device/parallel_for.h"
 
+#include <numeric>
 #include <vector>
 
 #ifdef __CUDACC__
@@ -20,12 +21,8 @@ namespace {
 
 Buffer<int> ExclusiveSumOnCpu(const int* values, size_t count, Device& device) {
   Buffer<int> sums(device, count + 1);
-  int sum = 0;
-  for (size_t i = 0; i < count; ++i) {
-    sums.Data()[i] = sum;
-    sum += values[i];
-  }
-  sums.Data()[count] = sum;
+  sums.Data()[0] = 0;
+  std::inclusive_scan(values, values + count, sums.Data() + 1);
   return sums;
 }
 
@@ -41,9 +38,7 @@ PixelGroups GroupPixelsOnCpu(ImageView<const int> labels,
   for (size_t i = 0; i < num_pixels; ++i) {
     ++next[group_of(i) + 1];
   }
-  for (int k = 0; k <= num_labels; ++k) {
-    next[k + 1] += next[k];
-  }
+  std::inclusive_scan(next.begin(), next.end(), next.begin());
   PixelGroups groups{Buffer<int>(device, num_labels + 1),
                      Buffer<int>(device, num_pixels)};
   groups.begin.Upload(next.data());

@@ -63,7 +63,7 @@ FuseSummary FuseWorkspace(Workspace workspace,
   run.Run(
       [&](size_t place, const FusedImage& fused) {
         std::vector<int> sources;
-        for (const int source : *fused.sources) {
+        for (const int source : plan.sources[fused.image]) {
           sources.push_back(place_in_file(source));
         }
         encoded[place] = EncodePoints(fused.points,

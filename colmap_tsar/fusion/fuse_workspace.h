@@ -56,8 +56,8 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path);
 //
 // Throws Error: kNotFound (no image has maps), kInterrupted once should_stop
 // returned true, and what Workspace::UseMasks, ReadImageList, WorkspaceLock
-// (shared), OpenGpus, FusionOptions::Check, LoadFusionView and FusedCloudWriter
-// throw.
+// (shared), OpenGpus, FusionOptions::Check, ReadImageMaps, ReadImage and
+// FusedCloudWriter throw.
 FuseSummary FuseWorkspace(Workspace workspace,
                           const FuseWorkspaceOptions& options,
                           Progress& progress,

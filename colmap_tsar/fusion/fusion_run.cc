@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/fusion/fusion_run.h"
 
+#include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/io/map_io.h"
@@ -12,11 +13,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <limits>
 #include <thread>
 #include <utility>
 
 namespace tsar {
 namespace {
+
+// The standard deviation of a matched depth, in pixels of disparity.
+constexpr float kPixelsOfDisparity = 0.25f;
 
 constexpr int64_t kPixelBytes = sizeof(FusionPixel);
 
@@ -26,7 +31,71 @@ void StopIfAsked(const std::function<bool()>& should_stop) {
   }
 }
 
+// The maps of an image without masked pixels. sources: images of the same
+// scene, by index in the sparse model; their baselines give the precision of
+// depths without a sigma. Depths without a confidence map have full confidence.
+// Errors as ReadImageMaps() and Workspace::ReadImage().
+FusionView LoadFusionView(const Workspace& workspace,
+                          int image,
+                          const std::vector<int>& sources) {
+  const ImageMaps maps = ReadImageMaps(workspace, image);
+  const int width = maps.depth.Width();
+  const int height = maps.depth.Height();
+  const Image<Rgb> color = workspace.ReadImage(image, width, height);
+  const auto camera_of = [&](int i) -> const Camera& {
+    return workspace.Model().images[i].camera;
+  };
+  FusionView view{camera_of(image).Resized(width, height), {width, height}};
+  std::vector<Camera> cameras;
+  for (const int source : sources) {
+    cameras.push_back(camera_of(source));
+  }
+  const DepthResolution resolution =
+      ComputeDisparityScale(view.camera, cameras);
+  for (size_t i = 0; i < maps.depth.NumPixels(); ++i) {
+    const float depth = maps.depth.Data()[i];
+    if (!(depth > 0.f)) {
+      continue;
+    }
+    FusionPixel& pixel = view.pixels.Data()[i];
+    pixel.depth = depth;
+    EncodeNormal(maps.normal.Data()[i], &pixel);
+    pixel.color = color.Data()[i];
+    pixel.confidence = maps.confidence.Empty()
+                           ? std::numeric_limits<uint8_t>::max()
+                           : std::max(maps.confidence.Data()[i], uint8_t{1});
+    const float sigma = maps.sigma.Empty() ? 0.f : maps.sigma.Data()[i];
+    pixel.sigma =
+        EncodeSigma(sigma > 0.f ? sigma / depth
+                                : kPixelsOfDisparity *
+                                      resolution.RelativeDepthError(depth));
+  }
+  return view;
+}
+
 }  // namespace
+
+std::vector<FusionInput> FusionDevice::Use(const std::vector<int>& images,
+                                           const FusionViews& views) {
+  if (device_.IsCuda()) {
+    in_use_.clear();
+    in_use_ = copies_.GetAll(
+        images,
+        [&](int image) {
+          return std::make_shared<const DeviceImage<FusionPixel>>(
+              device_, views.at(image)->pixels);
+        },
+        [] { return false; });
+  }
+  std::vector<FusionInput> inputs;
+  for (size_t i = 0; i < images.size(); ++i) {
+    const FusionView& view = *views.at(images[i]);
+    inputs.push_back(
+        {view.camera,
+         device_.IsCuda() ? in_use_[i]->View() : view.pixels.View()});
+  }
+  return inputs;
+}
 
 FusionRun::FusionRun(const Workspace& workspace,
                      const FusionPlan& plan,
@@ -103,8 +172,6 @@ void FusionRun::MeasureImages() {
 
 void FusionRun::OpenDevices() {
   const int64_t view_bytes = kPixelBytes * max_width_ * max_height_;
-  cache_ = std::make_unique<SharedCache<FusionView>>(
-      static_cast<size_t>(max_cache_bytes_ / view_bytes));
   size_t num_views = 0;  // Of an image with its sources.
   for (const int image : plan_.order) {
     num_views = std::max(num_views, ImagesOf(image).size());
@@ -137,7 +204,7 @@ void FusionRun::OpenDevices() {
 int64_t FusionRun::ResultBytes(int image) const {
   constexpr int64_t kEncodedBytes = 32;
   const auto num_sources = static_cast<int64_t>(SourcesOf(image).size());
-  return NumPixels(image) / (fusion_.point_spacing * fusion_.point_spacing) *
+  return num_pixels_[image] / (fusion_.point_spacing * fusion_.point_spacing) *
          (2 * static_cast<int64_t>(sizeof(FusedPoint)) + kEncodedBytes +
           4 * (1 + num_sources));
 }
@@ -156,7 +223,7 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
     for (const int image : ImagesOf(plan_.order[i])) {
       if (!is_needed[image]) {
         added.push_back(image);
-        num_new_bytes += kPixelBytes * NumPixels(image);
+        num_new_bytes += kPixelBytes * num_pixels_[image];
       }
     }
     if (i > begin && num_bytes + num_new_bytes > max_cache_bytes_) {
@@ -174,25 +241,21 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
 
 void FusionRun::Load(const Group& group,
                      const std::function<bool()>& should_stop) {
-  views_.clear();
-  std::vector<SharedCache<FusionView>::Pointer> loaded(group.needed.size());
-  for (size_t i = 0; i < loaded.size(); ++i) {
-    loaded[i] = cache_->Find(group.needed[i]);
+  std::erase_if(views_, [&](const auto& view) {
+    return std::ranges::find(group.needed, view.first) == group.needed.end();
+  });
+  std::vector<int> missing;
+  for (const int image : group.needed) {
+    if (views_.try_emplace(image).second) {
+      missing.push_back(image);
+    }
   }
-  ForEachImage(
-      workspace_, group.needed, device_options_.num_threads, [&](size_t i) {
-        StopIfAsked(should_stop);
-        const int image = group.needed[i];
-        if (!loaded[i]) {
-          loaded[i] = cache_->Get(image, [&](SharedCache<FusionView>::Pointer) {
-            return std::make_shared<const FusionView>(
-                LoadFusionView(workspace_, image, SourcesOf(image)));
-          });
-        }
-      });
-  for (size_t i = 0; i < loaded.size(); ++i) {
-    views_[group.needed[i]] = std::move(loaded[i]);
-  }
+  ForEachImage(workspace_, missing, device_options_.num_threads, [&](size_t i) {
+    StopIfAsked(should_stop);
+    const int image = missing[i];
+    views_.at(image) = std::make_shared<const FusionView>(
+        LoadFusionView(workspace_, image, SourcesOf(image)));
+  });
 }
 
 FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
@@ -214,8 +277,7 @@ FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
                    plan_.places[image],
                    sources,
                    fusion_,
-                   device->GetDevice()),
-          &SourcesOf(image)};
+                   device->GetDevice())};
 }
 
 }  // namespace tsar

@@ -3,37 +3,72 @@
 
 #pragma once
 
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/fusion/fuse_view.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
-#include "colmap_tsar/fusion/fusion_view.h"
+#include "colmap_tsar/fusion/fusion_pixel.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/run/shared_cache.h"
 #include "colmap_tsar/run/store/workspace.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace tsar {
 
+// An image with its maps, ready to be fused.
+struct FusionView {
+  Camera camera;  // At the size of the pixels, which is that of the maps.
+  Image<FusionPixel> pixels;
+};
+
 // The points of one image.
 struct FusedImage {
   int image = 0;  // Index in the sparse model.
   // At the size of the maps; valid until the call ends.
   const FusionView* view = nullptr;
-  std::vector<FusedPoint> points;
-  const std::vector<int>* sources = nullptr;  // By bit of the points.
+  std::vector<FusedPoint> points;  // Their sources are those of the plan.
+};
+
+// Views by their images' indices in the sparse model.
+using FusionViews = std::map<int, std::shared_ptr<const FusionView>>;
+
+// A device's access to views: a GPU gets copies, max_num_views of which stay
+// there; the CPU reads those in main memory.
+class FusionDevice {
+ public:
+  FusionDevice(Device& device, size_t max_num_views)
+      : device_(device), copies_(max_num_views) {}
+
+  Device& GetDevice() { return device_; }
+
+  // The images in order; valid until the next call, and as long as the views.
+  std::vector<FusionInput> Use(const std::vector<int>& images,
+                               const FusionViews& views);
+
+ private:
+  using Copies = SharedCache<DeviceImage<FusionPixel>>;
+
+  Device& device_;
+  Copies copies_;
+  std::vector<Copies::Pointer> in_use_;
 };
 
 // Fuses the images of a plan, as many concurrently as there are devices. Main
 // memory holds the images at work, up to cache_size, but at least one image
-// with its sources.
+// with its sources; those that the next ones need as well stay there.
 class FusionRun {
  public:
   // All references must outlive this object. Throws what OpenGpus and
@@ -63,7 +98,6 @@ class FusionRun {
   std::vector<RunSummary::GpuMemory> PeakGpuMemory() const;
 
  private:
-  int64_t NumPixels(int image) const { return num_pixels_[image]; }
   const std::vector<int>& SourcesOf(int image) const {
     return plan_.sources[image];
   }
@@ -97,7 +131,6 @@ class FusionRun {
   int max_width_ = 0;
   int max_height_ = 0;
   const int64_t max_cache_bytes_;
-  std::unique_ptr<SharedCache<FusionView>> cache_;
   FusionViews views_;  // Of the group at work.
   std::string description_;
   std::vector<GpuWorkers> gpus_;

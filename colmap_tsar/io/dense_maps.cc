@@ -9,6 +9,7 @@
 #include <array>
 #include <optional>
 #include <sstream>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -24,41 +25,34 @@ std::string Advice() {
   return "check " + OptionName("format") + ", or make the file again";
 }
 
-// The header of an OpenCV matrix of APD.
-struct MatrixHeader {
-  size_t num_bytes = 0;
-  int32_t rows = 0;
-  int32_t columns = 0;
-  int channels = 0;
-};
+FloatMap ReadMap(int width, int height, int channels, ByteReader* reader) {
+  FloatMap map = {width, height, channels, {}};
+  map.values.resize(static_cast<size_t>(width) * static_cast<size_t>(height) *
+                    static_cast<size_t>(channels));
+  reader->ReadAll<float>(map.values);
+  return map;
+}
 
-// Reads the header with or without a version; nullopt if the file's length does
-// not match it.
-std::optional<MatrixHeader> ReadMatrixHeader(std::span<const uint8_t> bytes,
-                                             bool has_version) {
-  MatrixHeader header;
-  header.num_bytes = (has_version ? 4 : 3) * sizeof(int32_t);
-  if (bytes.size() < header.num_bytes) {
+// Reads an OpenCV matrix of APD whose header has this many words; nullopt if
+// the file's length does not match it.
+std::optional<FloatMap> ReadMatrix(ByteReader reader, int num_words) {
+  if (reader.NumLeft() < num_words * sizeof(int32_t)) {
     return std::nullopt;
   }
-  ByteReader reader(bytes, "");
-  if (has_version) {
-    reader.Read<int32_t>();
-  }
-  header.rows = reader.Read<int32_t>();
-  header.columns = reader.Read<int32_t>();
+  reader.Take((num_words - 3) * sizeof(int32_t));
+  const auto rows = reader.Read<int32_t>();
+  const auto columns = reader.Read<int32_t>();
   const auto type = reader.Read<int32_t>();
   if (type != kOneFloat && type != kThreeFloats) {
     return std::nullopt;
   }
-  header.channels = type == kOneFloat ? 1 : 3;
+  const int channels = type == kOneFloat ? 1 : 3;
   try {
-    RequireExactLength(
-        reader, header.columns, header.rows, header.channels, sizeof(float));
+    RequireExactLength(reader, columns, rows, channels, sizeof(float));
   } catch (const Error&) {
     return std::nullopt;
   }
-  return header;
+  return ReadMap(columns, rows, channels, &reader);
 }
 
 // What a .dmap file of OpenMVS holds.
@@ -100,14 +94,6 @@ DmapHeader ReadDmapHeader(ByteReader* reader) {
   return header;
 }
 
-FloatMap ReadMap(int width, int height, int channels, ByteReader* reader) {
-  FloatMap map = {width, height, channels, {}};
-  map.values.resize(static_cast<size_t>(width) * static_cast<size_t>(height) *
-                    static_cast<size_t>(channels));
-  reader->ReadAll<float>(map.values);
-  return map;
-}
-
 Error CorruptCamera(const std::string& name, const std::string& what) {
   return Error::File(ErrorCode::kCorrupt,
                      name,
@@ -117,9 +103,9 @@ Error CorruptCamera(const std::string& name, const std::string& what) {
 
 // Reads the matrix that follows a word.
 template <typename Matrix>
-Matrix ReadMatrix(std::istringstream* text,
-                  const std::string& word,
-                  const std::string& name) {
+Matrix ReadMatrixAfter(std::istringstream* text,
+                       const std::string& word,
+                       const std::string& name) {
   std::string read;
   *text >> read;
   bool is_complete = read == word;
@@ -182,26 +168,23 @@ FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name) {
 }
 
 FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name) {
-  ByteReader reader(bytes, name, Advice());
-  const std::optional<MatrixHeader> with_version =
-      ReadMatrixHeader(bytes, true);
-  const std::optional<MatrixHeader> without = ReadMatrixHeader(bytes, false);
+  const ByteReader reader(bytes, name, Advice());
+  std::optional<FloatMap> with_version = ReadMatrix(reader, 4);
+  std::optional<FloatMap> without = ReadMatrix(reader, 3);
   if (with_version.has_value() == without.has_value()) {
     throw reader.Corrupt(
         "not a matrix of floats of the length (" +
         std::to_string(bytes.size()) +
         " bytes) that its header [version] rows columns type says");
   }
-  const MatrixHeader header = with_version ? *with_version : *without;
-  reader.Take(header.num_bytes);
-  return ReadMap(header.columns, header.rows, header.channels, &reader);
+  return std::move(with_version ? *with_version : *without);
 }
 
 StoredCamera ParseCamFile(std::span<const uint8_t> bytes,
                           const std::string& name) {
   std::istringstream text(std::string(bytes.begin(), bytes.end()));
-  const auto pose = ReadMatrix<Eigen::Matrix4d>(&text, "extrinsic", name);
-  const auto k = ReadMatrix<Eigen::Matrix3d>(&text, "intrinsic", name);
+  const auto pose = ReadMatrixAfter<Eigen::Matrix4d>(&text, "extrinsic", name);
+  const auto k = ReadMatrixAfter<Eigen::Matrix3d>(&text, "intrinsic", name);
   StoredCamera camera;
   camera.file = name;
   camera.rotation = pose.topLeftCorner<3, 3>();

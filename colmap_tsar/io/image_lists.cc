@@ -119,7 +119,12 @@ class ConfigParser {
       }
       ParseSources(lines[i + 1], &problem);
       if (problem.sources.empty()) {
-        problem.without_sources = WhyWithoutSources(problem.reference);
+        problem.without_sources =
+            selector_.HasOverlap(problem.reference)
+                ? "all images that share its sparse points were taken from "
+                  "nearly the same place, which tells nothing of depth; take "
+                  "some from other places"
+                : "no other image shares enough of its sparse points";
       }
       problems.push_back(std::move(problem));
     }
@@ -178,14 +183,6 @@ class ConfigParser {
                     "must have the form \"__auto__, N\" with a number N > 0");
     }
     return selector_.SelectSources(reference, count);
-  }
-
-  std::string WhyWithoutSources(int reference) const {
-    return selector_.HasOverlap(reference)
-               ? "all images that share its sparse points were taken from "
-                 "nearly the same place, which tells nothing of depth; take "
-                 "some from other places"
-               : "no other image shares enough of its sparse points";
   }
 
   int FindImage(const Line& line, const std::string& name) const {

@@ -81,10 +81,13 @@ class PlyFile {
              "element " + element.name + " holds a list",
              "save the points without faces or put the vertices first");
       }
+      CheckSize(element);
       if (element.name == "vertex") {
-        return is_ascii_ ? ReadAscii(element) : ReadBinary(element);
+        return ReadVertices(element);
       }
-      Skip(element);
+      for (uint64_t i = 0; i < element.count; ++i) {
+        NextItem(element);
+      }
     }
     Corrupt("it has no vertices");
   }
@@ -179,9 +182,11 @@ class PlyFile {
     element.types.push_back(type);
   }
 
-  // Throws if the rest of the file cannot hold the element's items of at least
-  // this many bytes each.
-  void CheckSize(const Element& element, size_t bytes_per_item) const {
+  // Throws if the rest of the file cannot hold the element's items. In ASCII a
+  // number takes at least one digit.
+  void CheckSize(const Element& element) const {
+    const size_t bytes_per_item =
+        is_ascii_ ? element.types.size() : element.Stride();
     if (bytes_per_item == 0) {
       if (element.count > 0) {
         Corrupt("element " + element.name + " has no properties");
@@ -189,18 +194,6 @@ class PlyFile {
     } else if (element.count > rest_.size() / bytes_per_item) {
       Corrupt("it is too short for its " + std::to_string(element.count) + " " +
               element.name + " items");
-    }
-  }
-
-  void Skip(const Element& element) {
-    if (is_ascii_) {
-      CheckSize(element, element.types.size());
-      for (uint64_t i = 0; i < element.count * element.types.size(); ++i) {
-        NextNumber();
-      }
-    } else {
-      CheckSize(element, element.Stride());
-      rest_.remove_prefix(element.count * element.Stride());
     }
   }
 
@@ -218,7 +211,12 @@ class PlyFile {
     return indices;
   }
 
-  double NextNumber() {
+  double NextNumber(const NumberType& type) {
+    if (!is_ascii_) {
+      const double number = type.load(rest_.data());
+      rest_.remove_prefix(type.size);
+      return number;
+    }
     constexpr std::string_view kBlank = " \t\r\n";
     const size_t begin =
         std::min(rest_.find_first_not_of(kBlank), rest_.size());
@@ -233,51 +231,26 @@ class PlyFile {
     return *number;
   }
 
-  std::vector<Eigen::Vector3d> ReadAscii(const Element& element) {
-    const std::array<size_t, 3> indices = FindCoordinates(element);
-    // A number takes at least one digit.
-    CheckSize(element, element.types.size());
-    std::vector<Eigen::Vector3d> points(element.count);
-    std::vector<double> values(element.types.size());
-    for (Eigen::Vector3d& point : points) {
-      for (double& value : values) {
-        value = NextNumber();
-      }
-      for (size_t k = 0; k < 3; ++k) {
-        point[static_cast<int>(k)] = values[indices[k]];
-      }
-    }
-    RequireFinite(points);
-    return points;
-  }
-
-  std::vector<Eigen::Vector3d> ReadBinary(const Element& element) {
-    const std::array<size_t, 3> indices = FindCoordinates(element);
-    CheckSize(element, element.Stride());
-    std::vector<size_t> offsets = {0};
+  // Reads the values of an item; valid until the next call.
+  const std::vector<double>& NextItem(const Element& element) {
+    values_.clear();
     for (const NumberType* type : element.types) {
-      offsets.push_back(offsets.back() + type->size);
+      values_.push_back(NextNumber(*type));
     }
-    std::vector<Eigen::Vector3d> points(element.count);
-    const char* vertex = rest_.data();
-    for (Eigen::Vector3d& point : points) {
-      for (size_t k = 0; k < 3; ++k) {
-        point[static_cast<int>(k)] =
-            element.types[indices[k]]->load(vertex + offsets[indices[k]]);
-      }
-      vertex += element.Stride();
-    }
-    RequireFinite(points);
-    return points;
+    return values_;
   }
 
-  void RequireFinite(const std::vector<Eigen::Vector3d>& points) const {
-    const auto bad = std::ranges::find_if_not(
-        points, [](const Eigen::Vector3d& point) { return point.allFinite(); });
-    if (bad != points.end()) {
-      Corrupt("vertex " + std::to_string(bad - points.begin()) +
-              " is not finite");
+  std::vector<Eigen::Vector3d> ReadVertices(const Element& element) {
+    const std::array<size_t, 3> indices = FindCoordinates(element);
+    std::vector<Eigen::Vector3d> points(element.count);
+    for (size_t i = 0; i < points.size(); ++i) {
+      const std::vector<double>& values = NextItem(element);
+      points[i] = {values[indices[0]], values[indices[1]], values[indices[2]]};
+      if (!points[i].allFinite()) {
+        Corrupt("vertex " + std::to_string(i) + " is not finite");
+      }
     }
+    return points;
   }
 
   std::string path_;
@@ -285,6 +258,7 @@ class PlyFile {
   std::string_view rest_;
   bool is_ascii_ = false;
   std::vector<Element> elements_;
+  std::vector<double> values_;
 };
 
 }  // namespace

@@ -57,18 +57,6 @@ Matches MatchNames(const std::vector<std::string>& image_names) {
   return matches;
 }
 
-// The depth images of a folder, in the order of their names.
-std::vector<Path> ListDepthImages(const Path& folder) {
-  std::vector<Path> files;
-  for (const TreeEntry& entry : ListTree({folder, {}})) {
-    if (IsDepthImageName(entry.path)) {
-      files.push_back(entry.path);
-    }
-  }
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 Error NoPriors(const Path& folder, const std::vector<std::string>& names) {
   std::string example;
   if (!names.empty()) {
@@ -95,21 +83,6 @@ bool FitsPhoto(const RasterSize& size, const RasterSize& photo) {
          std::abs(height - size.height) <= 1.0;
 }
 
-void RequireFit(const Path& path,
-                const FloatMap& map,
-                const RasterSize& photo) {
-  const RasterSize size = {map.width, map.height};
-  if (!FitsPhoto(size, photo)) {
-    throw Error::File(
-        ErrorCode::kMismatch,
-        path.string(),
-        "the depth prior has " + ToString(size) +
-            " pixels, which is not the shape of its undistorted image of " +
-            ToString(photo),
-        "make it of the image in the workspace's folder images");
-  }
-}
-
 FloatMap ReadMap(const Path& path, bool is_normals, const RasterSize& photo) {
   const std::vector<uint8_t> bytes = ReadFileBytes(path);
   if (bytes.empty()) {
@@ -128,7 +101,16 @@ FloatMap ReadMap(const Path& path, bool is_normals, const RasterSize& photo) {
         "save depth alone; normals have names that end in .normal" +
             path.extension().string());
   }
-  RequireFit(path, map, photo);
+  if (const RasterSize size = {map.width, map.height};
+      !FitsPhoto(size, photo)) {
+    throw Error::File(
+        ErrorCode::kMismatch,
+        path.string(),
+        "the depth prior has " + ToString(size) +
+            " pixels, which is not the shape of its undistorted image of " +
+            ToString(photo),
+        "make it of the image in the workspace's folder images");
+  }
   return map;
 }
 
@@ -171,8 +153,13 @@ PriorFolder::PriorFolder(const Path& folder,
                       Advice());
   }
   const Matches matches = MatchNames(image_names);
-  bool has_any = false;
-  for (const Path& path : ListDepthImages(folder)) {
+  std::set<Path> paths;
+  for (const TreeEntry& entry : ListTree({folder, {}})) {
+    if (IsDepthImageName(entry.path)) {
+      paths.insert(entry.path);
+    }
+  }
+  for (const Path& path : paths) {
     const auto found = matches.find(
         WithoutExtension(path.lexically_relative(folder).generic_string()));
     if (found == matches.end()) {
@@ -203,9 +190,8 @@ PriorFolder::PriorFolder(const Path& folder,
           "take one of the two away");
     }
     place = path;
-    has_any = true;
   }
-  if (!has_any) {
+  if (std::ranges::all_of(files_, &PriorFiles::Empty)) {
     throw NoPriors(folder, image_names);
   }
 }

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/fusion/fuse_view.h"
-#include "colmap_tsar/fusion/fusion_view.h"
+#include "colmap_tsar/fusion/fusion_run.h"
 
 #include <limits>
 #include <vector>

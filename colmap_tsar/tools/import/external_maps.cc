@@ -59,33 +59,15 @@ std::optional<float> Slope(
   return 0.5f * (*after - *before);
 }
 
-FloatMap ReadMap(const std::filesystem::path& path,
-                 ExternalFormat format,
-                 bool* is_integer) {
+DepthImage ReadMap(const std::filesystem::path& path, ExternalFormat format) {
   const std::vector<uint8_t> bytes = ReadFileBytes(path);
   switch (format) {
     case ExternalFormat::kAcm:
-      return ParseDmb(bytes, path.string());
+      return {ParseDmb(bytes, path.string())};
     case ExternalFormat::kApd:
-      return ParseApdMap(bytes, path.string());
-    default: {
-      DepthImage image = ParseDepthImage(bytes, path);
-      *is_integer = image.is_integer;
-      return std::move(image.map);
-    }
-  }
-}
-
-void RequireSize(const std::filesystem::path& path,
-                 const Image<Vec3f>& map,
-                 const Image<float>& depth) {
-  if (!map.Empty() && !map.HasSizeOf(depth)) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "has " + ToString(RasterSize{map.Width(), map.Height()}) +
-                          " pixels, the depth map " +
-                          ToString(RasterSize{depth.Width(), depth.Height()}),
-                      "use maps of one run");
+      return {ParseApdMap(bytes, path.string())};
+    default:
+      return ParseDepthImage(bytes, path);
   }
 }
 
@@ -149,13 +131,22 @@ ExternalMaps ReadExternalMaps(const ExternalFiles& files,
     maps.camera = dmap.camera;
     return maps;
   }
-  maps.depth = ToDepth(ReadMap(files.depth, format, &maps.is_integer),
-                       files.depth.string());
-  bool ignored = false;
+  const DepthImage depth = ReadMap(files.depth, format);
+  maps.depth = ToDepth(depth.map, files.depth.string());
+  maps.is_integer = depth.is_integer;
   if (!files.normal.empty()) {
-    maps.normal = ToNormals(ReadMap(files.normal, format, &ignored),
-                            files.normal.string());
-    RequireSize(files.normal, maps.normal, maps.depth);
+    maps.normal =
+        ToNormals(ReadMap(files.normal, format).map, files.normal.string());
+    if (!maps.normal.HasSizeOf(maps.depth)) {
+      const auto size_of = [](const auto& map) {
+        return ToString(RasterSize{map.Width(), map.Height()});
+      };
+      throw Error::File(ErrorCode::kMismatch,
+                        files.normal.string(),
+                        "has " + size_of(maps.normal) +
+                            " pixels, the depth map " + size_of(maps.depth),
+                        "use maps of one run");
+    }
   }
   if (!files.camera.empty()) {
     maps.camera =

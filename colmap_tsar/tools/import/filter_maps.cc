@@ -11,7 +11,6 @@
 #include "colmap_tsar/run/workspace_check.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
-#include "colmap_tsar/tools/stereo/stereo_views.h"
 
 #include <memory>
 #include <utility>
@@ -20,7 +19,7 @@
 namespace tsar {
 namespace {
 
-class FilterTask : public ImageTasks<DepthNormal> {
+class FilterTask : public ImageTasks<StereoMaps> {
  public:
   FilterTask(const Workspace& workspace, std::vector<RefineWorker>& workers)
       : workspace_(workspace), workers_(workers) {}
@@ -37,39 +36,21 @@ class FilterTask : public ImageTasks<DepthNormal> {
     return std::make_shared<const ViewData>(LoadView(workspace_, image));
   }
 
-  DepthNormal Compute(size_t index,
-                      size_t worker,
-                      LoadedViews* views,
-                      ImageReport* /*report*/) override {
-    const ViewData& image = views->Get(Problem(index).reference);
+  StereoMaps Compute(size_t index,
+                     size_t worker,
+                     LoadedViews* views,
+                     ImageReport* /*report*/) override {
     std::vector<const ViewData*> sources;
     for (const int source : Sources(index)) {
       sources.push_back(&views->Get(source));
     }
-    Device& device = *workers_[worker].device;
-    const StereoViews on_device(image, sources, /*num_levels=*/1, device);
-    const DeviceImage<float> depth(device, image.depth);
-    const DeviceImage<Vec3f> normal(device, image.normal);
-    ReferenceView reference = on_device.Reference(0);
-    reference.depth = depth.View();
-    reference.normal = normal.View();
-    DepthNormal maps;
-    maps.depth = FilterHypotheses(
-                     reference,
-                     on_device.Sources(0),
-                     FilterOptions(options_, static_cast<int>(sources.size())),
-                     device)
-                     .ToHost();
-    maps.normal = image.normal;
-    for (size_t i = 0; i < maps.depth.NumPixels(); ++i) {
-      if (!(maps.depth.Data()[i] > 0.f)) {
-        maps.normal.Data()[i] = {};
-      }
-    }
-    return maps;
+    return FilterImage(views->Get(Problem(index).reference),
+                       sources,
+                       options_,
+                       *workers_[worker].device);
   }
 
-  void Write(size_t index, DepthNormal maps, ImageReport* report) override {
+  void Write(size_t index, StereoMaps maps, ImageReport* report) override {
     const MapPaths paths =
         workspace_.Paths(Problem(index).reference, MapType::kGeometric);
     WriteDepthMap(paths.depth, maps.depth);
@@ -113,7 +94,7 @@ void FilterMaps(const Workspace& workspace,
       device_options, PlanStereo(overview), static_cast<int>(images.size()));
   FilterTask task(workspace, devices.workers);
   const PipelineOutcome outcome =
-      ImagePipeline<DepthNormal>(
+      ImagePipeline<StereoMaps>(
           task,
           std::move(images),
           "Filtering:",

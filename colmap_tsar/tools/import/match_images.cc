@@ -104,17 +104,13 @@ Path FindFile(const Path& folder, std::initializer_list<const char*> names) {
   return {};
 }
 
-// Of the images 0, 1, 2, ... of another program.
-struct NumberedFolder {
-  Path path;
-  int number;
-  ExternalFiles files;
-};
+// The files of the images 0, 1, 2, ... of another program, by the folders of
+// these.
+using NumberedFolders = std::vector<std::pair<Path, ExternalFiles>>;
 
 // Those folders in a folder that have a depth map.
-std::vector<NumberedFolder> FindNumberedFolders(const Path& parent,
-                                                MapType type) {
-  std::vector<NumberedFolder> found;
+NumberedFolders FindNumberedFolders(const Path& parent, MapType type) {
+  NumberedFolders found;
   for (const Path& folder : ListEntries(parent)) {
     const auto number = TrailingNumber(folder.filename().string());
     if (!number || !IsFolder(folder)) {
@@ -140,24 +136,25 @@ std::vector<NumberedFolder> FindNumberedFolders(const Path& parent,
         files.camera = cams / name;
       }
     }
-    found.push_back({folder, *number, std::move(files)});
+    files.image = *number;
+    found.emplace_back(folder, std::move(files));
   }
   return found;
 }
 
 // Finds numbered folders in the folder or in the one subfolder with some.
-std::vector<NumberedFolder> FindProgramFolder(const Path& input, MapType type) {
-  std::vector<NumberedFolder> found = FindNumberedFolders(input, type);
+NumberedFolders FindProgramFolder(const Path& input, MapType type) {
+  NumberedFolders found = FindNumberedFolders(input, type);
   if (!found.empty()) {
     return found;
   }
   for (const Path& folder : ListEntries(input)) {
-    std::vector<NumberedFolder> here = FindNumberedFolders(folder, type);
+    NumberedFolders here = FindNumberedFolders(folder, type);
     if (!here.empty() && !found.empty()) {
       throw Error::File(ErrorCode::kMismatch,
                         input.string(),
                         "there are maps in " +
-                            found[0].path.parent_path().filename().string() +
+                            found[0].first.parent_path().filename().string() +
                             " and in " + folder.filename().string(),
                         "give one of the two as " + OptionName("input_path"));
     }
@@ -251,9 +248,9 @@ class Matcher {
     } else if (options_.format == ExternalFormat::kDepth) {
       MatchDepthImages();
     } else {
-      for (const auto& [path, number, files] :
+      for (const auto& [path, files] :
            FindProgramFolder(input_, options_.type)) {
-        Add(ImageOf(number, path), files);
+        Add(ImageOf(files.image, path), files);
       }
     }
     MatchedMaps matched;

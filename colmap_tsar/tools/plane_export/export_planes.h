@@ -40,15 +40,6 @@ struct Vertical {
   Source source = Source::kNone;
 };
 
-inline constexpr EnumNames<Vertical::Source, 3> kVerticalSourceNames = {
-    {{Vertical::Source::kFrame, "manhattan_frame"},
-     {Vertical::Source::kCameras, "cameras"},
-     {Vertical::Source::kNone, "none"}}};
-
-inline std::string ToString(Vertical::Source source) {
-  return EnumName(kVerticalSourceNames, source);
-}
-
 // camera_ups: unit vectors, -y of each camera. frames: as in SceneModel.
 Vertical FindVertical(const std::vector<Eigen::Vector3d>& camera_ups,
                       const std::vector<Eigen::Matrix3d>& frames);

@@ -76,15 +76,10 @@ Image<uint8_t> Threshold(const Image<float>& coverage) {
   cv::Mat largest;
   cv::dilate(values, largest, cv::Mat::ones(3, 3, CV_8UC1));
   Image<uint8_t> mask(coverage.Width(), coverage.Height());
-  for (int y = 0; y < mask.Height(); ++y) {
-    for (int x = 0; x < mask.Width(); ++x) {
-      const float value = coverage(x, y);
-      if (value >= min_coverage &&
-          value >= kMinShareOfNeighbors * largest.at<float>(y, x)) {
-        mask(x, y) = kInside;
-      }
-    }
-  }
+  cv::Mat inside = ToMat(&mask);
+  // Comparisons give kInside.
+  inside |=
+      (values >= min_coverage) & (values >= kMinShareOfNeighbors * largest);
   return mask;
 }
 
@@ -190,40 +185,36 @@ std::vector<SupportGrid> MakeSupportGrids(
 void AddCoverage(const PlaneView& view,
                  const std::vector<PlaneCoordinates>& planes,
                  std::vector<SupportGrid>* grids) {
-  ForEachPlanePixel(view,
-                    planes,
-                    [&](int p,
-                        int x,
-                        int y,
-                        const PlaneProjection& projection,
-                        const PlaneProjection::Hit& hit) {
-                      SupportGrid& grid = (*grids)[p];
-                      const int num_x = NumSamples(hit.extent.x(), grid.cell);
-                      const int num_y = NumSamples(hit.extent.y(), grid.cell);
-                      const auto weight = static_cast<float>(
-                          hit.area / (grid.cell * grid.cell * num_x * num_y));
-                      for (int j = 0; j < num_y; ++j) {
-                        for (int i = 0; i < num_x; ++i) {
-                          PlaneProjection::Hit sample;
-                          if (!projection.Intersect(x + (i + 0.5) / num_x - 0.5,
-                                                    y + (j + 0.5) / num_y - 0.5,
-                                                    &sample)) {
-                            continue;
-                          }
-                          const Eigen::Vector2d place =
-                              (sample.point - grid.corner) / grid.cell;
-                          // Samples outside of the padding belong to border
-                          // pixels.
-                          if (place.x() >= 1.0 && place.y() >= 1.0 &&
-                              place.x() < grid.coverage.Width() - 1 &&
-                              place.y() < grid.coverage.Height() - 1) {
-                            grid.coverage(static_cast<int>(place.x()),
-                                          static_cast<int>(place.y())) +=
-                                weight;
-                          }
-                        }
-                      }
-                    });
+  const auto add = [&](int p,
+                       int x,
+                       int y,
+                       const PlaneProjection& projection,
+                       const PlaneProjection::Hit& hit) {
+    SupportGrid& grid = (*grids)[p];
+    const int num_x = NumSamples(hit.extent.x(), grid.cell);
+    const int num_y = NumSamples(hit.extent.y(), grid.cell);
+    const auto weight =
+        static_cast<float>(hit.area / (grid.cell * grid.cell * num_x * num_y));
+    for (int j = 0; j < num_y; ++j) {
+      for (int i = 0; i < num_x; ++i) {
+        PlaneProjection::Hit sample;
+        if (!projection.Intersect(x + (i + 0.5) / num_x - 0.5,
+                                  y + (j + 0.5) / num_y - 0.5,
+                                  &sample)) {
+          continue;
+        }
+        const Eigen::Vector2d place = (sample.point - grid.corner) / grid.cell;
+        // Samples outside of the padding belong to border pixels.
+        if (place.x() >= 1.0 && place.y() >= 1.0 &&
+            place.x() < grid.coverage.Width() - 1 &&
+            place.y() < grid.coverage.Height() - 1) {
+          grid.coverage(static_cast<int>(place.x()),
+                        static_cast<int>(place.y())) += weight;
+        }
+      }
+    }
+  };
+  ForEachPlanePixel(view, planes, add);
 }
 
 Image<uint8_t> FindSupport(const SupportGrid& grid,

@@ -3,11 +3,14 @@
 
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 
+#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/device/buffer.h"
+#include "colmap_tsar/matching/filter_hypotheses.h"
+#include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
-#include "colmap_tsar/tools/stereo/stereo_views.h"
+#include "colmap_tsar/matching/views.h"
 #include "colmap_tsar/view/device_views.h"
 
 #include <algorithm>
@@ -18,6 +21,158 @@ namespace {
 
 // Few iterations suffice, since a pass starts from good planes.
 constexpr int kGeometricIterations = 2;
+
+// The uses of random numbers in an image, each with numbers of its own.
+constexpr int kFirstPlanes = 0;
+constexpr int kLevels = 1;              // Plus the level.
+constexpr int kGeometricPasses = 1000;  // Plus the pass.
+
+Intrinsics LevelIntrinsics(const Camera& camera, int level) {
+  Intrinsics intrinsics = camera.GetIntrinsics();
+  for (int i = 0; i < level; ++i) {
+    // Pixel x of the half image lies between 2 x and 2 x + 1.
+    intrinsics.fx *= 0.5f;
+    intrinsics.fy *= 0.5f;
+    intrinsics.cx = (intrinsics.cx - 0.5f) * 0.5f;
+    intrinsics.cy = (intrinsics.cy - 0.5f) * 0.5f;
+  }
+  return intrinsics;
+}
+
+// Makes the image at all levels.
+std::vector<DeviceImage<float>> MakePyramid(const Image<Rgb>& color,
+                                            int num_levels,
+                                            Device& device) {
+  std::vector<DeviceImage<float>> grays;
+  const DeviceImage<Rgb> on_device(device, color);
+  grays.push_back(ComputeGray(on_device.View(), device));
+  for (int level = 1; level < num_levels; ++level) {
+    grays.push_back(HalveGray(std::as_const(grays.back()).View(), device));
+  }
+  return grays;
+}
+
+// An image and its sources in a device's memory, at the size of their views
+// (level 0) and at levels of half the previous size each.
+class StereoViews {
+ public:
+  // Holds a reference to the device.
+  StereoViews(const ViewData& reference,
+              const std::vector<const ViewData*>& sources,
+              int num_levels,
+              Device& device)
+      : device_(device),
+        camera_(reference.camera),
+        grays_(MakePyramid(reference.color, num_levels, device)) {
+    for (const ViewData* view : sources) {
+      Source& source = sources_.emplace_back();
+      source.camera = view->camera;
+      for (const DeviceImage<float>& gray :
+           MakePyramid(view->color, num_levels, device)) {
+        source.grays.push_back(PairGray(gray.View(), device));
+      }
+      if (!view->depth.Empty()) {
+        source.depth = DeviceImage<float>(device, view->depth);
+      }
+    }
+  }
+
+  // The reference without depth and normal.
+  ReferenceView Reference(int level) const {
+    return {LevelIntrinsics(camera_, level), grays_[level].View(), {}, {}};
+  }
+
+  // The sources, with depth at level 0 if the views have it.
+  Buffer<SourceView> Sources(int level) const {
+    std::vector<SourceView> views;
+    for (const Source& source : sources_) {
+      const bool has_depth = level == 0 && !source.depth.Empty();
+      views.push_back(
+          {LevelIntrinsics(source.camera, level),
+           ComputeRelativePose(camera_, source.camera),
+           source.grays[level].View(),
+           has_depth ? source.depth.View() : ImageView<const float>{}});
+    }
+    return Buffer<SourceView>(device_, views);
+  }
+
+ private:
+  struct Source {
+    Camera camera;
+    std::vector<DeviceImage<GrayPair>> grays;  // By level, as below.
+    DeviceImage<float> depth;
+  };
+
+  Device& device_;
+  Camera camera_;
+  std::vector<DeviceImage<float>> grays_;
+  std::vector<Source> sources_;
+};
+
+PatchMatchOptions SearchOptions(const StereoOptions& options,
+                                const DepthInterval& range) {
+  PatchMatchOptions search;
+  search.num_iterations = options.num_iterations;
+  search.window_radius = static_cast<float>(options.window_radius);
+  search.depth_min = static_cast<float>(range.min);
+  search.depth_max = static_cast<float>(range.max);
+  return search;
+}
+
+// The key of the random numbers of one use. image_stream: the image's key.
+uint32_t StreamOf(uint32_t image_stream, int use) {
+  return image_stream + static_cast<uint32_t>(use) * 0x9E3779B9u;
+}
+
+// Runs PatchMatch from the depth and normal of `view`, those of the previous
+// pass. inputs: those with this view as reference.
+DepthNormalImages UpdateMaps(const ViewData& view,
+                             const PatchMatchInputs& inputs,
+                             const PatchMatchOptions& search,
+                             Device& device) {
+  const Intrinsics& intrinsics = inputs.reference.intrinsics;
+  const DeviceImage<float> depth(device, view.depth);
+  const DeviceImage<Vec3f> normal(device, view.normal);
+  const PlaneHypotheses found = RunPatchMatch(
+      inputs,
+      PlanesFromMaps(intrinsics, depth.View(), normal.View(), device),
+      search,
+      device);
+  return MapsFromPlanes(intrinsics, found.planes.View(), device);
+}
+
+// The options of the filter for an image with num_sources sources.
+HypothesisFilterOptions FilterOptions(const StereoOptions& options,
+                                      int num_sources) {
+  HypothesisFilterOptions filter;
+  filter.min_ncc = static_cast<float>(options.filter_min_ncc);
+  filter.min_triangulation_angle =
+      static_cast<float>(options.filter_min_triangulation_angle);
+  filter.min_num_consistent =
+      std::min(options.filter_min_num_consistent, num_sources);
+  filter.geom_consistency_max_cost =
+      static_cast<float>(options.filter_geom_consistency_max_cost);
+  filter.window_radius = static_cast<float>(options.window_radius);
+  return filter;
+}
+
+// Filters the depths of the reference and, with smooth_normals, its normals.
+void FilterMaps(const PatchMatchInputs& inputs,
+                const HypothesisFilterOptions& filter,
+                bool smooth_normals,
+                Device& device,
+                DepthNormalImages* maps) {
+  ReferenceView view = inputs.reference;
+  view.depth = std::as_const(maps->depth).View();
+  view.normal = std::as_const(maps->normal).View();
+  maps->depth = FilterHypotheses(view, inputs.sources, filter, device);
+  if (smooth_normals) {
+    maps->normal = SmoothNormals(view.intrinsics,
+                                 std::as_const(maps->depth).View(),
+                                 std::as_const(maps->normal).View(),
+                                 device);
+  }
+}
 
 Image<float> WithoutUndefined(Image<float> costs) {
   for (float& cost : costs) {
@@ -144,6 +299,23 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
              device,
              &maps);
   return ToHostWithCosts(view, level_sources, maps, device);
+}
+
+StereoMaps FilterImage(const ViewData& reference,
+                       const std::vector<const ViewData*>& sources,
+                       const StereoOptions& options,
+                       Device& device) {
+  const StereoViews views(reference, sources, 1, device);
+  const Buffer<SourceView> level_sources = views.Sources(0);
+  DepthNormalImages maps;
+  maps.depth = DeviceImage<float>(device, reference.depth);
+  maps.normal = DeviceImage<Vec3f>(device, reference.normal);
+  FilterMaps({views.Reference(0), level_sources, 0},
+             FilterOptions(options, static_cast<int>(sources.size())),
+             /*smooth_normals=*/false,
+             device,
+             &maps);
+  return ToHost(maps);
 }
 
 MemoryPlan PlanStereo(const WorkspaceOverview& overview) {

@@ -48,6 +48,13 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const StereoOptions& options,
                                    Device& device);
 
+// The filter of the last pass on maps of another program, which the reference
+// has as its depth and normal. Returns depths and normals without costs.
+StereoMaps FilterImage(const ViewData& reference,
+                       const std::vector<const ViewData*>& sources,
+                       const StereoOptions& options,
+                       Device& device);
+
 // The memory plan of tsar_stereo. overview: that of the maps to make.
 MemoryPlan PlanStereo(const WorkspaceOverview& overview);
 

@@ -28,11 +28,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using InputState = std::map<std::string, std::string>;
+// What every map of the workspace depends on: of each image its camera, photo
+// and mask and, of references, their sources and depths. An unused one is "-".
+enum Input { kCamera, kPhoto, kMask, kSources, kDepths, kNumInputs };
 
-// The inputs by the names of reference and source images: "camera", "photo",
-// "mask" and, for references, "sources" and "depths". Every map
-// depends on all.
+// By Input, in the order of a line, which ends in the image's name.
+using InputState = std::array<std::string, kNumInputs>;
+
+constexpr std::array<const char*, kNumInputs> kInputNames = {
+    "its camera",
+    "its photo",
+    "its mask",
+    "its list of sources",
+    "the range of its sparse points"};
+
+// The inputs by the names of reference and source images.
 using StereoInputs = std::map<std::string, InputState>;
 
 // The first image with another input, and a text for an error.
@@ -41,20 +51,6 @@ struct StereoChange {
   std::string text;
 };
 
-// The inputs in the order of a line, which ends in the image's name, with the
-// name of each for an error.
-struct Part {
-  const char* key;
-  const char* name;
-};
-constexpr std::array<Part, 5> kParts = {
-    Part{"camera", "its camera"},
-    Part{"photo", "its photo"},
-    Part{"mask", "its mask"},
-    Part{"sources", "its list of sources"},
-    Part{"depths", "the range of its sparse points"}};
-// The value of an unused input.
-constexpr const char* kNone = "-";
 // The first line of a file.
 const std::string kHead =
     std::string("fingerprints of five inputs, ") + kContentHashName;
@@ -65,15 +61,14 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
   const auto find = [&](int image) -> InputState& {
     const SparseModel::ModelImage& entry = workspace.Model().images[image];
     InputState& state = inputs[entry.name];
-    if (state.empty()) {
-      state = {{"camera", FingerprintOf(entry.camera)},
-               {"photo", FingerprintOf(FileState(workspace.ImagePath(image)))},
-               {"mask",
-                workspace.HasMask(image)
-                    ? FingerprintOf(FileState(workspace.MaskPath(image)))
-                    : kNone},
-               {"sources", kNone},
-               {"depths", kNone}};
+    if (state[kCamera].empty()) {
+      state = {FingerprintOf(entry.camera),
+               FingerprintOf(FileState(workspace.ImagePath(image))),
+               workspace.HasMask(image)
+                   ? FingerprintOf(FileState(workspace.MaskPath(image)))
+                   : "-",
+               "-",
+               "-"};
     }
     return state;
   };
@@ -93,8 +88,8 @@ StereoInputs FindStereoInputs(const Workspace& workspace,
     }
     TextStream range;
     range << std::hexfloat << depths.min << " " << depths.max;
-    state["sources"] = FingerprintOf(names.str());
-    state["depths"] = FingerprintOf(range.str());
+    state[kSources] = FingerprintOf(names.str());
+    state[kDepths] = FingerprintOf(range.str());
   }
   return inputs;
 }
@@ -112,12 +107,12 @@ std::optional<StereoInputs> ReadStereoInputs(
   while (std::getline(file, line)) {
     InputState state;
     size_t begin = 0;
-    for (const Part& part : kParts) {
+    for (std::string& input : state) {
       const size_t end = line.find(' ', begin);
       if (end == std::string::npos) {
         return std::nullopt;
       }
-      state[part.key] = line.substr(begin, end - begin);
+      input = line.substr(begin, end - begin);
       begin = end + 1;
     }
     inputs[line.substr(begin)] = std::move(state);
@@ -129,8 +124,8 @@ void WriteStereoInputs(const ContainedPath& path, const StereoInputs& inputs) {
   AtomicFile file(path);
   file.Stream() << kHead << "\n";
   for (const auto& [name, state] : inputs) {
-    for (const Part& part : kParts) {
-      file.Stream() << state.at(part.key) << " ";
+    for (const std::string& input : state) {
+      file.Stream() << input << " ";
     }
     file.Stream() << name << "\n";
   }
@@ -153,9 +148,10 @@ std::optional<StereoChange> FindStereoChange(const StereoInputs& before,
     }
     std::string changes;
     int num_changes = 0;
-    for (const Part& part : kParts) {
-      if (found->second.at(part.key) != state.at(part.key)) {
-        changes += (num_changes++ > 0 ? " and " : "") + std::string(part.name);
+    for (size_t i = 0; i < state.size(); ++i) {
+      if (found->second[i] != state[i]) {
+        changes +=
+            (num_changes++ > 0 ? " and " : "") + std::string(kInputNames[i]);
       }
     }
     first = {name,

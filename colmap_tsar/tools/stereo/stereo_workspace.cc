@@ -4,10 +4,15 @@
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include "colmap_tsar/base/atomic_file.h"
+#include "colmap_tsar/base/contained_path.h"
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/stopwatch.h"
+#include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/refine_devices.h"
@@ -15,15 +20,200 @@
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
-#include "colmap_tsar/tools/stereo/stereo_passes.h"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
 namespace tsar {
 namespace {
 
 namespace fs = std::filesystem;
+
+// The files that one pass makes of one image.
+struct StereoMapFiles {
+  ContainedPath depth;
+  ContainedPath normal;
+  std::optional<ContainedPath> cost;  // Some passes have none.
+
+  bool Exist() const {
+    return fs::exists(depth) && fs::exists(normal) &&
+           (!cost || fs::exists(*cost));
+  }
+};
+
+// Writes each file atomically, the depth map last; creates the folders.
+void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps) {
+  CreateFolders(files.depth.Parent());
+  CreateFolders(files.normal.Parent());
+  if (files.cost) {
+    CreateFolders(files.cost->Parent());
+    PlanarMap costs;
+    costs.width = maps.depth.Width();
+    costs.height = maps.depth.Height();
+    costs.channels = 2;
+    costs.values.assign(maps.min_cost.begin(), maps.min_cost.end());
+    costs.values.insert(
+        costs.values.end(), maps.second_cost.begin(), maps.second_cost.end());
+    WritePlanarMap(*files.cost, costs);
+  }
+  WriteNormalMap(files.normal, maps.normal);
+  WriteDepthMap(files.depth, maps.depth);
+}
+
+// The passes over all images: the photometric one (index 0) and the geometric
+// ones.
+class StereoPasses {
+ public:
+  StereoPasses(const Workspace& workspace, const StereoOptions& options)
+      : workspace_(workspace),
+        num_geometric_(options.geom_consistency ? options.num_geometric_passes
+                                                : 0) {}
+
+  int NumPasses() const { return 1 + num_geometric_; }
+
+  StereoMapFiles Files(int pass, int image) const {
+    if (pass > 0 && pass + 1 < NumPasses()) {
+      const std::string key = workspace_.Model().images[image].name;
+      const ContainedPath folder = FolderOf(pass);
+      return {folder / "depth" / (key + ".bin"),
+              folder / "normal" / (key + ".bin"),
+              std::nullopt};
+    }
+    const MapPaths paths = workspace_.Paths(
+        image, pass == 0 ? MapType::kPhotometric : MapType::kGeometric);
+    return {paths.depth, paths.normal, paths.cost};
+  }
+
+  // Whether the image has all final maps of the run.
+  bool IsDone(int image) const {
+    return Files(0, image).Exist() && Files(NumPasses() - 1, image).Exist();
+  }
+
+  // Removes the intermediate files after the last pass.
+  void RemoveFilesBetween() const {
+    for (int pass = 1; pass + 1 < NumPasses(); ++pass) {
+      RemoveTree(FolderOf(pass));
+    }
+  }
+
+ private:
+  ContainedPath FolderOf(int pass) const {
+    return GetStereoFolder(workspace_) / ("pass_" + std::to_string(pass));
+  }
+
+  const Workspace& workspace_;
+  const int num_geometric_;
+};
+
+// One pass over images by their indices in Problems(). Those done before and
+// those without sources are skipped.
+class StereoTask : public ImageTasks<StereoMaps> {
+ public:
+  StereoTask(const Workspace& workspace,
+             const StereoOptions& options,
+             const StereoPasses& passes,
+             int pass,
+             std::vector<RefineWorker>& workers)
+      : workspace_(workspace),
+        options_(options),
+        passes_(passes),
+        pass_(pass),
+        workers_(workers),
+        is_matched_(workspace.Model().images.size()) {
+    for (const StereoProblem& problem : workspace.Problems()) {
+      is_matched_[problem.reference] = !problem.sources.empty();
+    }
+  }
+
+  // Loads the image and, after the first pass, its current maps. Maps of
+  // unmatched images are older and ignored.
+  std::shared_ptr<const ViewData> Load(int image) const override {
+    auto view = std::make_shared<ViewData>();
+    const Camera& camera = workspace_.Model().images[image].camera;
+    const auto [width, height] = MapSizeOf(camera, options_.max_image_size);
+    view->color = workspace_.ReadImage(image, width, height);
+    view->camera = camera.Resized(width, height);
+    if (pass_ > 0 && is_matched_[image]) {
+      const StereoMapFiles files = passes_.Files(pass_ - 1, image);
+      if (files.Exist()) {
+        view->depth = ReadDepthMap(files.depth);
+        view->normal = ReadNormalMap(files.normal);
+      }
+    }
+    return view;
+  }
+
+  ImageReport Begin(size_t index) override {
+    ImageReport report;
+    if (Problem(index).sources.empty() ||
+        passes_.Files(pass_, Problem(index).reference).Exist()) {
+      report.outcome = ImageReport::Outcome::kSkipped;
+    }
+    return report;
+  }
+
+  std::vector<int> Views(size_t index) const override {
+    std::vector<int> views = StereoSources(Problem(index), options_);
+    views.push_back(Problem(index).reference);
+    return views;
+  }
+
+  StereoMaps Compute(size_t index,
+                     size_t worker,
+                     LoadedViews* views,
+                     ImageReport*) override {
+    const int image = Problem(index).reference;
+    std::vector<const ViewData*> sources;
+    for (const int source : StereoSources(Problem(index), options_)) {
+      sources.push_back(&views->Get(source));
+    }
+    const ViewData& reference = views->Get(image);
+    const DepthInterval range = StereoDepths(workspace_, image, options_);
+    const uint32_t stream =
+        HashImageName(workspace_.Model().images[image].name);
+    Device& device = *workers_[worker].device;
+    if (pass_ == 0) {
+      return MatchImage(reference, sources, range, stream, options_, device);
+    }
+    return MatchImageGeometrically(reference,
+                                   sources,
+                                   range,
+                                   stream,
+                                   pass_ - 1,
+                                   /*keeps_holes=*/workspace_.HasMask(image),
+                                   options_,
+                                   device);
+  }
+
+  // An interruption loses no result: on a CPU an image takes minutes.
+  bool WritesAfterStop() const override { return true; }
+
+  // Clears the maps where the image is masked and writes them.
+  void Write(size_t index, StereoMaps maps, ImageReport* report) override {
+    const int image = Problem(index).reference;
+    const Image<uint8_t> mask =
+        workspace_.ReadMask(image, {maps.depth.Width(), maps.depth.Height()});
+    ClearMasked(mask, &maps.depth);
+    ClearMasked(mask, &maps.normal);
+    ClearMasked(mask, &maps.min_cost, kCostWithoutEvidence);
+    ClearMasked(mask, &maps.second_cost, kCostWithoutEvidence);
+    WriteStereoMaps(passes_.Files(pass_, image), maps);
+    report->outcome = ImageReport::Outcome::kDone;
+  }
+
+ private:
+  const StereoProblem& Problem(size_t index) const {
+    return workspace_.Problems()[index];
+  }
+
+  const Workspace& workspace_;
+  const StereoOptions& options_;
+  const StereoPasses& passes_;
+  const int pass_;
+  std::vector<RefineWorker>& workers_;
+  std::vector<bool> is_matched_;  // By image of the sparse model.
+};
 
 // The overview of the workspace for the devices before it has maps.
 WorkspaceOverview OverviewOf(const Workspace& workspace,
