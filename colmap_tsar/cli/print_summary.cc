@@ -94,10 +94,7 @@ void PrintImages(const RunSummary& summary, std::ostream& out) {
         << More(static_cast<int64_t>(summary.kept.size()), "kept as they were")
         << More(summary.num_not_listed, "not in the list") << "\n";
   }
-  PrintMasksAndPriors(summary,
-                      Count(summary, kPriorsDropped),
-                      " (stereo/tsar/manifest.json says why)",
-                      out);
+  PrintMasksAndPriors(summary, out);
   if (observes) {
     return;
   }

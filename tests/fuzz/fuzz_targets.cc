@@ -7,7 +7,6 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/ply.h"
 #include "colmap_tsar/tools/evaluation/meshlab_project.h"
-#include "colmap_tsar/tools/import/match_images.h"
 
 #include <array>
 #include <filesystem>
@@ -118,11 +117,7 @@ void ReadConfig(Bytes input) {
 
 void ReadList(Bytes input) {
   static const SparseModel model = MakeModel();
-  MatchOptions options;
-  options.image_list = PutFile("list.txt", input);
-  const std::vector<int> order = OrderImages(options, model);
-  const std::string name(input.begin(), input.end());
-  ImageOfNumber(order, TrailingNumber(name).value_or(0), name);
+  ReadImageList(PutFile("list.txt", input), model, "image_list");
 }
 
 DmapContent SmallDmap() {

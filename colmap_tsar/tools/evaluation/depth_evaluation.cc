@@ -287,7 +287,7 @@ FusedPixelEvaluation EvaluateFusedPixels(
     Progress& progress,
     const std::function<bool()>& should_stop) {
   CheckTolerances(options.tolerances);
-  const FusionOptions fusion = PresetFusionOptions(FusionPreset::kPaper);
+  const FusionOptions fusion = PresetFusionOptions("paper");
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   const FusionPlan plan = PlanFusion(workspace, {}, fusion.check_num_images);
   const std::vector<fs::path> truths = FindTruths(
