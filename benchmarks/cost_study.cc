@@ -3,11 +3,10 @@
 
 // Do the costs that patch_match_stereo exports (--PatchMatchStereo.
 // write_cost_maps) equal those that tsar_refine computes? For each workspace
-// with exported costs, prints how c_min and c_sec of the same hypotheses
-// differ: with the window as tsar_refine samples it (every second row and
-// column), with all 121 pixels of it, and with all pixels of images like those
-// that COLMAP reads (gray by Rec. 709, in whole numbers, black around the
-// image).
+// with exported costs, prints how c_min of the same hypotheses differs: with
+// the window as tsar_refine samples it (every second row and column), with all
+// 121 pixels of it, and with all pixels of images like those that COLMAP reads
+// (gray by Rec. 709, in whole numbers, black around the image).
 //
 // Types of maps without exported costs are passed over.
 //
@@ -172,30 +171,12 @@ class Comparison {
   long only_computed_ = 0;
 };
 
-// Comparisons of c_min and c_sec.
-struct CostComparisons {
-  // exported: holds the exported costs of pixel (x, y).
-  void Add(
-      const ViewData& exported, int x, int y, double first, double second) {
-    min_cost.Add(exported.min_cost(x, y), first);
-    second_cost.Add(exported.second_cost(x, y), second);
-  }
-
-  void Print(const std::string& name) {
-    min_cost.Print("c_min, " + name);
-    second_cost.Print("c_sec, " + name);
-  }
-
-  Comparison min_cost;
-  Comparison second_cost;
-};
-
 // By the way in which costs are computed: as tsar_refine does, with all pixels
 // of the window, and with images like those that COLMAP reads as well.
 struct Comparisons {
-  CostComparisons sampled;
-  CostComparisons full;
-  CostComparisons alike;
+  Comparison sampled;
+  Comparison full;
+  Comparison alike;
 };
 
 bool HasExportedCosts(const Workspace& workspace, MapType type) {
@@ -244,8 +225,8 @@ void CompareFullWindows(const StereoProblem& problem,
                              x,
                              y));
   }
-  comparisons->full.Add(view, x, y, full.first, full.second);
-  comparisons->alike.Add(view, x, y, alike.first, alike.second);
+  comparisons->full.Add(view.min_cost(x, y), full.first);
+  comparisons->alike.Add(view.min_cost(x, y), alike.first);
 }
 
 void CompareView(const StereoProblem& problem,
@@ -262,12 +243,11 @@ void CompareView(const StereoProblem& problem,
   const MatchingCosts costs =
       ComputeMatchingCosts(on_device.Reference(), on_device.Sources(), device);
   const Image<float> first = costs.min_cost.ToHost();
-  const Image<float> second = costs.second_cost.ToHost();
   const std::vector<SourceView> source_views = on_device.Sources().ToHost();
   for (int y = 0; y < view.depth.Height(); y += kStride) {
     for (int x = 0; x < view.depth.Width(); x += kStride) {
       if (view.depth(x, y) > 0.f) {
-        comparisons->sampled.Add(view, x, y, first(x, y), second(x, y));
+        comparisons->sampled.Add(view.min_cost(x, y), first(x, y));
         CompareFullWindows(problem,
                            view,
                            on_device.Reference(),

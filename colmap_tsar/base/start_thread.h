@@ -5,11 +5,21 @@
 
 #include "colmap_tsar/base/error.h"
 
+#include <algorithm>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 namespace tsar {
+
+// The number of threads that is wanted, where it is positive; else one for each
+// core.
+inline int NumThreads(int wanted) {
+  return wanted > 0
+             ? wanted
+             : std::max(1,
+                        static_cast<int>(std::thread::hardware_concurrency()));
+}
 
 // Starts a thread. Throws kOutOfMemory if the system allows no more or has no
 // memory for it. The caller must make sure that other running threads end then:

@@ -10,10 +10,7 @@
 namespace tsar {
 
 ThreadPool::ThreadPool(int num_threads) {
-  if (num_threads < 1) {
-    num_threads =
-        std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  }
+  num_threads = tsar::NumThreads(num_threads);
   workers_.reserve(static_cast<size_t>(num_threads - 1));
   try {
     for (int i = 1; i < num_threads; ++i) {

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
+#include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/store/image_maps.h"
@@ -14,7 +15,6 @@
 #include <atomic>
 #include <cstddef>
 #include <limits>
-#include <thread>
 #include <utility>
 
 namespace tsar {
@@ -211,8 +211,7 @@ int64_t FusionRun::ResultBytes(int image) const {
 
 FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
   const size_t max_size =
-      2 * std::max<size_t>(devices_.size(),
-                           std::max(1u, std::thread::hardware_concurrency()));
+      2 * std::max(devices_.size(), static_cast<size_t>(NumThreads(-1)));
   Group group = {begin, begin, {}};
   std::vector<bool> is_needed(num_pixels_.size(), false);
   int64_t num_bytes = 0;

@@ -6,13 +6,15 @@
 #include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/text_stream.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <sstream>
 #include <utility>
+
+#include <boost/algorithm/string/trim.hpp>
 
 namespace tsar {
 namespace {
@@ -27,21 +29,6 @@ Error Refused(const std::string& what) {
   return Error(ErrorCode::kBadOption,
                OptionName("gpu_index") + ": " + what +
                    "; give -1 for every GPU, or numbers from 0 on such as 0,1");
-}
-
-int ParseIndex(const std::string& word, const std::string& text) {
-  const size_t begin = word.find_first_not_of(' ');
-  const std::string number =
-      begin == std::string::npos
-          ? ""
-          : word.substr(begin, word.find_last_not_of(' ') - begin + 1);
-  int index = -1;
-  const char* end = number.data() + number.size();
-  const auto result = std::from_chars(number.data(), end, index);
-  if (result.ptr != end || result.ec != std::errc()) {
-    throw Refused("'" + text + "' is not a list of GPUs");
-  }
-  return index;
 }
 
 void CheckGpuIndices(const std::vector<int>& indices) {
@@ -61,14 +48,6 @@ std::string ToString(DeviceChoice choice) {
   return EnumName(kChoiceNames, choice);
 }
 
-DeviceChoice ParseDeviceChoice(const std::string& text) {
-  if (const auto choice = FindEnumValue(kChoiceNames, text)) {
-    return *choice;
-  }
-  throw Error(ErrorCode::kBadOption,
-              OptionName("device") + ": not known; give auto, cuda or cpu");
-}
-
 std::vector<int> ParseGpuIndices(const std::string& text) {
   std::vector<int> indices;
   if (text == "-1") {
@@ -77,7 +56,11 @@ std::vector<int> ParseGpuIndices(const std::string& text) {
   // The comma makes the last field count even where it is empty.
   std::istringstream words(text + ",");
   for (std::string word; std::getline(words, word, ',');) {
-    indices.push_back(ParseIndex(word, text));
+    const auto index = ParseNumber<int>(boost::algorithm::trim_copy(word));
+    if (!index) {
+      throw Refused("'" + text + "' is not a list of GPUs");
+    }
+    indices.push_back(*index);
   }
   CheckGpuIndices(indices);
   return indices;

@@ -36,7 +36,8 @@ EvidenceStore::EvidenceStore(const Workspace& workspace,
 }
 
 bool EvidenceStore::IsObserved(int image) {
-  const std::optional<std::string> key = ReadEvidenceKey(Path(image));
+  const std::optional<std::string> key =
+      ReadStateFileKey(Path(image), kEvidenceFile);
   return is_reference_[image] && (key == key_ || key == key_ + kNothing);
 }
 
@@ -53,7 +54,8 @@ void EvidenceStore::RequireObserved(int image) {
 }
 
 bool EvidenceStore::IsCurrent(int image) {
-  return is_reference_[image] && ReadEvidenceKey(Path(image)) == key_;
+  return is_reference_[image] &&
+         ReadStateFileKey(Path(image), kEvidenceFile) == key_;
 }
 
 void EvidenceStore::Write(int image, const ViewEvidence& evidence) {

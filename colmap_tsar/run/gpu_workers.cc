@@ -50,34 +50,12 @@ std::vector<int> WantedGpus(const std::vector<int>& named, int num_gpus) {
   return indices;
 }
 
-// The number of workers of a GPU: kMaxGpuWorkers, or as many as fit. Throws
-// kDevice where not even one fits.
-int NumGpuWorkers(int64_t image_bytes,
-                  int64_t free_bytes,
-                  const std::string& gpu) {
-  const auto needed = [&](int num_workers) {
-    return num_workers * (image_bytes + kDriverBytes);
-  };
-  if (needed(1) > free_bytes) {
-    throw Error(
-        ErrorCode::kDevice,
-        gpu + ": an image of this workspace needs " + Gigabytes(needed(1)) +
-            " of GPU memory and " + Gigabytes(free_bytes) +
-            " are free; close other programs that use the GPU, choose another "
-            "one with " +
-            OptionName("gpu_index") +
-            ", run patch_match_stereo with a "
-            "smaller --PatchMatchStereo.max_image_size, or pass " +
-            OptionName("device") + " cpu");
-  }
-  int num_workers = kMaxGpuWorkers;
-  while (needed(num_workers) > free_bytes) {
-    --num_workers;
-  }
-  return num_workers;
+// The memory of a GPU that works on so many images at a time.
+int64_t NeededBytes(int num_images, int64_t image_bytes) {
+  return num_images * (image_bytes + kDriverBytes);
 }
 
-// A GPU with one device.
+// A GPU with one device. Throws kDevice where not even one image fits.
 GpuWorkers OpenGpu(int index,
                    std::unique_ptr<Device> device,
                    int64_t image_bytes) {
@@ -86,9 +64,20 @@ GpuWorkers OpenGpu(int index,
   gpu.name = "GPU " + std::to_string(index) + " (" + device->Name() + ")";
   gpu.bytes_per_device = static_cast<int64_t>(
       std::min(device->FreeMemory(), static_cast<size_t>(INT64_MAX)));
-  gpu.max_num_devices =
-      NumGpuWorkers(image_bytes, gpu.bytes_per_device, gpu.name);
   gpu.devices.push_back(std::move(device));
+  if (NeededBytes(1, image_bytes) > gpu.bytes_per_device) {
+    throw Error(
+        ErrorCode::kDevice,
+        gpu.name + ": an image of this workspace needs " +
+            Gigabytes(NeededBytes(1, image_bytes)) + " of GPU memory and " +
+            Gigabytes(gpu.bytes_per_device) +
+            " are free; close other programs that use the GPU, choose another "
+            "one with " +
+            OptionName("gpu_index") +
+            ", run patch_match_stereo with a "
+            "smaller --PatchMatchStereo.max_image_size, or pass " +
+            OptionName("device") + " cpu");
+  }
   return gpu;
 }
 
@@ -138,24 +127,22 @@ std::vector<GpuWorkers> OpenWithOneDevice(const std::vector<int>& wanted,
   return opened;
 }
 
-// Gives GPUs further devices, one after the other, as long as images are left.
-void AddDevices(int num_images,
-                const GpuSystem& gpus,
-                std::vector<GpuWorkers>* opened) {
+// Gives GPUs with enough memory a second device, as long as images are left.
+void AddSecondDevices(int64_t image_bytes,
+                      int num_images,
+                      const GpuSystem& gpus,
+                      std::vector<GpuWorkers>* opened) {
   int num_left = num_images - static_cast<int>(opened->size());
-  for (int round = 1; round < kMaxGpuWorkers; ++round) {
-    for (GpuWorkers& gpu : *opened) {
-      if (num_left <= 0 || gpu.max_num_devices <= round) {
-        continue;
-      }
-      try {
-        gpu.devices.push_back(gpus.create(gpu.index));
-        --num_left;
-      } catch (const Error& error) {
-        Warn(error.what() + ("; " + gpu.name) + " works on " +
-             std::to_string(gpu.devices.size()) + " image at a time");
-        gpu.max_num_devices = round;
-      }
+  for (GpuWorkers& gpu : *opened) {
+    if (num_left <= 0 ||
+        NeededBytes(kMaxGpuWorkers, image_bytes) > gpu.bytes_per_device) {
+      continue;
+    }
+    try {
+      gpu.devices.push_back(gpus.create(gpu.index));
+      --num_left;
+    } catch (const Error& error) {
+      Warn(error.what() + ("; " + gpu.name) + " works on 1 image at a time");
     }
   }
 }
@@ -195,7 +182,7 @@ std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
     Warn((named.empty() ? "" : OptionName("gpu_index") + ": ") +
          "there is no GPU that can be used; going on with the CPU");
   }
-  AddDevices(num_images, gpus, &opened);
+  AddSecondDevices(image_bytes, num_images, gpus, &opened);
   for (GpuWorkers& gpu : opened) {
     gpu.bytes_per_device =
         gpu.bytes_per_device / static_cast<int64_t>(gpu.devices.size()) -

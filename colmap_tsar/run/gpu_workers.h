@@ -35,7 +35,6 @@ struct GpuSystem {
 struct GpuWorkers {
   std::string name;  // "GPU 1 (NVIDIA H200)"
   int index = 0;
-  int max_num_devices = 0;  // As many as its memory allows.
   std::vector<std::unique_ptr<Device>> devices;
   // The share of each device in the memory that was free.
   int64_t bytes_per_device = 0;

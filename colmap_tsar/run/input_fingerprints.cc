@@ -33,17 +33,8 @@ std::string FingerprintOf(const Camera& camera) {
   return FingerprintOf(text.str());
 }
 
-std::string FingerprintOfPrior(const Workspace& workspace, int image) {
-  const PriorFiles& files = workspace.Priors().FilesOf(image);
-  return FingerprintOf(FileState(files.depth) + " " + FileState(files.normals) +
-                       " " + ToString(workspace.Priors().Type()));
-}
-
 InputFingerprints::InputFingerprints(const Workspace& workspace) {
-  std::set<int> images;
   for (const StereoProblem& problem : workspace.Problems()) {
-    images.insert(problem.reference);
-    images.insert(problem.sources.begin(), problem.sources.end());
     std::string names;
     for (const int source : problem.sources) {
       names += workspace.Name(source) + "\n";  // Names have no line breaks.
@@ -51,7 +42,7 @@ InputFingerprints::InputFingerprints(const Workspace& workspace) {
     states_["the list of sources of " + workspace.Name(problem.reference)] =
         FingerprintOf(names);
   }
-  for (const int image : images) {
+  for (const int image : workspace.ImagesInUse()) {
     AddView(workspace, image);
   }
   std::string text =
@@ -86,7 +77,11 @@ void InputFingerprints::AddView(const Workspace& workspace, int image) {
     add("mask", FileState(workspace.MaskPath(image)));
   }
   if (workspace.Priors().HasPrior(image)) {
-    add("depth prior", FingerprintOfPrior(workspace, image));
+    const PriorFolder& priors = workspace.Priors();
+    const PriorFiles& files = priors.FilesOf(image);
+    add("depth prior",
+        FingerprintOf(FileState(files.depth) + " " + FileState(files.normals) +
+                      " " + ToString(priors.Type())));
   }
 }
 

@@ -16,9 +16,6 @@ namespace tsar {
 std::string FingerprintOf(const std::string& text);
 std::string FingerprintOf(const Camera& camera);
 
-// The fingerprint of the files of an image's depth prior, and of their meaning.
-std::string FingerprintOfPrior(const Workspace& workspace, int image);
-
 // All inputs of a run beside its options: of every image that is a reference or
 // a source, the list of sources and, where there are maps to refine, the
 // original maps of both types and their costs, camera, photo, mask and depth

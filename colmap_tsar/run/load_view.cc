@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/run/load_view.h"
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/io/map_io.h"
@@ -13,10 +12,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
+#include <memory>
 #include <optional>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -32,16 +30,13 @@ struct HypothesisPiece {
         is_to_refine(view->is_to_refine.Data() + first, count) {
     if (!view->min_cost.Empty()) {
       min_cost = {view->min_cost.Data() + first, count};
-      second_cost = {view->second_cost.Data() + first, count};
     }
   }
 
   std::span<float> depth;
   std::span<Vec3f> normal;
   std::span<uint8_t> is_to_refine;
-  // Empty where no costs were exported.
-  std::span<float> min_cost;
-  std::span<float> second_cost;
+  std::span<float> min_cost;  // Empty where no costs were exported.
 };
 
 // Reads the hypotheses of one image piece by piece: those of the map to refine
@@ -51,7 +46,7 @@ struct HypothesisPiece {
 class HypothesisReader {
  public:
   // Opens all maps of the image. Throws what Workspace::OpenOriginalMaps
-  // throws; kMismatch when two of its maps differ in size; what
+  // and OpenCosts throw; kMismatch when two of its maps differ in size; what
   // Workspace::ReadMask throws.
   HypothesisReader(const Workspace& workspace, int image);
 
@@ -76,7 +71,6 @@ class HypothesisReader {
  private:
   void OpenOtherType(const Workspace& workspace, int image);
   void ReadOwn(size_t first_pixel, const HypothesisPiece& piece);
-  void RemoveMasked(size_t first_pixel, const HypothesisPiece& piece);
   void FillFromOtherType(size_t first_pixel, const HypothesisPiece& piece);
 
   bool IsMasked(size_t pixel) const {
@@ -95,44 +89,14 @@ class HypothesisReader {
   std::vector<float> depth_;
   std::vector<Vec3f> normal_;
   std::vector<float> min_cost_;
-  std::vector<float> second_cost_;
   int64_t num_depths_to_refine_ = 0;
 };
 
-MapType OtherType(MapType type) {
-  return type == MapType::kGeometric ? MapType::kPhotometric
-                                     : MapType::kGeometric;
-}
-
-// The exported costs of one type of map, if there are any.
-std::optional<MapReader> OpenCosts(const std::filesystem::path& path,
-                                   const DepthNormalReader& maps) {
-  if (!std::filesystem::exists(path)) {
-    return std::nullopt;
-  }
-  MapReader costs(path);
-  const MapSize& size = costs.Size();
-  if (size.channels != 2 || size.width != maps.Width() ||
-      size.height != maps.Height()) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "has " + std::to_string(size.channels) + " channels of " +
-                          std::to_string(size.width) + "x" +
-                          std::to_string(size.height) + ", but needs 2 of " +
-                          std::to_string(maps.Width()) + "x" +
-                          std::to_string(maps.Height()),
-                      "write it anew with patch_match_stereo or delete it");
-  }
-  return costs;
-}
-
-// COLMAP assigns a cost without evidence to windows without texture and to
-// views that do not see the point.
-void ReadCosts(MapReader& reader,
-               int channel,
-               size_t first_pixel,
-               std::span<float> costs) {
-  reader.Read(channel, first_pixel, costs);
+// Reads the smallest costs; the second channel has the second smallest. COLMAP
+// assigns a cost without evidence to windows without texture and to views that
+// do not see the point.
+void ReadCosts(MapReader& reader, size_t first_pixel, std::span<float> costs) {
+  reader.Read(/*channel=*/0, first_pixel, costs);
   for (float& cost : costs) {
     if (!(cost >= 0.f && cost < kCostWithoutEvidence)) {
       cost = kUndefinedCost;
@@ -140,33 +104,24 @@ void ReadCosts(MapReader& reader,
   }
 }
 
-bool IsValid(float depth, const Vec3f& normal) {
-  return depth > 0.f && !(normal == Vec3f{});
-}
-
 HypothesisReader::HypothesisReader(const Workspace& workspace, int image)
     : own_(workspace.OpenOriginalMaps(image, workspace.Type())),
-      mask_(workspace.ReadMask(image, {own_.Width(), own_.Height()})),
-      own_costs_(OpenCosts(workspace.CostPath(image, workspace.Type()), own_)) {
+      mask_(workspace.ReadMask(image, own_.Size())),
+      own_costs_(workspace.OpenCosts(image, workspace.Type(), own_.Size())) {
   OpenOtherType(workspace, image);
 }
 
 void HypothesisReader::OpenOtherType(const Workspace& workspace, int image) {
-  const MapType type = OtherType(workspace.Type());
+  const MapType type = workspace.OtherType();
   if (!workspace.HasMaps(image, type)) {
     return;
   }
   other_.emplace(workspace.OpenOriginalMaps(image, type));
-  if (other_->Width() != Width() || other_->Height() != Height()) {
-    throw Error::File(
-        ErrorCode::kMismatch,
-        workspace.DepthPath(image, type).string(),
-        "is not of the size of the " + ToString(workspace.Type()) + " map",
-        "run patch_match_stereo again for this image, or delete the file");
-  }
+  RequireSizeOfDepthMap(
+      workspace.DepthPath(image, type), other_->Size(), own_.Size());
   other_is_filtered_ = type == MapType::kGeometric;
   if (HasCosts() || other_is_filtered_) {
-    other_costs_ = OpenCosts(workspace.CostPath(image, type), own_);
+    other_costs_ = workspace.OpenCosts(image, type, own_.Size());
   }
 }
 
@@ -193,41 +148,25 @@ void HypothesisReader::ReadOwn(size_t first_pixel,
                                const HypothesisPiece& piece) {
   own_.depth.Read(first_pixel, piece.depth);
   own_.normal.Read(first_pixel, piece.normal);
-  RemoveMasked(first_pixel, piece);
   if (own_costs_) {
-    ReadCosts(*own_costs_, 0, first_pixel, piece.min_cost);
-    ReadCosts(*own_costs_, 1, first_pixel, piece.second_cost);
-    for (size_t i = 0; i < piece.depth.size(); ++i) {
-      if (IsMasked(first_pixel + i)) {
-        piece.min_cost[i] = kUndefinedCost;
-        piece.second_cost[i] = kUndefinedCost;
-      } else if (piece.min_cost[i] == kUndefinedCost) {
-        // The images say nothing about this depth: it was propagated or is
-        // random.
-        piece.depth[i] = 0.f;
-        piece.normal[i] = {};
-      }
+    ReadCosts(*own_costs_, first_pixel, piece.min_cost);
+  }
+  for (size_t i = 0; i < piece.depth.size(); ++i) {
+    bool counts = !IsMasked(first_pixel + i);
+    if (own_costs_ && !counts) {
+      piece.min_cost[i] = kUndefinedCost;
+    } else if (own_costs_) {
+      // Else the images say nothing about this depth: it was propagated or is
+      // random.
+      counts = piece.min_cost[i] != kUndefinedCost;
     }
-  }
-  int num_to_refine = 0;
-  for (size_t i = 0; i < piece.depth.size(); ++i) {
-    const bool is_valid = IsValid(piece.depth[i], piece.normal[i]);
-    piece.is_to_refine[i] = is_valid ? 1 : 0;
-    num_to_refine += is_valid ? 1 : 0;
-  }
-  num_depths_to_refine_ += num_to_refine;
-}
-
-void HypothesisReader::RemoveMasked(size_t first_pixel,
-                                    const HypothesisPiece& piece) {
-  if (mask_.Empty()) {
-    return;
-  }
-  for (size_t i = 0; i < piece.depth.size(); ++i) {
-    if (IsMasked(first_pixel + i)) {
+    if (!counts) {
       piece.depth[i] = 0.f;
       piece.normal[i] = {};
     }
+    const bool is_valid = piece.depth[i] > 0.f && !(piece.normal[i] == Vec3f{});
+    piece.is_to_refine[i] = is_valid ? 1 : 0;
+    num_depths_to_refine_ += is_valid ? 1 : 0;
   }
 }
 
@@ -240,9 +179,7 @@ void HypothesisReader::FillFromOtherType(size_t first_pixel,
   other_->normal.Read(first_pixel, normal_);
   if (other_costs_) {
     min_cost_.resize(count);
-    second_cost_.resize(count);
-    ReadCosts(*other_costs_, 0, first_pixel, min_cost_);
-    ReadCosts(*other_costs_, 1, first_pixel, second_cost_);
+    ReadCosts(*other_costs_, first_pixel, min_cost_);
   }
   const bool needs_evidence = other_is_filtered_ && other_costs_;
   for (size_t i = 0; i < count; ++i) {
@@ -257,7 +194,6 @@ void HypothesisReader::FillFromOtherType(size_t first_pixel,
       // Without the other type's costs, only those of the hypothesis that
       // COLMAP rejected are available.
       piece.min_cost[i] = other_costs_ ? min_cost_[i] : kUndefinedCost;
-      piece.second_cost[i] = other_costs_ ? second_cost_[i] : kUndefinedCost;
     }
   }
 }
@@ -270,13 +206,12 @@ ViewData MakeMaps(int width, int height, bool has_costs) {
   view.is_to_refine = Image<uint8_t>::Uninitialized(width, height);
   if (has_costs) {
     view.min_cost = Image<float>::Uninitialized(width, height);
-    view.second_cost = Image<float>::Uninitialized(width, height);
   }
   return view;
 }
 
-}  // namespace
-
+// Reads the image's depth prior without masked pixels; null where it has none.
+// mask: of the image's maps, or empty.
 std::shared_ptr<const DepthPrior> LoadPrior(const Workspace& workspace,
                                             int image,
                                             const Image<uint8_t>& mask) {
@@ -294,6 +229,8 @@ std::shared_ptr<const DepthPrior> LoadPrior(const Workspace& workspace,
   clear(&prior->normals);
   return prior;
 }
+
+}  // namespace
 
 ViewData LoadView(const Workspace& workspace, int image) {
   HypothesisReader reader(workspace, image);

@@ -3,20 +3,15 @@
 
 #pragma once
 
-#include "colmap_tsar/base/image.h"
-#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/view/reduce_view.h"
 #include "colmap_tsar/view/view_data.h"
 
-#include <cstdint>
-#include <memory>
-
 namespace tsar {
 
-// Reads the image with index `image`, its hypotheses, of which there are none
-// where it is masked, and its depth prior. Throws what the workspace's readers
-// throw; kMismatch when two of its maps differ in size.
+// Reads the image with index `image`, its hypotheses and its depth prior,
+// without what is masked. Throws what the workspace's readers throw; kMismatch
+// when two of its maps differ in size.
 ViewData LoadView(const Workspace& workspace, int image);
 
 // ReduceView() of LoadView(), to a long side of at most max_side, with only a
@@ -24,12 +19,6 @@ ViewData LoadView(const Workspace& workspace, int image);
 ViewData LoadReducedView(const Workspace& workspace,
                          int image,
                          int max_side = kMaxJudgingSide);
-
-// Reads the image's depth prior without masked pixels; null where it has none.
-// mask: of the image's maps, or empty. Throws what Workspace::ReadPrior throws.
-std::shared_ptr<const DepthPrior> LoadPrior(const Workspace& workspace,
-                                            int image,
-                                            const Image<uint8_t>& mask);
 
 // Whether the map to refine has depths, and all of them are masked.
 bool IsMaskedAway(const Workspace& workspace, int image);

@@ -45,8 +45,8 @@ std::vector<SceneView> FindViews(const RefineRun& run) {
 }  // namespace
 
 bool RefineRun::HasCurrentPlanes() const {
-  return ReadSceneModelKey(GetSceneModelPath(workspace.Root())) ==
-         evidence.Key();
+  return ReadStateFileKey(GetSceneModelPath(workspace.Root()),
+                          kSceneModelFile) == evidence.Key();
 }
 
 bool ModelWorkspace(const RefineRun& run) {

@@ -36,41 +36,22 @@ std::vector<std::vector<size_t>> FindNeighbors(const Workspace& workspace) {
   return neighbors;
 }
 
-class NeighborOrder {
- public:
-  explicit NeighborOrder(const Workspace& workspace)
-      : neighbors_(FindNeighbors(workspace)),
-        is_taken_(neighbors_.size(), false) {
-    for (const StereoProblem& problem : workspace.Problems()) {
-      names_.push_back(workspace.Name(problem.reference));
-    }
-  }
+}  // namespace
 
-  std::vector<size_t> Find() {
-    std::vector<size_t> by_name(neighbors_.size());
-    std::iota(by_name.begin(), by_name.end(), size_t{0});
-    std::ranges::sort(by_name, {}, [&](size_t image) { return names_[image]; });
-    std::vector<size_t> order;
-    for (const size_t image : by_name) {
-      if (!is_taken_[image]) {
-        for (const size_t taken : Walk(FindEnd(image))) {
-          order.push_back(taken);
-          is_taken_[taken] = true;
-        }
-      }
-    }
-    return order;
-  }
-
- private:
+std::vector<size_t> OrderByNeighbors(const Workspace& workspace) {
+  const std::vector<std::vector<size_t>> neighbors = FindNeighbors(workspace);
+  const auto name = [&](size_t image) -> const std::string& {
+    return workspace.Name(workspace.Problems()[image].reference);
+  };
+  std::vector<bool> is_taken(neighbors.size(), false);
   // All images that can be reached, in breadth-first order.
-  std::vector<size_t> Walk(size_t start) const {
-    std::vector<bool> is_seen = is_taken_;
+  const auto walk = [&](size_t start) {
+    std::vector<bool> is_seen = is_taken;
     std::vector<size_t> order = {start};
     is_seen[start] = true;
     for (size_t i = 0; i < order.size(); ++i) {
       const size_t first_new = order.size();
-      for (const size_t other : neighbors_[order[i]]) {
+      for (const size_t other : neighbors[order[i]]) {
         if (!is_seen[other]) {
           is_seen[other] = true;
           order.push_back(other);
@@ -78,25 +59,28 @@ class NeighborOrder {
       }
       std::ranges::sort(
           std::span(order).subspan(first_new), {}, [&](size_t image) {
-            return std::pair(neighbors_[image].size(), names_[image]);
+            return std::pair(neighbors[image].size(), name(image));
           });
     }
     return order;
+  };
+  std::vector<size_t> by_name(neighbors.size());
+  std::iota(by_name.begin(), by_name.end(), size_t{0});
+  std::ranges::sort(by_name, {}, name);
+  std::vector<size_t> order;
+  for (const size_t image : by_name) {
+    if (is_taken[image]) {
+      continue;
+    }
+    // A peripheral image of all that can be reached: the farthest from the one
+    // that is farthest from this one.
+    const size_t end = walk(walk(image).back()).back();
+    for (const size_t taken : walk(end)) {
+      order.push_back(taken);
+      is_taken[taken] = true;
+    }
   }
-
-  // A peripheral image of all that can be reached: the farthest from the one
-  // that is farthest from `image`.
-  size_t FindEnd(size_t image) const { return Walk(Walk(image).back()).back(); }
-
-  const std::vector<std::vector<size_t>> neighbors_;
-  std::vector<std::string> names_;
-  std::vector<bool> is_taken_;
-};
-
-}  // namespace
-
-std::vector<size_t> OrderByNeighbors(const Workspace& workspace) {
-  return NeighborOrder(workspace).Find();
+  return order;
 }
 
 }  // namespace tsar

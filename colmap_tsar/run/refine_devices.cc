@@ -3,8 +3,9 @@
 
 #include "colmap_tsar/run/refine_devices.h"
 
+#include "colmap_tsar/base/start_thread.h"
+
 #include <algorithm>
-#include <thread>
 #include <utility>
 
 namespace tsar {
@@ -46,13 +47,6 @@ void AddCpuWorkers(int num_workers,
          Device::CreateCpu(num_threads / num_workers + remainder),
          result->view_caches.back().get()});
   }
-}
-
-int NumThreads(int wanted) {
-  return wanted > 0
-             ? wanted
-             : std::max(1,
-                        static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 // The threads of the pass that finds the planes of the scene, as many as memory

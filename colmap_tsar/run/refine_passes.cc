@@ -12,11 +12,13 @@
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/run/load_view.h"
-#include "colmap_tsar/run/result_writer.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
+#include "colmap_tsar/run/store/write_back.h"
 #include "colmap_tsar/view/reduce_view.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <utility>
 
@@ -164,6 +166,24 @@ RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
   return maps;
 }
 
+// Adds the pixel counts of the maps to the image's counts.
+void CountPixels(const RefinedMaps& maps,
+                 std::map<std::string, int64_t>* counts) {
+  std::array<int64_t, 256> histogram = {};
+  for (const uint8_t provenance : maps.provenance) {
+    ++histogram[provenance];
+  }
+  (*counts)["pixels"] = static_cast<int64_t>(maps.depth.NumPixels());
+  (*counts)["depth_after"] =
+      std::ranges::count_if(maps.depth, [](float z) { return z > 0.f; });
+  for (size_t provenance = 1; provenance < kProvenanceNames.size();
+       ++provenance) {
+    std::string name = kProvenanceNames[provenance];
+    std::ranges::replace(name, ' ', '_');
+    (*counts)[name] = histogram[provenance];
+  }
+}
+
 }  // namespace
 
 ObservePass::ObservePass(const RefineRun& run,
@@ -232,11 +252,7 @@ std::shared_ptr<const ViewData> ComposePass::Load(int image) const {
 ImageReport ComposePass::Begin(size_t index) {
   ImageReport report = run_.plan.Begin(index);
   if (report.outcome == ImageReport::Outcome::kKept) {
-    KeepOriginals(run_.workspace,
-                  run_.plan.Reference(index),
-                  report.reason,
-                  record_.options_hash,
-                  &report);
+    Keep(index, &report);
   } else if (report.outcome == ImageReport::Outcome::kNotDone) {
     report.seconds = seconds_[index];
   }
@@ -297,18 +313,38 @@ RefineResult ComposePass::Compute(size_t index,
 void ComposePass::Write(size_t index,
                         RefineResult result,
                         ImageReport* report) {
-  const int image = run_.plan.Reference(index);
   if (!result.reason_to_keep.empty()) {
-    KeepOriginals(run_.workspace,
-                  image,
-                  result.reason_to_keep,
-                  record_.options_hash,
-                  report);
+    report->reason = result.reason_to_keep;
+    Keep(index, report);
     return;
   }
+  const int image = run_.plan.Reference(index);
   AddSeconds(result.seconds, &report->seconds);
-  report->prior = result.prior;
-  WriteResult(run_.workspace, image, std::move(result.maps), record_, report);
+  RefinedMaps& maps = result.maps;
+  ClearMaskedPixels(
+      run_.workspace.ReadMask(image, {maps.depth.Width(), maps.depth.Height()}),
+      &maps);
+  CountPixels(maps, &report->counts);
+  if (result.prior.verdict != PriorVerdict::kNone) {
+    report->counts[result.prior.IsDropped() ? kPriorsDropped : kPriorsUsed] = 1;
+  }
+  ImageRecord record = record_;
+  record.note = Describe(result.prior);
+  record.counts = report->counts;
+  record.seconds = report->seconds;
+  const Stopwatch writing;
+  WriteRefined(run_.workspace, image, maps, std::move(record));
+  report->seconds["write"] = writing.Seconds();
+  report->outcome = ImageReport::Outcome::kDone;
+}
+
+void ComposePass::Keep(size_t index, ImageReport* report) const {
+  report->outcome = ImageReport::Outcome::kKept;
+  ImageRecord record;
+  record.options_hash = record_.options_hash;
+  record.note = report->reason;
+  record.counts = report->counts;
+  KeepImage(run_.workspace, run_.plan.Reference(index), std::move(record));
 }
 
 RefineResult ComposePass::Compose(size_t index,

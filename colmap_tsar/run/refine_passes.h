@@ -85,6 +85,8 @@ class ComposePass : public ImageTasks<RefineResult> {
   // judged at full size; none where the reference's is not.
   std::vector<int> ComparedSources(size_t index) const;
   RefineResult Compose(size_t index, size_t worker, LoadedViews* views);
+  // Keeps the original maps, and records the reason in the report.
+  void Keep(size_t index, ImageReport* report) const;
 
   const RefineRun& run_;
   const std::vector<StageSeconds> seconds_;

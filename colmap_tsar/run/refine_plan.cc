@@ -69,13 +69,8 @@ RefinePlan::RefinePlan(const Workspace& workspace,
       has_maps_(std::move(has_maps)),
       is_listed_(std::move(is_listed)),
       options_hash_(expected.options_hash),
-      users_(workspace.Model().images.size()) {
+      is_needed_(workspace.Model().images.size()) {
   for (size_t index = 0; index < NumImages(); ++index) {
-    if (CanRefine(index)) {
-      for (const int view : SourcesAndReference(index)) {
-        users_[view].push_back(index);
-      }
-    }
     const int image = Reference(index);
     is_done_.push_back(IsDone(workspace, image, expected));
     records_.push_back(
@@ -83,7 +78,12 @@ RefinePlan::RefinePlan(const Workspace& workspace,
     if (records_.back() && records_.back()->status != ImageStatus::kDone) {
       records_.back() = std::nullopt;
     }
-    is_any_needed_ = is_any_needed_ || IsToBeRefined(index);
+    if (IsToBeRefined(index)) {
+      is_any_needed_ = true;
+      for (const int view : SourcesAndReference(index)) {
+        is_needed_[view] = true;
+      }
+    }
   }
 }
 
@@ -111,12 +111,6 @@ size_t RefinePlan::NumListed() const {
 
 bool RefinePlan::IsToBeRefined(size_t index) const {
   return IsListed(index) && CanRefine(index) && !HasBeenRefined(index);
-}
-
-bool RefinePlan::IsNeeded(size_t index) const {
-  return std::ranges::any_of(users_[Reference(index)], [&](size_t other) {
-    return IsToBeRefined(other);
-  });
 }
 
 void RefinePlan::RequireOthersFit(const std::filesystem::path& list) const {

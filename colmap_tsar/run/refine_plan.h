@@ -73,7 +73,7 @@ class RefinePlan {
   // before the run.
   bool IsToBeRefined(size_t index) const;
   // Whether the image, or one whose source it is, is to be refined.
-  bool IsNeeded(size_t index) const;
+  bool IsNeeded(size_t index) const { return is_needed_[Reference(index)]; }
   // Whether some image is to be refined.
   bool IsAnyNeeded() const { return is_any_needed_; }
 
@@ -102,9 +102,9 @@ class RefinePlan {
   std::vector<std::optional<ImageRecord>> records_;
   const std::string options_hash_;
   bool is_any_needed_ = false;
-  // By image of the sparse model: the images of the run that need it as their
-  // reference or as a source.
-  std::vector<std::vector<size_t>> users_;
+  // By image of the sparse model: whether an image that is to be refined needs
+  // it as its reference or as a source.
+  std::vector<bool> is_needed_;
 };
 
 }  // namespace tsar

@@ -123,19 +123,12 @@ PipelineOutcome RunPasses(const RefineRun& run) {
 }
 
 RunSummary Summarize(const RefineRun& run, const PipelineOutcome& outcome) {
-  RunSummary summary;
-  summary.workspace_path = run.workspace.Root();
-  summary.model_folder = run.workspace.ModelFolder();
-  summary.type = run.workspace.Type();
-  summary.pass = run.options.pass;
+  RunSummary summary = SummarizeInputs(
+      run.workspace, run.options.pass, run.workspace.ReferencesOf(run.images));
   summary.shard = run.options.shard;
   summary.device = run.devices.description;
   summary.num_workers = static_cast<int>(run.devices.workers.size());
   summary.peak_gpu_memory = PeakGpuMemory(run.devices);
-  summary.num_images = static_cast<int>(run.images.size());
-  const std::vector<int> references = run.workspace.ReferencesOf(run.images);
-  summary.num_masks = run.workspace.CountMasks(references);
-  summary.num_priors = run.workspace.Priors().Count(references);
   for (size_t i = 0; i < outcome.reports.size(); ++i) {
     summary.Add(run.plan.Name(run.images[i]), outcome.reports[i]);
   }

@@ -151,6 +151,20 @@ void EndAccount(const RefineRun& run, const PipelineOutcome& outcome) {
   Finish(run.workspace, run.refine_options);
 }
 
+RunSummary SummarizeInputs(const Workspace& workspace,
+                           RefinePass pass,
+                           const std::vector<int>& references) {
+  RunSummary summary;
+  summary.workspace_path = workspace.Root();
+  summary.model_folder = workspace.ModelFolder();
+  summary.type = workspace.Type();
+  summary.pass = pass;
+  summary.num_images = static_cast<int>(references.size());
+  summary.num_masks = workspace.CountMasks(references);
+  summary.num_priors = workspace.Priors().Count(references);
+  return summary;
+}
+
 RunSummary MergeShards(const WorkspaceRefineOptions& options,
                        const RefineOptions& refine_options) {
   const Stopwatch stopwatch;
@@ -164,16 +178,9 @@ RunSummary MergeShards(const WorkspaceRefineOptions& options,
   WriteManifest(workspace, manifest);
   Finish(workspace, refine_options);
 
-  RunSummary summary;
-  summary.workspace_path = workspace.Root();
-  summary.model_folder = workspace.ModelFolder();
-  summary.type = workspace.Type();
-  summary.pass = RefinePass::kMerge;
-  summary.num_images = static_cast<int>(manifest.images.size());
+  RunSummary summary =
+      SummarizeInputs(workspace, RefinePass::kMerge, workspace.References());
   summary.num_refined = manifest.NumImages(ImageStatus::kDone);
-  const std::vector<int> references = workspace.References();
-  summary.num_masks = workspace.CountMasks(references);
-  summary.num_priors = workspace.Priors().Count(references);
   for (const ImageRecord& record : manifest.images) {
     if (record.status == ImageStatus::kKept) {
       summary.kept.push_back({record.image, record.note});

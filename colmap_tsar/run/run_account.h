@@ -6,6 +6,8 @@
 #include "colmap_tsar/run/refine_run.h"
 #include "colmap_tsar/run/run_summary.h"
 
+#include <vector>
+
 namespace tsar {
 
 // The account of a run over all images, stereo/tsar/manifest.json, tells the
@@ -18,6 +20,11 @@ void BeginAccount(const RefineRun& run);
 // of an image, or kInterrupted. When all images are done, the files that only
 // an unfinished run needs are removed.
 void EndAccount(const RefineRun& run, const PipelineOutcome& outcome);
+
+// What a summary tells of the inputs. references: of the images of the run.
+RunSummary SummarizeInputs(const Workspace& workspace,
+                           RefinePass pass,
+                           const std::vector<int>& references);
 
 // Ends the work of shards: writes the account of all images and removes the
 // evidence. Opens no map. Once more, it changes nothing. Throws Error, and

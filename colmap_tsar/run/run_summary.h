@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/priors/align_prior.h"
 #include "colmap_tsar/run/shard.h"
 
 #include <cstddef>
@@ -34,8 +33,6 @@ struct ImageReport {
   Outcome outcome = Outcome::kNotDone;
   std::string reason;
   int num_sources_without_maps = 0;
-  // The fit of the depth prior of a refined image.
-  PriorAssessment prior;
   // Counts of images that are refined, or were before, as in their records:
   // "pixels", "depth_before", "depth_after", "not_finite", one for each
   // provenance, and kPriorsUsed or kPriorsDropped (1) where the image has a

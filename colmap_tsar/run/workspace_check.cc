@@ -25,20 +25,6 @@
 namespace tsar {
 namespace {
 
-constexpr const char* kAgain = "run patch_match_stereo again for this image";
-
-void RequireSameSize(const std::filesystem::path& path,
-                     const RasterSize& size,
-                     const RasterSize& depth_size) {
-  if (size.width != depth_size.width || size.height != depth_size.height) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "the map has " + ToString(size) +
-                          " pixels, the depth map " + ToString(depth_size),
-                      kAgain);
-  }
-}
-
 // Returns the number of pixels.
 int64_t RequirePossibleSize(const std::filesystem::path& path,
                             int width,
@@ -72,28 +58,12 @@ std::optional<RasterSize> CheckMaps(const Workspace& workspace,
         (has_depth ? paths.normal : paths.depth).string(),
         has_depth ? "there is a depth map of this name, but no normal map"
                   : "there is a normal map of this name, but no depth map",
-        kAgain);
+        "run patch_match_stereo again for this image");
   }
   if (!has_depth) {
     return std::nullopt;
   }
-  const DepthNormalReader maps = workspace.OpenOriginalMaps(image, type);
-  return RasterSize{maps.Width(), maps.Height()};
-}
-
-void CheckCosts(const Workspace& workspace,
-                int image,
-                MapType type,
-                const RasterSize& depth_size) {
-  const std::filesystem::path path = workspace.CostPath(image, type);
-  if (!Exists(path)) {
-    return;
-  }
-  const MapReader costs(path);
-  costs.RequireChannels(2, "a cost map");
-  const RasterSize size = {costs.Size().width, costs.Size().height};
-  workspace.RequireShapeOfImage(image, path, size);
-  RequireSameSize(path, size, depth_size);
+  return workspace.OpenOriginalMaps(image, type).Size();
 }
 
 // Checks that the files of an image can be written, before hours of work.
@@ -117,17 +87,16 @@ bool CheckImage(const Workspace& workspace,
   CheckTargets(workspace.Paths(image, type));
   CheckPhotoFile(workspace.ImagePath(image));
   workspace.CheckMask(image, *size);
-  workspace.CheckPrior(image);
+  workspace.ReadPrior(image);
   overview->has_priors =
       overview->has_priors || workspace.Priors().HasPrior(image);
-  CheckCosts(workspace, image, type, *size);
-  const MapType other =
-      type == MapType::kGeometric ? MapType::kPhotometric : MapType::kGeometric;
+  workspace.OpenCosts(image, type, *size);
+  const MapType other = workspace.OtherType();
   if (workspace.HasMaps(image, other)) {
-    RequireSameSize(workspace.DepthPath(image, other),
-                    CheckMaps(workspace, image, other).value_or(*size),
-                    *size);
-    CheckCosts(workspace, image, other, *size);
+    RequireSizeOfDepthMap(workspace.DepthPath(image, other),
+                          CheckMaps(workspace, image, other).value_or(*size),
+                          *size);
+    workspace.OpenCosts(image, other, *size);
   }
   const Camera& camera = workspace.CameraOf(image);
   const int side = std::max(size->width, size->height);
@@ -167,15 +136,6 @@ Error NoMaps(const Workspace& workspace) {
                               workspace.Type()),
           "run patch_match_stereo first, or choose the other " +
               OptionName("input_type")));
-}
-
-std::set<int> ImagesOfProblems(const Workspace& workspace) {
-  std::set<int> images;
-  for (const StereoProblem& problem : workspace.Problems()) {
-    images.insert(problem.reference);
-    images.insert(problem.sources.begin(), problem.sources.end());
-  }
-  return images;
 }
 
 // On case-insensitive file systems, two images may have the same map.
@@ -228,7 +188,7 @@ Workspace OpenMapsOf(const WorkspaceRefineOptions& options) {
 }  // namespace
 
 WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
-  const std::set<int> images = ImagesOfProblems(workspace);
+  const std::set<int> images = workspace.ImagesInUse();
   RequireMapsOfTheirOwn(workspace, images);
   RequireNoFolder(GetSceneModelPath(workspace.Root()).Path());
   WorkspaceOverview overview;

@@ -225,7 +225,6 @@ ViewReducer::ViewReducer(const Camera& camera, int factor, bool has_costs)
   reduced_.is_to_refine = Image<uint8_t>(width, height);
   if (has_costs) {
     reduced_.min_cost = Image<float>(width, height, kUndefinedCost);
-    reduced_.second_cost = reduced_.min_cost;
   }
 }
 
@@ -262,7 +261,6 @@ void ViewReducer::Set(const ViewData& rows,
   reduced_.num_depths_to_refine += is_to_refine ? 1 : 0;
   if (!reduced_.min_cost.Empty()) {
     reduced_.min_cost(x, y) = rows.min_cost.Data()[index];
-    reduced_.second_cost(x, y) = rows.second_cost.Data()[index];
   }
 }
 

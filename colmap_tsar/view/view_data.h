@@ -28,10 +28,9 @@ struct ViewData {
   // 1 where the hypothesis is from the map to refine, 0 where it is from the
   // other type or there is none. Empty if all are from one map.
   Image<uint8_t> is_to_refine;
-  // The two smallest matching costs of the hypotheses as COLMAP exported them,
-  // or empty.
+  // The smallest matching costs of the hypotheses as COLMAP exported them, or
+  // empty.
   Image<float> min_cost;
-  Image<float> second_cost;
   int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
   // The depth prior; null if there is none.

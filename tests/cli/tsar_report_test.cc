@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "tests/cli/command_test.h"
-#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {

@@ -116,14 +116,11 @@ TEST_F(RefineImageTest, TakesTheCostsThatComeWithTheMaps) {
   const int width = reference.depth.Width();
   const int height = reference.depth.Height();
   reference.min_cost = Image<float>(width, height, kUndefinedCost);
-  reference.second_cost = Image<float>(width, height, kUndefinedCost);
   EXPECT_NE(Refine(options).reason_to_keep, "");
   // Nor where they are as bad as can be.
   reference.min_cost = Image<float>(width, height, 1.99f);
-  reference.second_cost = Image<float>(width, height, 1.99f);
   EXPECT_NE(Refine(options).reason_to_keep, "");
   reference.min_cost = Image<float>(width, height, 0.f);
-  reference.second_cost = Image<float>(width, height, 0.1f);
   EXPECT_EQ(Refine(options).reason_to_keep, "");
 }
 

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/io/ply.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <algorithm>
 #include <atomic>
@@ -14,7 +15,6 @@
 #include "tests/support/mask_files.h"
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
-#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {

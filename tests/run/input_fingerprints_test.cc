@@ -4,6 +4,7 @@
 #include "colmap_tsar/run/input_fingerprints.h"
 
 #include "colmap_tsar/run/store/restore.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <chrono>
 #include <functional>
@@ -12,7 +13,6 @@
 #include <vector>
 
 #include "tests/support/test_workspace.h"
-#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {

@@ -143,7 +143,6 @@ TEST_F(LoadViewTest, AReducedViewIsTheViewReduced) {
       EXPECT_TRUE(SameBytes(reduced.color, expected.color));
       EXPECT_TRUE(SameBytes(reduced.is_to_refine, expected.is_to_refine));
       EXPECT_TRUE(SameBytes(reduced.min_cost, expected.min_cost));
-      EXPECT_TRUE(SameBytes(reduced.second_cost, expected.second_cost));
       EXPECT_EQ(reduced.num_depths_to_refine, expected.num_depths_to_refine);
       EXPECT_EQ(reduced.num_not_finite, expected.num_not_finite);
       EXPECT_EQ(reduced.camera.fx, expected.camera.fx);

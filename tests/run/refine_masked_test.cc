@@ -258,7 +258,6 @@ TEST_F(RefineMaskedTest, ViewsHaveNothingWhereTheyAreMasked) {
         ASSERT_TRUE(view.normal(x, y) == Vec3f{});
         ASSERT_EQ(view.is_to_refine(x, y), 0);
         ASSERT_EQ(view.min_cost(x, y), kUndefinedCost);
-        ASSERT_EQ(view.second_cost(x, y), kUndefinedCost);
       } else {
         ASSERT_EQ(view.depth(x, y), whole.depth(x, y));
         ASSERT_TRUE(view.normal(x, y) == whole.normal(x, y));

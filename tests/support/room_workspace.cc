@@ -8,6 +8,7 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/run/store/workspace.h"
+#include "colmap_tsar/run/store/write_back.h"
 
 #include <array>
 #include <string>
@@ -16,7 +17,6 @@
 #include "tests/support/scene_model_testing.h"
 #include "tests/support/synthetic_observations.h"
 #include "tests/support/test_workspace.h"
-#include "tests/support/write_refined.h"
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
@@ -173,10 +173,7 @@ void RoomWorkspace::Write() const {
                  Draw(cameras[i], num_wrong_per_mille),
                  {});
   }
-  WriteSceneModel(GetSceneModelPath(root),
-                  "options",
-                  Model(),
-                  SceneModelParts::kWithoutLabels);
+  WriteSceneModel(GetSceneModelPath(root), "options", Model());
 }
 
 }  // namespace tsar

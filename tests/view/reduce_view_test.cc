@@ -101,21 +101,18 @@ TEST(ReduceView, ADepthThatItsPlaneWouldCarryFarAwayStays) {
   }
 }
 
-TEST(ReduceView, TakesTheLowerMedianAndItsCosts) {
+TEST(ReduceView, TakesTheLowerMedianAndItsCost) {
   ViewData view = FlatView(4, 2, 0.f);
   view.min_cost = Image<float>(4, 2, 0.5f);
-  view.second_cost = Image<float>(4, 2, 0.6f);
   const std::vector<float> depths = {2.006f, 2.002f, 2.f, 2.004f};
   for (int i = 0; i < 4; ++i) {
     view.depth(i % 2, i / 2) = depths[i];
     view.min_cost(i % 2, i / 2) = 0.1f * i;
-    view.second_cost(i % 2, i / 2) = 0.1f * i + 1.f;
   }
   const ViewData reduced = ReduceView(view, 2);
   ASSERT_EQ(reduced.depth.NumPixels(), 2u);
   EXPECT_EQ(reduced.depth(0, 0), 2.002f);
   EXPECT_EQ(reduced.min_cost(0, 0), 0.1f);
-  EXPECT_EQ(reduced.second_cost(0, 0), 1.1f);
   EXPECT_EQ(reduced.depth(1, 0), 0.f);
   EXPECT_EQ(reduced.normal(1, 0), (Vec3f{}));
   EXPECT_EQ(reduced.is_to_refine(1, 0), 0);

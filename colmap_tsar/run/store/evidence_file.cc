@@ -3,9 +3,8 @@
 
 #include "colmap_tsar/run/store/evidence_file.h"
 
-#include "colmap_tsar/run/store/state_file.h"
-
-#include <cstdint>
+#include <cstddef>
+#include <type_traits>
 #include <vector>
 
 namespace tsar {
@@ -16,48 +15,24 @@ static_assert(sizeof(Observation) == 16 && sizeof(RayDepth) == 12 &&
               sizeof(SuperpixelBorder) == 28 && sizeof(Plane) == 16 &&
               sizeof(Vec3f) == 12 && sizeof(Rgb) == 3);
 
-// The numbers of a view's evidence beside its arrays.
-struct Numbers {
-  Intrinsics intrinsics;
-  float error_per_depth = 0.f;
-  float noise = 0.f;
-  float prior_outlier_share = 0.f;
-  float prior_skill = 0.f;
-  float normal_sigma = 0.f;
-  float normal_outlier_share = 0.f;
-  PriorVerdict verdict = PriorVerdict::kNone;
-  PriorVerdict of_normals = PriorVerdict::kNone;
-  PriorType prior_type = PriorType::kAuto;
-  uint8_t unused = 0;
-};
-
-static_assert(sizeof(Numbers) == 44);
-
-Numbers NumbersOf(const ViewEvidence& evidence) {
-  const PriorAssessment& assessment = evidence.prior.assessment;
-  return {evidence.intrinsics,
-          evidence.resolution.error_per_depth,
-          evidence.noise,
-          evidence.prior.outlier_share,
-          assessment.skill,
-          assessment.normal_sigma,
-          evidence.prior.normal_outlier_share,
-          assessment.verdict,
-          assessment.of_normals,
-          assessment.type};
-}
-
-void SetNumbers(const Numbers& numbers, ViewEvidence* evidence) {
-  evidence->intrinsics = numbers.intrinsics;
-  evidence->resolution.error_per_depth = numbers.error_per_depth;
-  evidence->noise = numbers.noise;
-  evidence->prior.outlier_share = numbers.prior_outlier_share;
-  evidence->prior.normal_outlier_share = numbers.normal_outlier_share;
-  evidence->prior.assessment = {numbers.verdict,
-                                numbers.prior_type,
-                                numbers.prior_skill,
-                                numbers.of_normals,
-                                numbers.normal_sigma};
+// Calls `use` for each number of a view's evidence beside its arrays, in the
+// order of the file.
+template <typename Evidence>
+void ForNumbers(Evidence& evidence, const auto& use) {
+  use(evidence.intrinsics.fx);
+  use(evidence.intrinsics.fy);
+  use(evidence.intrinsics.cx);
+  use(evidence.intrinsics.cy);
+  use(evidence.resolution.error_per_depth);
+  use(evidence.noise);
+  use(evidence.prior.outlier_share);
+  use(evidence.prior.normal_outlier_share);
+  auto& assessment = evidence.prior.assessment;
+  use(assessment.verdict);
+  use(assessment.type);
+  use(assessment.skill);
+  use(assessment.of_normals);
+  use(assessment.normal_sigma);
 }
 
 // Calls `use` for each array that neighbors need, in the order of the file.
@@ -87,13 +62,6 @@ void ForOwnArrays(Evidence& evidence, const auto& use) {
   use(evidence.flags);
 }
 
-constexpr StateFileKind kEvidenceFile = {
-    {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/13,
-    "evidence file",
-    "no such file",
-    "run again without removing files meanwhile"};
-
 }  // namespace
 
 ContainedPath GetEvidenceFolder(const std::filesystem::path& root) {
@@ -109,7 +77,10 @@ ContainedPath GetEvidencePath(const std::filesystem::path& root,
 void WriteEvidence(const ContainedPath& path,
                    const std::string& key,
                    const ViewEvidence& evidence) {
-  const std::vector<Numbers> numbers = {NumbersOf(evidence)};
+  std::vector<float> numbers;
+  ForNumbers(evidence, [&](const auto& number) {
+    numbers.push_back(static_cast<float>(number));
+  });
   StateFileWriter writer;
   const auto add = [&](const auto& array) { writer.Add(array); };
   add(numbers);
@@ -123,7 +94,7 @@ void WriteEvidence(const ContainedPath& path,
 ViewEvidence ReadEvidence(const std::filesystem::path& path,
                           EvidenceParts parts) {
   StateFileReader reader(path, kEvidenceFile);
-  std::vector<Numbers> numbers;
+  std::vector<float> numbers;
   ViewEvidence evidence;
   const auto read = [&](auto& array) { reader.Read(&array); };
   read(numbers);
@@ -133,14 +104,14 @@ ViewEvidence ReadEvidence(const std::filesystem::path& path,
     ForOwnArrays(evidence, read);
     reader.EndPart();
   }
-  SetNumbers(numbers.at(0), &evidence);
+  size_t next = 0;
+  ForNumbers(evidence, [&](auto& number) {
+    number = static_cast<std::remove_reference_t<decltype(number)>>(
+        numbers.at(next++));
+  });
   evidence.width = evidence.superpixels.Width();
   evidence.height = evidence.superpixels.Height();
   return evidence;
-}
-
-std::optional<std::string> ReadEvidenceKey(const std::filesystem::path& path) {
-  return ReadStateFileKey(path, kEvidenceFile);
 }
 
 }  // namespace tsar

@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/io/map_paths.h"
+#include "colmap_tsar/run/store/state_file.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 
 #include <filesystem>
-#include <optional>
 #include <string>
 
 namespace tsar {
@@ -16,6 +16,14 @@ namespace tsar {
 // The file that keeps a view's evidence for its neighbors: a state file
 // (state_file.h) of two parts, what neighbors need and what only the view
 // itself needs.
+
+// The key of such a file tells whether the evidence may be used.
+inline constexpr StateFileKind kEvidenceFile = {
+    {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
+    /*version=*/14,
+    "evidence file",
+    "no such file",
+    "run again without removing files meanwhile"};
 
 enum class EvidenceParts {
   kAll,
@@ -41,9 +49,5 @@ void WriteEvidence(const ContainedPath& path,
 // parts or not of this format's version.
 ViewEvidence ReadEvidence(const std::filesystem::path& path,
                           EvidenceParts parts = EvidenceParts::kAll);
-
-// The key of a file, which tells whether the evidence may be used; see
-// ReadStateFileKey.
-std::optional<std::string> ReadEvidenceKey(const std::filesystem::path& path);
 
 }  // namespace tsar

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace tsar {
@@ -49,9 +49,9 @@ Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
   return RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
 }
 
-int NumThreads(const Workspace& workspace,
-               const std::vector<int>& images,
-               int num_threads) {
+int NumThreadsFor(const Workspace& workspace,
+                  const std::vector<int>& images,
+                  int num_threads) {
   // The memory of an image's maps and of the results.
   constexpr int64_t kBytesPerPixel = 60;
   int64_t num_pixels = 1;
@@ -61,11 +61,8 @@ int NumThreads(const Workspace& workspace,
                           static_cast<int64_t>(camera.width) * camera.height);
   }
   const int64_t room = MainMemoryBytes() / 2 / (kBytesPerPixel * num_pixels);
-  const int64_t wanted =
-      num_threads > 0
-          ? num_threads
-          : static_cast<int64_t>(std::thread::hardware_concurrency());
-  return static_cast<int>(std::max<int64_t>(1, std::min(wanted, room)));
+  return static_cast<int>(
+      std::clamp<int64_t>(room, 1, NumThreads(num_threads)));
 }
 
 }  // namespace
@@ -147,7 +144,7 @@ void ForEachImage(const Workspace& workspace,
                   const std::vector<int>& images,
                   int num_threads,
                   const std::function<void(size_t)>& function) {
-  ThreadPool threads(NumThreads(workspace, images, num_threads));
+  ThreadPool threads(NumThreadsFor(workspace, images, num_threads));
   threads.ForEach(images.size(), function);
 }
 

@@ -28,8 +28,8 @@ std::string ToString(ImageStatus status);
 // The record of one image's maps of one type, stored as
 // stereo/tsar/records/NAME.TYPE.json. It is written before the first map gets
 // its name, so that a file in place is this program's if, and only if, the
-// record lists it. The caller of WriteBack fills in what the maps were made
-// from, counts, seconds and note, WriteBack the rest.
+// record lists it. The caller of WriteRefined fills in what the maps were
+// made from, counts, seconds and note, WriteRefined the rest.
 struct ImageRecord {
   std::string image;
   std::string type;

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/run/store/state_file.h"
 #include "colmap_tsar/scene/find_scene.h"
 
 #include <algorithm>
@@ -89,13 +88,6 @@ std::vector<Element> FromNumbers(const std::vector<double>& numbers) {
   return elements;
 }
 
-constexpr StateFileKind kModelFile = {{'T', 'S', 'A', 'R', 'P', 'L', 'A', 'N'},
-                                      /*version=*/6,
-                                      "file of planes",
-                                      "there are no planes of the scene",
-                                      "run tsar_refine on this workspace "
-                                      "first"};
-
 // The numbers of planes, frames and cylinders.
 using Numbers = std::array<std::vector<double>, 3>;
 
@@ -119,16 +111,9 @@ void WarnOfPlanesWithoutName(size_t num_planes) {
   }
 }
 
-}  // namespace
-
-ContainedPath GetSceneModelPath(const std::filesystem::path& root) {
-  return GetTsarFolder(root) / "planes.bin";
-}
-
-void WriteSceneModel(const ContainedPath& path,
-                     const std::string& key,
-                     const SceneModel& model,
-                     SceneModelParts parts) {
+void Write(const ContainedPath& path,
+           const std::string& key,
+           const SceneModel& model) {
   const Numbers numbers = {NumbersOf(model.planes),
                            NumbersOf(model.frames),
                            NumbersOf(model.cylinders)};
@@ -138,26 +123,35 @@ void WriteSceneModel(const ContainedPath& path,
   }
   writer.EndPart();
   std::vector<int> images;
-  if (parts == SceneModelParts::kAll) {
-    WarnOfPlanesWithoutName(model.planes.size());
-    for (const auto& [image, view] : model.views) {
-      images.push_back(image);
-    }
+  for (const auto& [image, view] : model.views) {
+    images.push_back(image);
   }
   writer.Add(images);
-  for (const int image : images) {
-    const ViewLabels& view = model.views.at(image);
+  for (const auto& [image, view] : model.views) {
     writer.Add(view.planes);
     writer.Add(view.evidence);
     writer.Add(view.qualities);
   }
   writer.EndPart();
-  writer.Write(path, kModelFile, key);
+  writer.Write(path, kSceneModelFile, key);
+}
+
+}  // namespace
+
+ContainedPath GetSceneModelPath(const std::filesystem::path& root) {
+  return GetTsarFolder(root) / "planes.bin";
+}
+
+void WriteSceneModel(const ContainedPath& path,
+                     const std::string& key,
+                     const SceneModel& model) {
+  WarnOfPlanesWithoutName(model.planes.size());
+  Write(path, key, model);
 }
 
 SceneModel ReadSceneModel(const std::filesystem::path& path,
                           SceneModelParts parts) {
-  StateFileReader reader(path, kModelFile);
+  StateFileReader reader(path, kSceneModelFile);
   Numbers numbers;
   ReadNumbers(&reader, &numbers);
   SceneModel model = {FromNumbers<ModelPlane>(numbers[0]),
@@ -181,7 +175,7 @@ SceneModel ReadSceneModel(const std::filesystem::path& path,
 std::optional<uint64_t> ReadScenePlanesFingerprint(
     const std::filesystem::path& path) {
   try {
-    StateFileReader reader(path, kModelFile);
+    StateFileReader reader(path, kSceneModelFile);
     Numbers numbers;
     return ReadNumbers(&reader, &numbers);
   } catch (const Error&) {
@@ -189,19 +183,13 @@ std::optional<uint64_t> ReadScenePlanesFingerprint(
   }
 }
 
-std::optional<std::string> ReadSceneModelKey(
-    const std::filesystem::path& path) {
-  return ReadStateFileKey(path, kModelFile);
-}
-
 void DropSceneLabels(const ContainedPath& path) {
-  const std::string key = ReadSceneModelKey(path).value_or("");
+  const std::string key = ReadStateFileKey(path, kSceneModelFile).value_or("");
   const size_t end = key.find(' ');
   if (end != std::string::npos) {
-    WriteSceneModel(path,
-                    key.substr(0, end),
-                    ReadSceneModel(path, SceneModelParts::kWithoutLabels),
-                    SceneModelParts::kWithoutLabels);
+    Write(path,
+          key.substr(0, end),
+          ReadSceneModel(path, SceneModelParts::kWithoutLabels));
   }
 }
 

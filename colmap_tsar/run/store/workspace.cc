@@ -44,20 +44,6 @@ void RequireMap(const OriginalMap& map,
   }
 }
 
-void RequireSameSize(const std::filesystem::path& path,
-                     const MapSize& normal,
-                     const MapSize& depth) {
-  if (normal.width != depth.width || normal.height != depth.height) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "the normal map has " +
-                          ToString(RasterSize{normal.width, normal.height}) +
-                          " pixels, the depth map " +
-                          ToString(RasterSize{depth.width, depth.height}),
-                      "run patch_match_stereo again for this image");
-  }
-}
-
 std::vector<std::string> NamesOf(const SparseModel& model) {
   std::vector<std::string> names;
   for (const SparseModel::ModelImage& image : model.images) {
@@ -71,6 +57,18 @@ std::filesystem::path ConfigPath(const std::filesystem::path& root) {
 }
 
 }  // namespace
+
+void RequireSizeOfDepthMap(const std::filesystem::path& map,
+                           const RasterSize& size,
+                           const RasterSize& depth_size) {
+  if (size.width != depth_size.width || size.height != depth_size.height) {
+    throw Error::File(ErrorCode::kMismatch,
+                      map.string(),
+                      "the map has " + ToString(size) +
+                          " pixels, the depth map " + ToString(depth_size),
+                      "run patch_match_stereo again for this image");
+  }
+}
 
 Workspace::Workspace(const std::filesystem::path& root, MapType type)
     : root_(root), type_(type) {
@@ -104,6 +102,15 @@ std::vector<int> Workspace::ReferencesOf(
     references.push_back(problems_[index].reference);
   }
   return references;
+}
+
+std::set<int> Workspace::ImagesInUse() const {
+  std::set<int> images;
+  for (const StereoProblem& problem : problems_) {
+    images.insert(problem.reference);
+    images.insert(problem.sources.begin(), problem.sources.end());
+  }
+  return images;
 }
 
 void Workspace::RequireShapeOfImage(int image,
@@ -203,8 +210,6 @@ std::shared_ptr<DepthPrior> Workspace::ReadPrior(int image) const {
              : nullptr;
 }
 
-void Workspace::CheckPrior(int image) const { ReadPrior(image); }
-
 bool Workspace::HasMaps(int image, MapType type) const {
   const MapPaths paths = Paths(image, type);
   return (Exists(paths.depth) || Exists(paths.original_depth)) &&
@@ -268,7 +273,9 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
       if (!is_still_there()) {
         continue;
       }
-      RequireSameSize(paths.normal, maps.normal.Size(), maps.depth.Size());
+      const MapSize& normal = maps.normal.Size();
+      RequireSizeOfDepthMap(
+          paths.normal, {normal.width, normal.height}, maps.Size());
       return maps;
     } catch (const Error&) {
       if (is_still_there()) {
@@ -276,6 +283,20 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
       }
     }
   }
+}
+
+std::optional<MapReader> Workspace::OpenCosts(
+    int image, MapType type, const RasterSize& depth_size) const {
+  const std::filesystem::path path = CostPath(image, type);
+  if (!Exists(path)) {
+    return std::nullopt;
+  }
+  MapReader costs(path);
+  costs.RequireChannels(2, "a cost map");
+  const RasterSize size = {costs.Size().width, costs.Size().height};
+  RequireShapeOfImage(image, path, size);
+  RequireSizeOfDepthMap(path, size, depth_size);
+  return costs;
 }
 
 }  // namespace tsar

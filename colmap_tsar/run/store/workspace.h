@@ -19,6 +19,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -38,12 +39,18 @@ struct DepthNormalReader {
 
   int Width() const { return depth.Size().width; }
   int Height() const { return depth.Size().height; }
+  RasterSize Size() const { return {Width(), Height()}; }
   size_t NumPixels() const { return depth.Size().NumPixels(); }
   // The number of such values of both maps among those that were read.
   int64_t NumNotFinite() const {
     return depth.NumNotFinite() + normal.NumNotFinite();
   }
 };
+
+// Throws kMismatch where a map is not of the size of the depth map beside it.
+void RequireSizeOfDepthMap(const std::filesystem::path& map,
+                           const RasterSize& size,
+                           const RasterSize& depth_size);
 
 // COLMAP's dense workspace: images/, sparse/ and stereo/. Images are given by
 // their index in Model().images. All const methods may be called from several
@@ -58,6 +65,10 @@ class Workspace {
 
   const std::filesystem::path& Root() const { return root_; }
   MapType Type() const { return type_; }
+  MapType OtherType() const {
+    return type_ == MapType::kGeometric ? MapType::kPhotometric
+                                        : MapType::kGeometric;
+  }
   const SparseModel& Model() const { return model_; }
   // The folder of the model: sparse, or sparse/0.
   const std::filesystem::path& ModelFolder() const { return model_folder_; }
@@ -67,6 +78,8 @@ class Workspace {
   // The references of all problems, or of those with these indices.
   std::vector<int> References() const;
   std::vector<int> ReferencesOf(const std::vector<size_t>& problems) const;
+  // The references and sources of all problems.
+  std::set<int> ImagesInUse() const;
 
   int NumImages() const { return static_cast<int>(model_.images.size()); }
   const std::string& Name(int image) const {
@@ -109,9 +122,6 @@ class Workspace {
   const PriorFolder& Priors() const { return priors_; }
   // Null where the image has none. Throws what ReadPrior throws.
   std::shared_ptr<DepthPrior> ReadPrior(int image) const;
-  // Throws what ReadPrior throws.
-  void CheckPrior(int image) const;
-
   // Whether the image has both a depth and a normal map of this type.
   bool HasMaps(int image, MapType type) const;
 
@@ -126,6 +136,12 @@ class Workspace {
   // shape; or the original is lost), and what the readers of map_io.h throw.
   DepthNormal ReadOriginalMaps(int image, MapType type) const;
   DepthNormalReader OpenOriginalMaps(int image, MapType type) const;
+  // The exported costs of one type of map, as they are beside depth maps of
+  // this size; nothing without. Throws Error: what MapReader throws, kCorrupt
+  // (there are not two channels), kMismatch (it is of another size).
+  std::optional<MapReader> OpenCosts(int image,
+                                     MapType type,
+                                     const RasterSize& depth_size) const;
 
  private:
   RasterSize SizeOfImage(int image) const;

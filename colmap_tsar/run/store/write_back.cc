@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/run/store/write_back.h"
 
-#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/picture_file.h"
 #include "colmap_tsar/io/map_files.h"
@@ -13,8 +13,10 @@
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -48,65 +50,86 @@ void FillIn(const Workspace& workspace, int image, ImageRecord* record) {
   record->type = ToString(workspace.Type());
 }
 
-}  // namespace
+// A complete file that has yet to get its name.
+struct PreparedFile {
+  const char* name;  // As in ImageRecord::files.
+  AtomicFile file;
+  FileId id;
+};
 
-WriteBack::WriteBack(const Workspace& workspace, int image, ImageRecord record)
-    : paths_(workspace.Paths(image, workspace.Type())),
-      record_(std::move(record)) {
-  FillIn(workspace, image, &record_);
-  record_.status = ImageStatus::kDone;
-}
-
-AtomicFile& WriteBack::Add(const char* name, const ContainedPath& path) {
-  CreateFolders(path.Parent());
-  return files_.emplace_back(File{name, path, AtomicFile(path)}).file;
-}
-
-void WriteBack::PrepareFiles(const RefinedMaps& maps) {
-  files_.reserve(2 + kResultFolders.size());
-  AtomicFile& depth = Add("depth", paths_.depth);
-  files_.back().hash = PutDepthMap(maps.depth, &depth);
-  AtomicFile& normal = Add("normal", paths_.normal);
-  files_.back().hash = PutNormalMap(maps.normal, &normal);
+std::vector<PreparedFile> PrepareFiles(const RefinedMaps& maps,
+                                       const MapPaths& paths) {
+  std::vector<PreparedFile> files;
+  // put: writes the content and returns its hash, or 0.
+  const auto add =
+      [&](const char* name, const ContainedPath& path, const auto& put) {
+        CreateFolders(path.Parent());
+        AtomicFile file(path);
+        const uint64_t hash = put(&file);
+        const FileId id = IdOfPrepared(path, &file, hash);
+        files.push_back({name, std::move(file), id});
+      };
   const auto add_png =
       [&](const char* name, const ContainedPath& path, const auto& values) {
-        PutPng(values, path, &Add(name, path));
+        add(name, path, [&](AtomicFile* file) {
+          PutPng(values, path, file);
+          return uint64_t{0};
+        });
       };
-  add_png("confidence", paths_.confidence, ToLevels(maps.confidence));
-  add_png("provenance", paths_.provenance, maps.provenance);
+  add("depth", paths.depth, [&](AtomicFile* file) {
+    return PutDepthMap(maps.depth, file);
+  });
+  add("normal", paths.normal, [&](AtomicFile* file) {
+    return PutNormalMap(maps.normal, file);
+  });
+  add_png("confidence", paths.confidence, ToLevels(maps.confidence));
+  add_png("provenance", paths.provenance, maps.provenance);
   if (!maps.planes.Empty()) {
-    add_png("planes", paths_.planes, maps.planes);
+    add_png("planes", paths.planes, maps.planes);
   }
   if (!maps.sigma.Empty()) {
-    PutSigmaMap(maps.sigma, &Add("sigma", paths_.sigma));
+    add("sigma", paths.sigma, [&](AtomicFile* file) {
+      PutSigmaMap(maps.sigma, file);
+      return uint64_t{0};
+    });
   }
-  for (File& file : files_) {
-    record_.files[file.name] = {IdOfPrepared(file.path, &file.file, file.hash)};
-  }
+  return files;
 }
 
-void WriteBack::Commit() {
-  const OriginalMaps originals = FindOriginals(paths_);
+}  // namespace
+
+void WriteRefined(const Workspace& workspace,
+                  int image,
+                  const RefinedMaps& maps,
+                  ImageRecord record) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  FillIn(workspace, image, &record);
+  record.status = ImageStatus::kDone;
+  std::vector<PreparedFile> files = PrepareFiles(maps, paths);
+  for (const PreparedFile& file : files) {
+    record.files[file.name] = {file.id};
+  }
+  const OriginalMaps originals = FindOriginals(paths);
   // A refined map of an earlier run stays until its name is given away.
   const auto list_earlier =
       [&](const OriginalMap& map, const char* name, const ContainedPath& path) {
         const std::optional<FileId> id = FindFileId(path);
         if (map.state == MapState::kRefined && id) {
-          record_.files[name].push_back(*id);
+          record.files[name].push_back(*id);
         }
       };
-  list_earlier(originals.depth, "depth", paths_.depth);
-  list_earlier(originals.normal, "normal", paths_.normal);
-  WriteRecord(paths_.record, record_);
-  KeepOriginal(originals.depth, paths_.depth, paths_.original_depth);
-  KeepOriginal(originals.normal, paths_.normal, paths_.original_normal);
-  for (const ResultFile& result : ResultFiles(paths_)) {
+  list_earlier(originals.depth, "depth", paths.depth);
+  list_earlier(originals.normal, "normal", paths.normal);
+  WriteRecord(paths.record, record);
+  KeepOriginal(originals.depth, paths.depth, paths.original_depth);
+  KeepOriginal(originals.normal, paths.normal, paths.original_normal);
+  for (const ResultFile& result : ResultFiles(paths)) {
     // Files of an earlier refinement do not belong to these maps.
-    if (!record_.files.contains(result.name)) {
+    if (!record.files.contains(result.name)) {
       RemoveFile(*result.path);
     }
   }
-  for (File& file : files_) {
+  for (PreparedFile& file : files) {
     file.file.Commit();
   }
 }

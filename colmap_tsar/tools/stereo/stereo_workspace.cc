@@ -23,7 +23,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <set>
 
 namespace tsar {
 namespace {
@@ -219,16 +218,13 @@ class StereoTask : public ImageTasks<StereoMaps> {
 WorkspaceOverview OverviewOf(const Workspace& workspace,
                              const StereoOptions& options) {
   WorkspaceOverview overview;
-  std::set<int> images;
   for (const StereoProblem& problem : workspace.Problems()) {
-    images.insert(problem.reference);
-    images.insert(problem.sources.begin(), problem.sources.end());
     overview.max_num_sources =
         std::max(overview.max_num_sources,
                  std::min(options.num_sources,
                           static_cast<int>(problem.sources.size())));
   }
-  for (const int image : images) {
+  for (const int image : workspace.ImagesInUse()) {
     const Camera& camera = workspace.Model().images[image].camera;
     const auto [width, height] = MapSizeOf(camera, options.max_image_size);
     overview.max_num_pixels =

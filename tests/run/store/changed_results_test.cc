@@ -4,7 +4,6 @@
 #include "colmap_tsar/run/store/result_files.h"
 
 #include "tests/run/store/write_back_testing.h"
-#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {

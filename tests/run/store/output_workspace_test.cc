@@ -9,7 +9,6 @@
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
-#include "tests/support/write_refined.h"
 
 namespace tsar {
 namespace {

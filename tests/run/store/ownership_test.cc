@@ -11,7 +11,6 @@
 
 #include "tests/run/store/write_back_testing.h"
 #include "tests/support/synthetic_workspace.h"
-#include "tests/support/write_refined.h"
 #include <nlohmann/json.hpp>
 
 namespace tsar {

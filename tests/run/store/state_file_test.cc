@@ -24,7 +24,7 @@ struct Format {
   // Read a part of the file, and all of it.
   void (*read_part)(const std::filesystem::path& path);
   void (*read)(const std::filesystem::path& path);
-  std::optional<std::string> (*key)(const std::filesystem::path& path);
+  StateFileKind kind;
 };
 
 // Every array has elements, and no two are of the same length.
@@ -72,7 +72,7 @@ const Format kFormats[] = {
        ReadEvidence(path, EvidenceParts::kForNeighbors);
      },
      [](const std::filesystem::path& path) { ReadEvidence(path); },
-     &ReadEvidenceKey},
+     kEvidenceFile},
     {"planes",
      "tsar/planes.bin",
      [](const ContainedPath& path) {
@@ -82,7 +82,7 @@ const Format kFormats[] = {
        ReadSceneModel(path, SceneModelParts::kWithoutLabels);
      },
      [](const std::filesystem::path& path) { ReadSceneModel(path); },
-     &ReadSceneModelKey}};
+     kSceneModelFile}};
 
 class StateFileTest : public testing::TestWithParam<Format> {
  protected:
@@ -95,6 +95,9 @@ class StateFileTest : public testing::TestWithParam<Format> {
         ErrorCode::kCorrupt,
         {path_.string() + ": ", what, "delete it and run tsar_refine again"},
         [&] { GetParam().read(path_); });
+  }
+  std::optional<std::string> Key() const {
+    return ReadStateFileKey(path_, GetParam().kind);
   }
   bool IsPartGood() const {
     try {
@@ -111,7 +114,7 @@ class StateFileTest : public testing::TestWithParam<Format> {
 
 TEST_P(StateFileTest, SeesEveryChangedByteAndEveryMissingOne) {
   const std::string good = GoodBytes();
-  EXPECT_EQ(GetParam().key(path_), "key");
+  EXPECT_EQ(Key(), "key");
   size_t num_good_parts = 0;
   for (size_t i = 0; i < good.size(); ++i) {
     SCOPED_TRACE(i);
@@ -122,7 +125,7 @@ TEST_P(StateFileTest, SeesEveryChangedByteAndEveryMissingOne) {
     num_good_parts += IsPartGood() ? 1 : 0;
     WriteText(path_, good.substr(0, i));
     ExpectCorrupt("not complete");
-    EXPECT_EQ(GetParam().key(path_), std::nullopt);
+    EXPECT_EQ(Key(), std::nullopt);
   }
   // What only the other part holds is not even read.
   EXPECT_GT(num_good_parts, 20u);
@@ -140,10 +143,10 @@ TEST_P(StateFileTest, RefusesOtherFilesByName) {
         std::pair(std::string(), "not complete")}) {
     WriteText(path_, bytes);
     ExpectCorrupt(what);
-    EXPECT_EQ(GetParam().key(path_), std::nullopt);
+    EXPECT_EQ(Key(), std::nullopt);
   }
   std::filesystem::remove(path_);
-  EXPECT_EQ(GetParam().key(path_), std::nullopt);
+  EXPECT_EQ(Key(), std::nullopt);
   ExpectError(
       ErrorCode::kNotFound, {path_.string()}, [&] { GetParam().read(path_); });
   // Opening a pipe would wait for ever.
@@ -218,7 +221,7 @@ TEST(EvidenceFile, KeepsThatThereIsNothing) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.Path() / "b.bin";
   WriteEvidence(UserPath(path), "", {});
-  EXPECT_EQ(ReadEvidenceKey(path), "");
+  EXPECT_EQ(ReadStateFileKey(path, kEvidenceFile), "");
   const ViewEvidence read = ReadEvidence(path);
   EXPECT_EQ(read.NumSuperpixels(), 0);
   EXPECT_TRUE(read.superpixels.Empty());
@@ -269,7 +272,8 @@ TEST(SceneModelFile, GivesBackWhatWasWritten) {
   // The planes alone have the same fingerprint.
   const std::optional<uint64_t> planes = ReadScenePlanesFingerprint(path);
   EXPECT_NE(planes, std::nullopt);
-  WriteSceneModel(UserPath(path), "", written, SceneModelParts::kWithoutLabels);
+  written.views.clear();
+  WriteSceneModel(UserPath(path), "", written);
   EXPECT_EQ(ReadScenePlanesFingerprint(path), planes);
   EXPECT_TRUE(ReadSceneModel(path).views.empty());
   written.planes[2].plane.offset += 1e-9;

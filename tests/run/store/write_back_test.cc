@@ -15,7 +15,6 @@
 #include "tests/run/store/write_back_testing.h"
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
-#include "tests/support/write_refined.h"
 #include <nlohmann/json.hpp>
 
 namespace tsar {
@@ -123,31 +122,6 @@ TEST_F(WriteBackTest, IsDoneWithAllItsFilesAndItsInputsAlone) {
   EXPECT_FALSE(IsDone(Workspace(root_, MapType::kPhotometric), 0, Record()));
   KeepImage(workspace(), 0, Record());
   EXPECT_FALSE(IsDone(workspace(), 0, Record()));
-}
-
-// So readers need not wait for it.
-TEST_F(WriteBackTest, PreparingFilesChangesNoFileThatIsRead) {
-  for (const float earlier : {0.f, 42.f}) {
-    if (earlier > 0.f) {
-      WriteRefined(workspace(), 0, MakeRefinedMaps(earlier), Record());
-    }
-    const auto before = ReadTree(root_);
-    {
-      WriteBack write_back(workspace(), 0, Record());
-      write_back.PrepareFiles(MakeRefinedMaps(43.f));
-      const auto prepared = ReadTree(root_);
-      EXPECT_GT(prepared.size(), before.size());
-      for (const auto& [path, content] : before) {
-        EXPECT_EQ(prepared.at(path), content) << path;
-      }
-      EXPECT_EQ(OriginalDepth(0), 2.f);
-    }
-    for (const auto& [path, content] : ReadTree(root_)) {
-      if (content != "folder") {
-        EXPECT_EQ(before.at(path), content) << path;
-      }
-    }
-  }
 }
 
 TEST_F(WriteBackTest, RefusesBadMapsAndChangesNothing) {

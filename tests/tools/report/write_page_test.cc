@@ -15,7 +15,6 @@
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
-#include "tests/support/write_refined.h"
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
