@@ -6,13 +6,15 @@
 #include "colmap_tsar/base/enum_names.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/text_stream.h"
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <sstream>
 #include <utility>
+
+#include <boost/algorithm/string/trim.hpp>
 
 namespace tsar {
 namespace {
@@ -30,18 +32,10 @@ Error Refused(const std::string& what) {
 }
 
 int ParseIndex(const std::string& word, const std::string& text) {
-  const size_t begin = word.find_first_not_of(' ');
-  const std::string number =
-      begin == std::string::npos
-          ? ""
-          : word.substr(begin, word.find_last_not_of(' ') - begin + 1);
-  int index = -1;
-  const char* end = number.data() + number.size();
-  const auto result = std::from_chars(number.data(), end, index);
-  if (result.ptr != end || result.ec != std::errc()) {
-    throw Refused("'" + text + "' is not a list of GPUs");
+  if (const auto index = ParseNumber<int>(boost::trim_copy(word))) {
+    return *index;
   }
-  return index;
+  throw Refused("'" + text + "' is not a list of GPUs");
 }
 
 void CheckGpuIndices(const std::vector<int>& indices) {
@@ -59,14 +53,6 @@ void CheckGpuIndices(const std::vector<int>& indices) {
 
 std::string ToString(DeviceChoice choice) {
   return EnumName(kChoiceNames, choice);
-}
-
-DeviceChoice ParseDeviceChoice(const std::string& text) {
-  if (const auto choice = FindEnumValue(kChoiceNames, text)) {
-    return *choice;
-  }
-  throw Error(ErrorCode::kBadOption,
-              OptionName("device") + ": not known; give auto, cuda or cpu");
 }
 
 std::vector<int> ParseGpuIndices(const std::string& text) {

@@ -16,8 +16,6 @@ enum class DeviceChoice {
 
 // "auto", "cuda" or "cpu".
 std::string ToString(DeviceChoice choice);
-// Throws kBadOption, naming the option "device".
-DeviceChoice ParseDeviceChoice(const std::string& text);
 
 // Reads "0,1,3"; nothing for "-1", which stands for every GPU. Throws
 // kBadOption, naming the option "gpu_index", for anything else.

@@ -79,15 +79,6 @@ void Shard::Check() const {
 
 std::string ToString(RefinePass pass) { return EnumName(kPassNames, pass); }
 
-RefinePass ParsePass(const std::string& text) {
-  if (const auto pass = FindEnumValue(kPassNames, text)) {
-    return *pass;
-  }
-  throw Error(ErrorCode::kBadOption,
-              OptionName("pass") + ": '" + text +
-                  "' is not known; give all, observe, model, compose or merge");
-}
-
 std::vector<std::vector<size_t>> SplitImages(const Workspace& workspace,
                                              int count) {
   if (count == 1) {

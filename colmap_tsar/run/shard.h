@@ -39,8 +39,6 @@ enum class RefinePass {
 
 // "all", "observe", "model", "compose" or "merge".
 std::string ToString(RefinePass pass);
-// Throws kBadOption.
-RefinePass ParsePass(const std::string& text);
 
 // Splits the images of a workspace, given by their indices in Problems(), into
 // `count` lists in ascending order, each of about the same work; some are empty

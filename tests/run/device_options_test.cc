@@ -50,15 +50,5 @@ TEST(GpuIndicesText, IsReadBack) {
   }
 }
 
-TEST(ParseDeviceChoice, ReadsWhatToStringWrites) {
-  for (const DeviceChoice choice :
-       {DeviceChoice::kAuto, DeviceChoice::kCuda, DeviceChoice::kCpu}) {
-    EXPECT_EQ(ParseDeviceChoice(ToString(choice)), choice);
-  }
-  ExpectError(ErrorCode::kBadOption, {"device", "auto, cuda or cpu"}, [] {
-    ParseDeviceChoice("abacus");
-  });
-}
-
 }  // namespace
 }  // namespace tsar

@@ -41,7 +41,12 @@ class RefineShardTest : public RefineWorkspaceTest {
                                         const std::string& pass = "all",
                                         const std::string& shard = "") {
     WorkspaceRefineOptions options = RefineWorkspaceTest::Options(root);
-    options.pass = ParsePass(pass);
+    for (const RefinePass candidate : {RefinePass::kObserve,
+                                       RefinePass::kModel,
+                                       RefinePass::kCompose,
+                                       RefinePass::kMerge}) {
+      options.pass = ToString(candidate) == pass ? candidate : options.pass;
+    }
     options.shard = ParseShard(shard);
     return options;
   }

@@ -51,18 +51,6 @@ TEST(ParseShardTest, RefusesEverythingElse) {
   }
 }
 
-TEST(ParsePassTest, KnowsItsNames) {
-  for (const RefinePass pass : {RefinePass::kAll,
-                                RefinePass::kObserve,
-                                RefinePass::kCompose,
-                                RefinePass::kMerge}) {
-    EXPECT_TRUE(ParsePass(ToString(pass)) == pass);
-  }
-  ExpectError(ErrorCode::kBadOption, {"pass", "'both'", "observe"}, [] {
-    ParsePass("both");
-  });
-}
-
 // A workspace of images along a closed path, each with its `reach` neighbors
 // on both sides as sources, listed in an order that has nothing to do with it.
 class SplitImagesTest : public testing::Test {
