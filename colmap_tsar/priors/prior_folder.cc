@@ -60,7 +60,7 @@ Matches MatchNames(const std::vector<std::string>& image_names) {
 // The depth images of a folder, in the order of their names.
 std::vector<Path> ListDepthImages(const Path& folder) {
   std::vector<Path> files;
-  for (const TreeEntry& entry : ListTree({folder, {}})) {
+  for (const FolderEntry& entry : ListTree({folder, {}})) {
     if (IsDepthImageName(entry.path)) {
       files.push_back(entry.path);
     }
