@@ -9,7 +9,9 @@
 #include "colmap_tsar/base/path.h"
 
 #include <cerrno>
+#include <mutex>
 #include <optional>
+#include <ranges>
 #include <string>
 #include <system_error>
 #include <tuple>
@@ -151,10 +153,30 @@ void AtomicFile::Commit() {
     ThrowSystemError(path.Path(), "cannot be replaced", errno);
   }
   state_->committed = true;
-  Folder(path.Parent()).Flush();
+  FlushToDisk(path.Parent());
 }
 
-void CreateFolders(const ContainedPath& path) { Folder::Create(path); }
+void CreateFolders(const ContainedPath& path) {
+  RequireInside(path);
+  // No thread takes a folder of another one for one that is on the disk.
+  static std::mutex mutex;
+  const std::lock_guard<std::mutex> lock(mutex);
+  std::error_code error;
+  std::vector<fs::path> created;
+  for (fs::path folder = fs::absolute(path.Path());
+       !fs::exists(folder, error) && folder.has_relative_path();
+       folder = folder.parent_path()) {
+    created.push_back(folder);
+  }
+  fs::create_directories(path.Path(), error);
+  if (error) {
+    ThrowSystemError(
+        path.Path(), "the folder cannot be created", error.value());
+  }
+  for (const fs::path& folder : created | std::views::reverse) {
+    FlushToDisk(folder.parent_path());
+  }
+}
 
 void LinkOrCopyFile(const fs::path& source, const ContainedPath& path) {
   CreateFolders(path.Parent());
@@ -195,8 +217,8 @@ void CopyFile(const fs::path& source,
 }
 
 void RenameFile(const ContainedPath& from, const ContainedPath& to) {
-  const Folder from_folder(from.Parent());
-  const Folder to_folder(to.Parent());
+  RequireInside(from.Parent());
+  RequireInside(to.Parent());
   if (from.Filename() == to.Filename() &&
       fs::equivalent(from.Parent().Path(), to.Parent().Path())) {
     throw Error::File(ErrorCode::kUnsupported,
@@ -216,27 +238,7 @@ void RenameFile(const ContainedPath& from, const ContainedPath& to) {
   }
   // rename() does nothing if both names are links to one file.
   unlink(from.Path().c_str());
-  to_folder.Flush();
-}
-
-bool ExchangeFiles(const ContainedPath& first, const ContainedPath& second) {
-  const Folder first_folder(first.Parent());
-  const Folder second_folder(second.Parent());
-  if (renameat2(AT_FDCWD,
-                first.Path().c_str(),
-                AT_FDCWD,
-                second.Path().c_str(),
-                RENAME_EXCHANGE) != 0) {
-    if (errno == EINVAL || errno == ENOSYS || errno == ENOTSUP) {
-      return false;
-    }
-    ThrowSystemError(second.Path(),
-                     "cannot be exchanged with " + first.Filename().string(),
-                     errno);
-  }
-  first_folder.Flush();
-  second_folder.Flush();
-  return true;
+  FlushToDisk(to.Parent());
 }
 
 }  // namespace tsar

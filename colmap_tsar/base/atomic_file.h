@@ -73,8 +73,4 @@ void CopyFile(const std::filesystem::path& source,
 // Between file systems, the file is copied and the former name removed.
 void RenameFile(const ContainedPath& from, const ContainedPath& to);
 
-// Exchanges two names atomically and flushes the folders. Returns false, with
-// nothing changed, if the file system does not support it. Throws Error kIo.
-bool ExchangeFiles(const ContainedPath& first, const ContainedPath& second);
-
 }  // namespace tsar

@@ -10,22 +10,14 @@
 #include <new>
 #include <vector>
 
-#include <xxhash.h>
-
 namespace tsar {
 
-void ContentHash::Free::operator()(XXH3_state_s* state) const {
-  XXH3_freeState(state);
-}
-
-ContentHash::ContentHash() : state_(XXH3_createState()) {
+ContentHash::ContentHash() : state_(XXH3_createState(), &XXH3_freeState) {
   if (!state_) {
     throw std::bad_alloc();
   }
   XXH3_64bits_reset(state_.get());
 }
-
-ContentHash::~ContentHash() = default;
 
 void ContentHash::Update(const void* data, size_t num_bytes) {
   // An empty array may have a null address, which some versions reject.

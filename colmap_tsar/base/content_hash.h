@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-struct XXH3_state_s;
+#include <xxhash.h>
 
 namespace tsar {
 
@@ -23,19 +23,12 @@ inline constexpr const char* kContentHashName = "xxh3";
 class ContentHash {
  public:
   ContentHash();
-  ~ContentHash();
-  ContentHash(const ContentHash&) = delete;
-  ContentHash& operator=(const ContentHash&) = delete;
 
   void Update(const void* data, size_t num_bytes);
   uint64_t Value() const;
 
  private:
-  struct Free {
-    void operator()(XXH3_state_s* state) const;
-  };
-
-  std::unique_ptr<XXH3_state_s, Free> state_;
+  std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state_;
 };
 
 // The hash of a file's content. Throws kNotFound or kIo if it cannot be read.

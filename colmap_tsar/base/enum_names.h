@@ -40,14 +40,4 @@ std::optional<Enum> FindEnumValue(const EnumNames<Enum, kNumValues>& names,
   return std::nullopt;
 }
 
-// Throws std::invalid_argument for a text that is no name.
-template <typename Enum, size_t kNumValues>
-Enum EnumValue(const EnumNames<Enum, kNumValues>& names,
-               std::string_view text) {
-  if (const std::optional<Enum> value = FindEnumValue(names, text)) {
-    return *value;
-  }
-  throw std::invalid_argument("not the name of a value of an enum");
-}
-
 }  // namespace tsar

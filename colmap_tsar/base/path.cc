@@ -6,9 +6,10 @@
 #include "colmap_tsar/base/error.h"
 
 #include <algorithm>
+#include <locale>
 #include <system_error>
 
-#include <sys/stat.h>
+#include <boost/algorithm/string/case_conv.hpp>
 
 namespace tsar {
 namespace {
@@ -45,11 +46,8 @@ bool IsFile(const fs::path& path) {
   return fs::is_regular_file(StatusOf(path));
 }
 
-std::string FoldedCase(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return name;
+std::string FoldedCase(const std::string& name) {
+  return boost::to_lower_copy(name, std::locale::classic());
 }
 
 std::string AdviceForMissing(const fs::path& path, const std::string& advice) {

@@ -17,7 +17,7 @@ bool Exists(const std::filesystem::path& path);
 bool IsFile(const std::filesystem::path& path);
 
 // In lower case, as far as it is ASCII.
-std::string FoldedCase(std::string name);
+std::string FoldedCase(const std::string& name);
 
 // What to do about a file that is missing: the advice, or, where its folder has
 // a file of the same name but for upper and lower case (.JPG and .jpg), to

@@ -3,8 +3,6 @@
 
 #include "colmap_tsar/base/printable.h"
 
-#include <algorithm>
-
 namespace tsar {
 
 std::string_view TakePrintable(std::string_view* text) {
@@ -37,37 +35,16 @@ std::string Printable(std::string_view text) {
 }
 
 bool HasControlCharacter(std::string_view text) {
-  while (!text.empty()) {
-    // A lone byte is a letter of another encoding than UTF-8.
-    const std::string_view before = text;
-    const bool is_replaced = TakePrintable(&text).data() != before.data();
-    const bool is_lone = static_cast<unsigned char>(before[0]) >= 0x80 &&
-                         before.size() - text.size() == 1;
-    if (is_replaced && !is_lone) {
+  for (size_t i = 0; i < text.size(); ++i) {
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const auto next =
+        static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : 0);
+    if (byte < 0x20 || byte == 0x7F ||
+        (byte == 0xC2 && next >= 0x80 && next < 0xA0)) {
       return true;
     }
   }
   return false;
-}
-
-std::string ShellWord(const std::string& text) {
-  constexpr const char* kPlain =
-      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./"
-      ":=@_";
-  const bool is_plain =
-      !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
-        return static_cast<unsigned char>(c) >= 0x80 ||
-               std::string_view(kPlain).find(c) != std::string_view::npos;
-      });
-  if (is_plain) {
-    return text;
-  }
-  std::string word = "'";
-  for (const char c : text) {
-    // A quotation mark ends the quotation and is escaped by a backslash.
-    word += c == '\'' ? "'\\''" : std::string(1, c);
-  }
-  return word + "'";
 }
 
 }  // namespace tsar

@@ -20,7 +20,4 @@ std::string_view TakePrintable(std::string_view* text);
 // Whether a text has control characters, which no file name needs.
 bool HasControlCharacter(std::string_view text);
 
-// The text as one shell word, quoted if necessary.
-std::string ShellWord(const std::string& text);
-
 }  // namespace tsar

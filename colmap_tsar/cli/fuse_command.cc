@@ -71,12 +71,12 @@ void FuseCommand::AddTo(OptionSet* set) {
            "then the largest, as for stereo_fusion. If empty, all are kept.");
   set->Add("overwrite", &overwrite, "Replace a cloud that is there.");
   const std::string group = "TsarFuse.";
-  set->AddChoice(group + "preset",
-                 &preset,
-                 FusionPresetNames(),
-                 "default: depths weighted by precision and confidence; paper: "
-                 "the thresholds of the TSAR-MVS paper, three views and the "
-                 "mean of what agrees. The options below come on top.");
+  set->Add(group + "preset",
+           &preset,
+           "default: depths weighted by precision and confidence; paper: "
+           "the thresholds of the TSAR-MVS paper, three views and the "
+           "mean of what agrees. The options below come on top.")
+      .choices = FusionPresetNames();
   FusionOptions* const fusion = &options.fusion;
   set->Add(group + "min_num_views",
            &fusion->min_num_views,

@@ -40,11 +40,11 @@ void ImportCommand::AddTo(OptionSet* set) {
                    &options.output_path,
                    "The workspace to make. It must not be there, or be empty, "
                    "or hold an earlier import (--overwrite 1).");
-  set->AddChoice("format",
-                 &format,
-                 {"acm", "apd", "openmvs", "depth"},
-                 "Whose maps they are, must be given; depth: PNG of 16 bits, "
-                 "EXR, TIFF, PFM or NPY, called as the images are.");
+  set->Add("format",
+           &format,
+           "Whose maps they are, must be given; depth: PNG of 16 bits, "
+           "EXR, TIFF, PFM or NPY, called as the images are.")
+      .choices = {"acm", "apd", "openmvs", "depth"};
   set->Add("normal_path",
            &options.match.normal_path,
            "For depth: a folder with normal maps (EXR, TIFF, PFM or NPY of "

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/printable.h"
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <boost/algorithm/string/join.hpp>
 #include <boost/program_options.hpp>
 #include <nlohmann/json.hpp>
 
@@ -31,15 +33,6 @@ template <typename T>
 std::string NumberText(T value) {
   char buffer[64];
   return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
-}
-
-std::string Joined(const std::vector<std::string>& texts,
-                   const std::string& separator) {
-  std::string joined;
-  for (const std::string& text : texts) {
-    joined += (joined.empty() ? "" : separator) + text;
-  }
-  return joined;
 }
 
 std::string RangeText(const OptionRange& range) {
@@ -75,8 +68,9 @@ std::string Suggestion(const std::vector<Option>& options,
       similar.push_back("--" + option.name);
     }
   }
-  return similar.empty() ? ""
-                         : " (did you mean " + Joined(similar, ", ") + "?)";
+  return similar.empty()
+             ? ""
+             : " (did you mean " + boost::join(similar, ", ") + "?)";
 }
 
 po::options_description Describe(const std::vector<Option>& options, bool all) {
@@ -207,7 +201,7 @@ void Option::Set(const std::string& text, const std::string& where) const {
       [&](const auto& value) {
         using T = std::remove_pointer_t<std::decay_t<decltype(value)>>;
         require(choices.empty() || std::ranges::count(choices, text) > 0,
-                "one of " + Joined(choices, ", "));
+                "one of " + boost::join(choices, ", "));
         if constexpr (std::is_same_v<T, TextTarget>) {
           value.set(text);
         } else if constexpr (std::is_same_v<T, bool>) {
@@ -215,14 +209,11 @@ void Option::Set(const std::string& text, const std::string& where) const {
           require(is_on || text == "0" || text == "false", "0 or 1");
           *value = is_on;
         } else if constexpr (std::is_arithmetic_v<T>) {
-          T parsed{};
-          const char* end = text.data() + text.size();
-          const auto [rest, error] = std::from_chars(text.data(), end, parsed);
-          require(rest == end && error == std::errc() && parsed >= range.min &&
-                      parsed <= range.max,
+          const std::optional<T> parsed = ParseNumber<T>(text);
+          require(parsed && *parsed >= range.min && *parsed <= range.max,
                   (std::is_integral_v<T> ? "a whole number" : "a number") +
                       RangeText(range));
-          *value = parsed;
+          *value = *parsed;
         } else {
           *value = text;
         }
@@ -250,7 +241,7 @@ std::string Option::Text() const {
 std::string Option::ValueHint() const {
   constexpr const char* kHints[] = {
       "0|1", "INT", "NUMBER", "NUMBER", "TEXT", "TEXT", "PATH"};
-  return choices.empty() ? kHints[target.index()] : Joined(choices, "|");
+  return choices.empty() ? kHints[target.index()] : boost::join(choices, "|");
 }
 
 OptionSet::OptionSet(std::string command,
@@ -273,15 +264,6 @@ Option& OptionSet::AddRequired(const std::string& name,
                                const std::string& description) {
   Option& option = Add(name, value, description);
   option.is_required = true;
-  return option;
-}
-
-Option& OptionSet::AddChoice(const std::string& name,
-                             std::string* value,
-                             const std::vector<std::string>& choices,
-                             const std::string& description) {
-  Option& option = Add(name, value, description);
-  option.choices = choices;
   return option;
 }
 

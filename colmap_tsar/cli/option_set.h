@@ -79,7 +79,8 @@ class OptionSet {
   OptionSet& operator=(const OptionSet&) = delete;
 
   // Adds an option; the value that the target has now is the default. Names
-  // must be unique; the target must outlive this object.
+  // must be unique; the target must outlive this object. Other members of the
+  // option may be set in what is returned, until the next call.
   Option& Add(const std::string& name,
               OptionTarget target,
               const std::string& description,
@@ -89,12 +90,6 @@ class OptionSet {
   Option& AddRequired(const std::string& name,
                       std::filesystem::path* value,
                       const std::string& description);
-
-  // Adds an option whose value must be one of the choices.
-  Option& AddChoice(const std::string& name,
-                    std::string* value,
-                    const std::vector<std::string>& choices,
-                    const std::string& description);
 
   // Adds an option whose value must be one of these, by the names that
   // ToString() gives them. Value: Enum, or an optional one.

@@ -16,6 +16,8 @@
 #include <string>
 #include <utility>
 
+#include <boost/algorithm/string/replace.hpp>
+
 namespace tsar {
 namespace {
 
@@ -39,8 +41,17 @@ int64_t Count(const RunSummary& summary, const std::string& name) {
   return found == summary.counts.end() ? 0 : found->second;
 }
 
+// The path as one word of a shell, quoted if necessary.
 std::string Quoted(const std::filesystem::path& path) {
-  return ShellWord(Printable(path.string()));
+  const std::string text = Printable(path.string());
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789%+,-./"
+      ":=@_";
+  if (text.find_first_not_of(kPlain) == std::string::npos) {
+    return text;
+  }
+  // A quotation mark ends the quotation and is escaped by a backslash.
+  return "'" + boost::replace_all_copy(text, "'", "'\\''") + "'";
 }
 
 // ", 3 WHAT" where there are any.
@@ -145,25 +156,8 @@ void PrintTimes(const RunSummary& summary, std::ostream& out) {
   PrintPeakMemory(summary.peak_gpu_memory, out);
 }
 
-// Prints the next command to run.
-void PrintNext(const RunSummary& summary, std::ostream& out) {
-  for (const auto& [pass, next] :
-       {std::pair(RefinePass::kObserve,
-                  "Next, when all shards have been observed: "
-                  "--TsarRefine.pass model\n"),
-        std::pair(RefinePass::kModel,
-                  "Next, for each shard: --TsarRefine.pass compose\n"),
-        std::pair(RefinePass::kCompose,
-                  "Next, when all shards have been composed: "
-                  "--TsarRefine.pass merge\n")}) {
-    if (summary.pass == pass) {
-      out << next;
-      return;
-    }
-  }
-  if (summary.RefinedNone()) {
-    return;
-  }
+// Prints how to go on with the refined maps.
+void PrintFusion(const RunSummary& summary, std::ostream& out) {
   if (summary.model_folder != summary.workspace_path / "sparse") {
     out << "stereo_fusion looks for the sparse model in "
         << Quoted(summary.workspace_path / "sparse")
@@ -177,6 +171,21 @@ void PrintNext(const RunSummary& summary, std::ostream& out) {
       << Quoted(summary.workspace_path) << " --input_type "
       << ToString(summary.type) << " --output_path "
       << Quoted(summary.workspace_path / "fused.ply") << "\n";
+}
+
+// Prints the next command to run.
+void PrintNext(const RunSummary& summary, std::ostream& out) {
+  if (summary.pass == RefinePass::kObserve) {
+    out << "Next, when all shards have been observed: --TsarRefine.pass "
+           "model\n";
+  } else if (summary.pass == RefinePass::kModel) {
+    out << "Next, for each shard: --TsarRefine.pass compose\n";
+  } else if (summary.pass == RefinePass::kCompose) {
+    out << "Next, when all shards have been composed: --TsarRefine.pass "
+           "merge\n";
+  } else if (!summary.RefinedNone()) {
+    PrintFusion(summary, out);
+  }
 }
 
 }  // namespace
@@ -285,15 +294,10 @@ void PrintSummary(const ImportSummary& summary, std::ostream& out) {
         << Fixed(summary.scale.largest, 3) << " over "
         << summary.scale.num_images << " images)\n";
   }
-  constexpr size_t kMaxWarnings = 20;
-  const size_t num_shown = std::min(summary.warnings.size(), kMaxWarnings);
-  for (size_t i = 0; i < num_shown; ++i) {
-    out << "WARNING: " << Printable(summary.warnings[i]) << "\n";
-  }
-  if (num_shown < summary.warnings.size()) {
-    out << "WARNING: and " << summary.warnings.size() - num_shown
-        << " more like these\n";
-  }
+  PrintFirst(
+      summary.warnings,
+      [](const std::string& warning) { return "WARNING: " + warning; },
+      out);
   out << "Next: colmap_tsar tsar_refine --workspace_path "
       << Quoted(summary.output_path) << " --input_type "
       << ToString(summary.type) << "\n";

@@ -84,11 +84,12 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
 
 void AddRunOptions(RefineCommand* command, OptionSet* options) {
   const std::string group = kGroup;
-  options->AddChoice(group + "preset",
-                     &command->preset,
-                     {"default", "paper"},
-                     "The method of this project, or the published one. "
-                     "Options that are given come on top.");
+  options
+      ->Add(group + "preset",
+            &command->preset,
+            "The method of this project, or the published one. "
+            "Options that are given come on top.")
+      .choices = {"default", "paper"};
   AddDeviceOptions(group, &command->workspace.devices, options);
   Shard* const shard = &command->workspace.shard;
   options->Add(

@@ -26,11 +26,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-double ShareOf(int64_t part, int64_t all) {
-  return static_cast<double>(part) /
-         static_cast<double>(std::max<int64_t>(all, 1));
-}
-
 // Prints the evaluation as JSON, or its numbers ("images: 8" for num_images)
 // and its "scores", which are at least one, as a table: a row for each.
 void PrintEvaluation(const Json& evaluation, bool as_json) {
@@ -220,10 +215,11 @@ Json ToJson(const FusedPixelEvaluation& evaluation,
   json["num_images"] = evaluation.num_images;
   json["num_known"] = evaluation.num_known;
   json["num_fused"] = evaluation.num_fused;
+  const auto num_fused =
+      static_cast<double>(std::max<int64_t>(evaluation.num_fused, 1));
   for (size_t t = 0; t < tolerances.size(); ++t) {
-    json["scores"].push_back(
-        {{"tolerance", tolerances[t]},
-         {"right", ShareOf(evaluation.num_right[t], evaluation.num_fused)}});
+    json["scores"].push_back({{"tolerance", tolerances[t]},
+                              {"right", evaluation.num_right[t] / num_fused}});
   }
   return json;
 }

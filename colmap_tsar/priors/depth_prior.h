@@ -34,7 +34,4 @@ struct DepthPrior {
 // "auto", "metric", "relative" or "inverse".
 std::string ToString(PriorType type);
 
-// Throws Error kBadOption, naming the option prior_type, for any other text.
-PriorType ParsePriorType(const std::string& text);
-
 }  // namespace tsar

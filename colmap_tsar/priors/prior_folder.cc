@@ -154,7 +154,7 @@ PriorFolder::PriorFolder(const Path& folder,
   }
   const Matches matches = MatchNames(image_names);
   std::set<Path> paths;
-  for (const TreeEntry& entry : ListTree({folder, {}})) {
+  for (const FolderEntry& entry : ListTree({folder, {}})) {
     if (IsDepthImageName(entry.path)) {
       paths.insert(entry.path);
     }

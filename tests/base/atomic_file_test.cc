@@ -184,23 +184,5 @@ TEST(RenameFileTest, RemovesTheOldNameAlsoBetweenLinks) {
   EXPECT_EQ(ReadText(folder.Path() / "b"), "text");
 }
 
-TEST(AtomicFileTest, RemovesTemporariesAndNothingElse) {
-  const TemporaryFolder folder;
-  const std::filesystem::path root = folder.Path() / "maps";
-  RemoveTemporaries(UserPath(root));  // No such folder.
-  const std::filesystem::path kept = root / "left.tsar_tmp" / "b.bin";
-  WriteText(kept, "map");
-  WriteText(root / "left.tsar_tmp" / "b.bin.tsar_tmp", "half");
-  WriteText(root / "a.bin.tsar_tmp", "half");
-  WriteText(folder.Path() / "precious", "precious");
-  std::filesystem::create_symlink(folder.Path() / "precious",
-                                  root / "c.bin.tsar_tmp");
-  RemoveTemporaries(UserPath(root));
-  EXPECT_EQ(ReadText(kept), "map");
-  EXPECT_EQ(NumEntries(kept.parent_path()), 1u);
-  EXPECT_EQ(NumEntries(root), 1u);
-  EXPECT_EQ(ReadText(folder.Path() / "precious"), "precious");
-}
-
 }  // namespace
 }  // namespace tsar

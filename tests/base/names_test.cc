@@ -25,10 +25,9 @@ constexpr std::array kNames = {std::pair(Fruit::kPear, "pear"),
 TEST(EnumNames, NamesAndFindsValues) {
   EXPECT_EQ(EnumName(kNames, Fruit::kApple), "apple");
   EXPECT_THROW(EnumName(kNames, Fruit::kPlum), std::invalid_argument);
-  EXPECT_EQ(EnumValue(kNames, "pear"), Fruit::kPear);
+  EXPECT_EQ(FindEnumValue(kNames, "pear"), Fruit::kPear);
   for (const char* text : {"", "pea", "pears", "Pear", "plum"}) {
     EXPECT_EQ(FindEnumValue(kNames, text), std::nullopt) << text;
-    EXPECT_THROW(EnumValue(kNames, text), std::invalid_argument) << text;
   }
 }
 
@@ -126,13 +125,6 @@ TEST(ParseNumber, TakesTheWholeTextOrNothing) {
                            "4294967296"}) {
     EXPECT_EQ(ParseNumber<uint32_t>(text), std::nullopt) << text;
   }
-}
-
-TEST(ShellWord, QuotesWhatNeedsIt) {
-  EXPECT_EQ(ShellWord("dense/0/a-b_c.d"), "dense/0/a-b_c.d");
-  EXPECT_EQ(ShellWord(""), "''");
-  EXPECT_EQ(ShellWord("$(reboot)"), "'$(reboot)'");
-  EXPECT_EQ(ShellWord("it's"), "'it'\\''s'");
 }
 
 }  // namespace

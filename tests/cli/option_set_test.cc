@@ -26,8 +26,8 @@ class OptionSetTest : public testing::Test {
     options_.Add("TsarTest.score", &score_, "eta.", {0, 1});
     options_.Add("TsarTest.sigma", &sigma_, "alpha.").is_advanced = true;
     options_.Add("TsarTest.filter", &filter_, "On or off.");
-    options_.AddChoice(
-        "TsarTest.device", &device_, {"auto", "cpu", "cuda"}, "Where to run.");
+    options_.Add("TsarTest.device", &device_, "Where to run.").choices = {
+        "auto", "cpu", "cuda"};
   }
 
   bool Parse(const Words& arguments) {

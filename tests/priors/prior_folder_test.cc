@@ -142,20 +142,5 @@ TEST_F(PriorFolderTest, WarnsOfFilesOfNoImage) {
                                  (root_ / "z.npy").string()));
 }
 
-TEST(PriorTypeNames, AreReadAsTheyAreWritten) {
-  for (const PriorType type : {PriorType::kAuto,
-                               PriorType::kMetric,
-                               PriorType::kRelative,
-                               PriorType::kInverse}) {
-    EXPECT_EQ(ParsePriorType(ToString(type)), type);
-  }
-  EXPECT_EQ(ToString(PriorType::kInverse), "inverse");
-  for (const char* text : {"", "Metric", "disparity"}) {
-    ExpectError(ErrorCode::kBadOption, {"prior_type", "auto, metric"}, [&] {
-      ParsePriorType(text);
-    });
-  }
-}
-
 }  // namespace
 }  // namespace tsar

@@ -19,6 +19,7 @@
 #include <system_error>
 #include <vector>
 
+#include <fcntl.h>
 #include <sys/file.h>
 
 namespace tsar {
@@ -53,12 +54,12 @@ bool IsUnfinished(const OutputFolderKind& kind, const fs::path& path) {
   if (!fs::is_directory(SymlinkStatus(path))) {
     return false;
   }
-  const std::vector<Folder::Entry> entries = Folder(UserPath(path)).List();
-  const auto is_temporary = [&](const Folder::Entry& entry) {
-    return entry.name == TemporaryMarker(kind);
+  const std::vector<FolderEntry> entries = ListFolder(UserPath(path));
+  const auto is_temporary = [&](const FolderEntry& entry) {
+    return entry.path.Filename() == TemporaryMarker(kind);
   };
-  const auto is_marker = [&](const Folder::Entry& entry) {
-    return entry.name == kind.unfinished_file && !entry.is_folder;
+  const auto is_marker = [&](const FolderEntry& entry) {
+    return entry.path.Filename() == kind.unfinished_file && !entry.is_folder;
   };
   return std::ranges::all_of(entries, is_temporary) ||
          std::ranges::any_of(entries, is_marker);
@@ -76,7 +77,7 @@ void Mark(const OutputFolderKind& kind, const fs::path& folder) {
 void EmptyUnfinished(const OutputFolderKind& kind, const fs::path& path) {
   const ContainedPath folder = UserPath(path);
   const fs::path marker = path / kind.unfinished_file;
-  const std::vector<TreeEntry> tree = ListTree(folder);
+  const std::vector<FolderEntry> tree = ListTree(folder);
   for (auto entry = tree.rbegin(); entry != tree.rend(); ++entry) {
     if (entry->is_folder) {
       RemoveTree(entry->path);
@@ -95,17 +96,23 @@ void RemoveUnfinished(const OutputFolderKind& kind, const fs::path& path) {
 // The lock is held until the folder is closed, however the program ends. File
 // systems that cannot lock folders cause no warning, since a folder is hardly
 // ever written by two programs.
-void Lock(const OutputFolderKind& kind, const Folder& folder) {
-  if (flock(folder.Descriptor(), LOCK_EX | LOCK_NB) != 0 &&
-      errno == EWOULDBLOCK) {
+DIR* OpenLocked(const OutputFolderKind& kind, const fs::path& path) {
+  CreateFolders(UserPath(path));
+  DIR* const folder = opendir(path.c_str());
+  if (folder == nullptr) {
+    ThrowSystemError(path, "the folder cannot be opened", errno);
+  }
+  if (flock(dirfd(folder), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    closedir(folder);
     throw Refused(kind,
-                  folder.Path(),
+                  path,
                   std::string("another ") + kind.command + " is at work there",
                   "wait until it has ended");
   }
+  return folder;
 }
 
-std::string NameIn(const ContainedPath& folder, const TreeEntry& entry) {
+std::string NameIn(const ContainedPath& folder, const FolderEntry& entry) {
   return entry.path.Relative()
       .lexically_relative(folder.Relative())
       .generic_string();
@@ -114,7 +121,7 @@ std::string NameIn(const ContainedPath& folder, const TreeEntry& entry) {
 void WriteList(const OutputFolderKind& kind, const fs::path& path) {
   const ContainedPath folder = UserPath(path);
   std::set<std::string> names;
-  for (const TreeEntry& entry : ListTree(folder)) {
+  for (const FolderEntry& entry : ListTree(folder)) {
     if (!entry.is_folder) {
       names.insert(NameIn(folder, entry));
     }
@@ -154,7 +161,7 @@ void CheckHoldsNothingElse(const OutputFolderKind& kind, const fs::path& path) {
                   "move or delete it");
   }
   const ContainedPath folder = UserPath(path);
-  for (const TreeEntry& entry : ListTree(folder)) {
+  for (const FolderEntry& entry : ListTree(folder)) {
     const std::string name = NameIn(folder, entry);
     if (!entry.is_folder &&
         (entry.is_link ||
@@ -180,8 +187,7 @@ bool CheckPlace(const OutputFolderKind& kind,
   if (type == fs::file_type::symlink) {
     throw Refused(kind, path, "is a link", "remove it");
   }
-  if (type == fs::file_type::directory &&
-      Folder(UserPath(path)).List().empty()) {
+  if (type == fs::file_type::directory && ListFolder(UserPath(path)).empty()) {
     return false;
   }
   std::error_code error;
@@ -232,8 +238,7 @@ OutputFolder::OutputFolder(const OutputFolderKind& kind,
                       "give another folder than " + path_.string() + " as " +
                           OptionName(kind_.path_option) + ", or move it away");
   }
-  lock_ = std::make_unique<Folder>(Folder::Create(UserPath(temporary_)));
-  Lock(kind_, *lock_);
+  lock_.reset(OpenLocked(kind_, temporary_));
   EmptyUnfinished(kind_, temporary_);  // Remains of a killed program.
   RemoveFormer(kind_, path_);
   try {
@@ -260,11 +265,17 @@ void OutputFolder::Commit() {
   const ContainedPath to = UserPath(path_);
   if (CheckPlace(kind_, path_, overwrite_)) {
     Mark(kind_, path_);
-    if (!ExchangeFiles(from, to)) {
+    if (renameat2(AT_FDCWD,
+                  temporary_.c_str(),
+                  AT_FDCWD,
+                  path_.c_str(),
+                  RENAME_EXCHANGE) != 0) {
+      // Not all file systems can.
       RenameFile(to, UserPath(FormerPath(path_)));
       RenameFile(from, to);
       RemoveFormer(kind_, path_);
     }
+    FlushToDisk(to.Parent());
   } else {
     RenameFile(from, to);
   }

@@ -3,10 +3,10 @@
 
 #pragma once
 
-#include "colmap_tsar/base/folder.h"
-
 #include <filesystem>
 #include <memory>
+
+#include <dirent.h>
 
 namespace tsar {
 
@@ -57,7 +57,8 @@ class OutputFolder {
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   bool overwrite_;
-  std::unique_ptr<Folder> lock_;  // A lock on the temporary folder.
+  // The temporary folder, open with a lock.
+  std::unique_ptr<DIR, int (*)(DIR*)> lock_ = {nullptr, &closedir};
 };
 
 }  // namespace tsar

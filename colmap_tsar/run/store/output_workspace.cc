@@ -65,16 +65,16 @@ void ReplaceByLink(const std::filesystem::path& target,
       !error) {
     return;
   }
-  const Folder folder = Folder::Create(link.Parent());
-  const std::string temporary =
-      link.Filename().string() + AtomicFile::kTemporarySuffix;
-  unlinkat(folder.Descriptor(), temporary.c_str(), 0);
-  RequireNoFolder((link.Parent() / temporary).Path());
-  if (symlinkat(canonical.c_str(), folder.Descriptor(), temporary.c_str()) !=
-      0) {
-    throw refused(std::strerror(errno));
+  CreateFolders(link.Parent());
+  const ContainedPath temporary =
+      link.Parent() / (link.Filename().string() + AtomicFile::kTemporarySuffix);
+  RequireNoFolder(temporary.Path());
+  RemoveFile(temporary);
+  std::filesystem::create_symlink(canonical, temporary.Path(), error);
+  if (error) {
+    throw refused(error.message());
   }
-  RenameFile(link.Parent() / temporary, link);
+  RenameFile(temporary, link);
 }
 
 // own: the original that the output has.
@@ -145,10 +145,10 @@ void RequireUsable(const Workspace& input,
     throw Refused(output, "there is a file of this name");
   }
   // A killed call may have left the temporary name of its first link.
-  const std::vector<Folder::Entry> entries = Folder({output, {}}).List();
-  if (!std::ranges::all_of(entries, [](const Folder::Entry& entry) {
-        return entry.name.ends_with(AtomicFile::kTemporarySuffix);
-      })) {
+  if (!std::ranges::all_of(
+          ListFolder({output, {}}), [](const FolderEntry& entry) {
+            return entry.path.string().ends_with(AtomicFile::kTemporarySuffix);
+          })) {
     throw Refused(
         output,
         "the folder is not empty and not an output workspace of this input");

@@ -52,7 +52,7 @@ static void to_json(nlohmann::json& json, const ImageStatus& status) {
   json = ToString(status);
 }
 static void from_json(const nlohmann::json& json, ImageStatus& status) {
-  status = EnumValue(kStatusNames, json.get<std::string>());
+  status = FindEnumValue(kStatusNames, json.get<std::string>()).value();
 }
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ImageRecord,
                                    image,
@@ -104,6 +104,7 @@ std::optional<ImageRecord> ReadRecord(const std::filesystem::path& path) {
       return record;
     }
   } catch (const nlohmann::json::exception&) {
+  } catch (const std::bad_optional_access&) {
   } catch (const std::logic_error&) {
     // An invalid status or file.
   }

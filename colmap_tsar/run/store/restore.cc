@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/run/store/restore.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
@@ -14,6 +15,7 @@
 #include "colmap_tsar/run/store/workspace_lock.h"
 
 #include <optional>
+#include <ranges>
 #include <set>
 #include <string>
 
@@ -69,36 +71,49 @@ void Restore(const RefinedImage& image, RestoreResult* result) {
 
 // The entries of stereo/tsar that runs have left, except the lock and
 // superseded maps.
-std::vector<Folder::Entry> ListTsarFolder(const std::filesystem::path& root) {
-  std::vector<Folder::Entry> entries;
-  if (const auto folder = Folder::OpenIfThere(GetTsarFolder(root))) {
-    entries = folder->List();
-  }
-  std::erase_if(entries, [&](const Folder::Entry& entry) {
-    return entry.name == WorkspaceLock::kFileName ||
-           entry.name == GetSupersededFolder(root).Filename();
+std::vector<FolderEntry> ListTsarFolder(const std::filesystem::path& root) {
+  std::vector<FolderEntry> entries = ListFolder(GetTsarFolder(root));
+  std::erase_if(entries, [&](const FolderEntry& entry) {
+    return entry.path.Filename() == WorkspaceLock::kFileName ||
+           entry.path.Filename() == GetSupersededFolder(root).Filename();
   });
   return entries;
+}
+
+// Removes the temporaries that killed programs left behind, in a folder and all
+// below it, but no folders of such names; with_folders: then empty folders,
+// too.
+void RemoveLeftovers(const ContainedPath& folder, bool with_folders) {
+  const std::vector<FolderEntry> tree = ListTree(folder);
+  for (const FolderEntry& entry : tree | std::views::reverse) {
+    if (entry.is_folder && with_folders) {
+      RemoveFolderIfEmpty(entry.path);
+    } else if (!entry.is_folder &&
+               entry.path.string().ends_with(AtomicFile::kTemporarySuffix)) {
+      RemoveFile(entry.path);
+    }
+  }
+  if (with_folders) {
+    RemoveFolderIfEmpty(folder);
+  }
 }
 
 void RemoveRemains(const std::filesystem::path& root) {
   const ContainedPath stereo(root, "stereo");
   for (const char* folder : {"depth_maps", "normal_maps"}) {
-    RemoveTemporaries(stereo / folder);
+    RemoveLeftovers(stereo / folder, false);
   }
   for (const char* folder : kResultFolders) {
-    RemoveTemporaries(stereo / folder);
-    RemoveEmptyFolders(stereo / folder);
+    RemoveLeftovers(stereo / folder, true);
   }
-  for (const Folder::Entry& entry : ListTsarFolder(root)) {
-    const ContainedPath path = GetTsarFolder(root) / entry.name;
+  for (const FolderEntry& entry : ListTsarFolder(root)) {
+    const std::filesystem::path name = entry.path.Filename();
     if (!entry.is_folder) {
-      RemoveFile(path);
-    } else if (entry.name == kRecords || entry.name == kOriginals) {
-      RemoveTemporaries(path);
-      RemoveEmptyFolders(path);
+      RemoveFile(entry.path);
+    } else if (name == kRecords || name == kOriginals) {
+      RemoveLeftovers(entry.path, true);
     } else {
-      RemoveTree(path);
+      RemoveTree(entry.path);
     }
   }
   RemoveFolderIfEmpty(GetTsarFolder(root));

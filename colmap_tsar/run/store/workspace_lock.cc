@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/run/store/workspace_lock.h"
 
+#include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
@@ -37,12 +38,11 @@ File NoFile() { return {nullptr, &std::fclose}; }
 // Follows no link, and opens nothing but a file. Null where another program
 // has removed its folder meanwhile.
 File OpenFile(const ContainedPath& path) {
-  const Folder folder = Folder::Create(path.Parent());
+  CreateFolders(path.Parent());
   const int descriptor =
-      openat(folder.Descriptor(),
-             path.Filename().c_str(),
-             O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC,
-             0666);
+      open(path.Path().c_str(),
+           O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC,
+           0666);
   if (descriptor < 0) {
     if (errno == ENOENT) {
       return NoFile();
@@ -165,7 +165,7 @@ WorkspaceLock::~WorkspaceLock() {
 
 void RequireFoldersInside(const std::filesystem::path& root) {
   const ContainedPath stereo(root, "stereo");
-  for (const TreeEntry& entry : ListTree(stereo)) {
+  for (const FolderEntry& entry : ListTree(stereo)) {
     std::error_code error;
     if (!entry.is_link ||
         !std::filesystem::is_directory(entry.path.Path(), error)) {
@@ -174,7 +174,7 @@ void RequireFoldersInside(const std::filesystem::path& root) {
     const std::filesystem::path name =
         entry.path.Path().lexically_relative(stereo.Path());
     if (name != "consistency_graphs") {
-      Folder::OpenIfThere(entry.path);  // Throws where it leads out.
+      RequireInside(entry.path);
     }
     // Files stored there must not be those stored elsewhere.
     const std::string first = name.begin()->string();

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/atomic_file.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"

@@ -66,9 +66,8 @@ bool HasMap(const Path& path) {
 std::vector<Path> ListEntries(const Path& folder) {
   std::vector<Path> entries;
   if (IsFolder(folder)) {
-    const Folder open({folder, {}});
-    for (const Folder::Entry& entry : open.List()) {
-      entries.push_back(folder / entry.name);
+    for (const FolderEntry& entry : ListFolder({folder, {}})) {
+      entries.push_back(entry.path);
     }
   }
   return entries;
@@ -341,7 +340,7 @@ class Matcher {
       images_of_key[WithoutExtension(name)].insert(image);
     }
     std::map<int, Path> files;
-    for (const TreeEntry& entry : ListTree({folder, {}})) {
+    for (const FolderEntry& entry : ListTree({folder, {}})) {
       const Path path = entry.path;
       if (!IsDepthImageName(path)) {
         continue;

@@ -292,13 +292,24 @@ TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
     WriteRefined(photometric, image, MakeRefinedMaps(43.f), Record());
   }
   WriteText(root_ / "stereo/tsar/manifest.json", "{}");
+  // Of killed programs.
+  for (const char* folder : {"depth_maps", "plane_maps/left", "tsar/records"}) {
+    WriteText(root_ / "stereo" / folder / "a.bin.tsar_tmp", "half");
+  }
   EXPECT_EQ(Restore(root_).num_restored, 6);
   EXPECT_EQ(ReadTree(root_), clean);
   // What is not this program's stays.
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
-  WriteText(root_ / "stereo/confidence_maps/mine.bin", "mine");
+  const std::filesystem::path mine[] = {
+      root_ / "stereo/confidence_maps/mine.bin",
+      root_ / "stereo/confidence_maps/folder.tsar_tmp/mine.bin"};
+  for (const std::filesystem::path& path : mine) {
+    WriteText(path, "mine");
+  }
   Restore(root_);
-  EXPECT_EQ(ReadText(root_ / "stereo/confidence_maps/mine.bin"), "mine");
+  for (const std::filesystem::path& path : mine) {
+    EXPECT_EQ(ReadText(path), "mine");
+  }
 }
 
 // Refined maps without stereo/tsar are no originals; each file beside them

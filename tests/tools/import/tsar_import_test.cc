@@ -204,8 +204,7 @@ TEST_F(TsarImportTest, Warnings) {
   summary.warnings.assign(30, "something");
   std::ostringstream text;
   PrintSummary(summary, text);
-  EXPECT_THAT(text.str(),
-              HasSubstr("WARNING: something\nWARNING: and 10 more"));
+  EXPECT_THAT(text.str(), HasSubstr("WARNING: something\n  and 20 more\n"));
 }
 
 TEST_F(TsarImportTest, BrokenFilesAreOneLineAndNothingIsWritten) {
