@@ -68,10 +68,11 @@ bool ParseOptions(const std::vector<char*>& arguments, StagesCommand* command) {
               &command->workspace_path,
               "Measure on the first image of this dense workspace. If empty, "
               "on a synthetic room.");
-  options.AddChoice("device",
-                    &command->device,
-                    {"auto", "cuda", "cpu"},
-                    "Where to compute; auto: on a GPU where there is one.");
+  options
+      .Add("device",
+           &command->device,
+           "Where to compute; auto: on a GPU where there is one.")
+      .choices = {"auto", "cuda", "cpu"};
   options.Add(
       "gpu_index", &command->gpu_index, "Number of the GPU.", {0, 1000});
   options.Add("num_threads",

@@ -19,6 +19,7 @@
 
 #include <ext/stdio_filebuf.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -34,12 +35,35 @@ ContainedPath TemporaryOf(const ContainedPath& path) {
          (path.Filename().string() + AtomicFile::kTemporarySuffix);
 }
 
+// Locks a temporary until all duplicates of the descriptor are closed. Refuses
+// one that another program writes, or has removed meanwhile.
+void LockTemporary(int descriptor, const ContainedPath& path) {
+  struct stat state;
+  // Some file systems have no locks.
+  const bool is_taken =
+      flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  if (is_taken || (fstat(descriptor, &state) == 0 && state.st_nlink == 0)) {
+    close(descriptor);
+    throw Error::File(ErrorCode::kUnsupported,
+                      path.string(),
+                      "another program is writing this file",
+                      "wait until it has ended, or choose another name");
+  }
+}
+
 // The temporary of a killed program may be a link to a file that must not
 // change.
 void RemoveOldTemporary(const ContainedPath& path) {
   RequireNoFolder(path.Path());
-  RequireNoFolder(TemporaryOf(path).Path());
-  unlink(TemporaryOf(path).Path().c_str());
+  const fs::path temporary = TemporaryOf(path).Path();
+  RequireNoFolder(temporary);
+  const int descriptor =
+      open(temporary.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor >= 0) {
+    LockTemporary(descriptor, path);
+  }
+  unlink(temporary.c_str());
+  close(descriptor);
 }
 
 // Tells the system's error, which streams do not.
@@ -85,6 +109,7 @@ struct AtomicFile::State {
     if (!committed) {
       unlink(temporary.c_str());
     }
+    close(lock);
   }
 
   int Open() {
@@ -101,6 +126,9 @@ struct AtomicFile::State {
     if (opened < 0) {
       ThrowSystemError(path.Path(), "cannot be written", errno);
     }
+    LockTemporary(opened, path);
+    // Still locked between the end of writing and the renaming.
+    lock = fcntl(opened, F_DUPFD_CLOEXEC, 0);
     return opened;
   }
 
@@ -123,6 +151,7 @@ struct AtomicFile::State {
   std::optional<struct stat> replaced;  // Source of the attributes.
   std::optional<timespec> time;         // Modification time, if not now.
   bool committed = false;
+  int lock = -1;
   OutputBuffer buffer;
   std::ostream stream;
 };

@@ -18,8 +18,8 @@ namespace tsar {
 // and leaves the old file alone. The new file has the permissions of the old
 // one and, where that is permitted, its owner.
 //
-// Every failure throws Error kIo with the file and the system's reason. One
-// program at a time may write a given file.
+// Failures throw Error kIo with the file and the system's reason; kUnsupported
+// while another program writes the file.
 class AtomicFile {
  public:
   // Suffix of the temporary names. A killed program leaves its temporary

@@ -25,7 +25,10 @@ void RequireInside(const ContainedPath& folder) {
     return;
   }
   std::error_code error;
-  const fs::path target = fs::weakly_canonical(folder.Path(), error);
+  fs::path target;
+  do {  // Again where another program has just removed a folder on the way.
+    target = fs::weakly_canonical(folder.Path(), error);
+  } while (error == std::errc::no_such_file_or_directory);
   if (error) {
     ThrowSystemError(folder.Path(), "cannot be looked at", error.value());
   }

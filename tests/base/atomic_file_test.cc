@@ -68,6 +68,26 @@ TEST(AtomicFileTest, TakesThePlaceOfALeftTemporary) {
   EXPECT_EQ(NumEntries(folder.Path()), 2u);
 }
 
+// Not even where one is complete and the other has just begun.
+TEST(AtomicFileTest, RefusesAFileThatAnotherProgramWrites) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  AtomicFile first(UserPath(path));
+  first.Stream() << "first";
+  const auto refuses = [&] {
+    ExpectError(ErrorCode::kUnsupported,
+                {path.string(), "another program is writing"},
+                [&] { AtomicFile second(UserPath(path)); });
+  };
+  refuses();
+  first.Prepare();
+  refuses();
+  first.Commit();
+  EXPECT_EQ(ReadText(path), "first");
+  AtomicFile third(UserPath(path));
+  EXPECT_EQ(NumEntries(folder.Path()), 2u);
+}
+
 TEST(AtomicFileTest, NamesTheFileWhereTheFolderIsNone) {
   const TemporaryFolder folder;
   WriteText(folder.Path() / "file", "");

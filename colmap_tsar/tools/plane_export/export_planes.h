@@ -40,6 +40,11 @@ struct Vertical {
   Source source = Source::kNone;
 };
 
+inline std::string ToString(Vertical::Source source) {
+  constexpr std::array kNames = {"manhattan_frame", "cameras", "none"};
+  return kNames[static_cast<size_t>(source)];
+}
+
 // camera_ups: unit vectors, -y of each camera. frames: as in SceneModel.
 Vertical FindVertical(const std::vector<Eigen::Vector3d>& camera_ups,
                       const std::vector<Eigen::Matrix3d>& frames);

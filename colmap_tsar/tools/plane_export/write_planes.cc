@@ -19,9 +19,6 @@ namespace {
 // Standard color indices of the layers, by PlaneClass.
 constexpr std::array kLayerColors = {3, 5, 1, 7};
 
-// In JSON, by Vertical::Source.
-constexpr std::array kVerticalSources = {"manhattan_frame", "cameras", "none"};
-
 void PutFaces(const ExportedPlane& plane,
               const std::string& layer,
               DxfWriter* dxf) {
@@ -225,8 +222,7 @@ void PutPlanesJson(const ExportedPlanes& planes, std::ostream* out) {
   json["vertical"] = planes.vertical.source == Vertical::Source::kNone
                          ? Json()
                          : ToJson(planes.vertical.up);
-  json["vertical_from"] =
-      kVerticalSources[static_cast<size_t>(planes.vertical.source)];
+  json["vertical_from"] = ToString(planes.vertical.source);
   json["frames"] = Json::array();
   for (const Eigen::Matrix3d& frame : planes.frames) {
     // The axes are the columns.
