@@ -23,6 +23,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/colmap_tsar
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h"
   ${headers_left_out}
+  PATTERN "base/opencv_threads.h" EXCLUDE
   PATTERN "run/store/json_file.h" EXCLUDE
   PATTERN "device/connected_components.h" EXCLUDE
   PATTERN "device/cuda_*.h" EXCLUDE

@@ -93,7 +93,7 @@ class WorkspaceRunsTest(SampleTest):
         output.parent.mkdir()
         other.parent.mkdir()
         steps = []
-        run = {"device": "cpu", "preset": "colmap", "point_spacing": 4}
+        run = {"device": "cpu", "preset": "paper", "point_spacing": 4}
         summary = self.ws.fuse(output, **run, progress=lambda *step: steps.append(step))
         run_program("tsar_fuse", "--workspace_path", self.workspace, "--output_path", other,
                     *words_of(run, "TsarFuse."))
