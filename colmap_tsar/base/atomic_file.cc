@@ -8,10 +8,10 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/path.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <mutex>
 #include <optional>
-#include <ranges>
 #include <string>
 #include <system_error>
 #include <tuple>
@@ -202,9 +202,9 @@ void CreateFolders(const ContainedPath& path) {
     ThrowSystemError(
         path.Path(), "the folder cannot be created", error.value());
   }
-  for (const fs::path& folder : created | std::views::reverse) {
+  std::for_each(created.rbegin(), created.rend(), [](const fs::path& folder) {
     FlushToDisk(folder.parent_path());
-  }
+  });
 }
 
 void LinkOrCopyFile(const fs::path& source, const ContainedPath& path) {

@@ -14,8 +14,8 @@
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 
+#include <algorithm>
 #include <optional>
-#include <ranges>
 #include <set>
 #include <string>
 
@@ -84,8 +84,9 @@ std::vector<FolderEntry> ListTsarFolder(const std::filesystem::path& root) {
 // below it, but no folders of such names; with_folders: then empty folders,
 // too.
 void RemoveLeftovers(const ContainedPath& folder, bool with_folders) {
-  const std::vector<FolderEntry> tree = ListTree(folder);
-  for (const FolderEntry& entry : tree | std::views::reverse) {
+  std::vector<FolderEntry> tree = ListTree(folder);
+  std::ranges::reverse(tree);  // Each folder after its content.
+  for (const FolderEntry& entry : tree) {
     if (entry.is_folder && with_folders) {
       RemoveFolderIfEmpty(entry.path);
     } else if (!entry.is_folder &&
