@@ -292,14 +292,19 @@ bool OptionSet::Parse(int argc, const char* const* argv) {
   }
   const std::string advice = "; see " + command_ + " --help";
   const GivenValues given = ReadValues(options_, argc, argv, advice);
-  for (const Option& option : options_) {
-    if (const po::variable_value& value = given.values[option.name];
-        !value.empty() && !value.defaulted()) {
-      option.Set(value.as<std::string>(),
-                 given.on_command_line.contains(option.name)
-                     ? "--" + option.name
-                     : given.ini + ": " + option.name);
+  // Two options may have one target: the command line's comes last.
+  for (const bool on_command_line : {false, true}) {
+    for (const Option& option : options_) {
+      const po::variable_value& value = given.values[option.name];
+      if (!value.empty() && !value.defaulted() &&
+          given.on_command_line.contains(option.name) == on_command_line) {
+        option.Set(value.as<std::string>(),
+                   on_command_line ? "--" + option.name
+                                   : given.ini + ": " + option.name);
+      }
     }
+  }
+  for (const Option& option : options_) {
     if (option.is_required && option.Text().empty()) {
       throw Error(ErrorCode::kBadOption,
                   "--" + option.name + " is missing; give it as --" +

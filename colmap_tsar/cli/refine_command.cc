@@ -109,6 +109,14 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
        RefinePass::kMerge},
       "What to do of it: observe each shard, then model once, "
       "compose each shard, and merge once.");
+  // Before TsarRefine.seed, which overrides it: in COLMAP's project files
+  // random_seed=0 is at the top.
+  options
+      ->Add("random_seed",
+            &command->refine.seed,
+            "The name that COLMAP's commands have for --TsarRefine.seed.",
+            {0, std::numeric_limits<int>::max()})
+      .is_advanced = true;
 }
 
 // The members of RefineOptions. Most are for experiments: we know their values
@@ -185,12 +193,6 @@ int RunTsarRefine(int argc, char** argv) {
   OptionSet options(
       "tsar_refine", kSummary, "tsar_refine --workspace_path dense");
   command.AddTo(&options);
-  options
-      .Add("random_seed",
-           &command.refine.seed,
-           "The name that COLMAP's commands have for --TsarRefine.seed.",
-           {0, std::numeric_limits<int>::max()})
-      .is_advanced = true;
   if (!options.Parse(argc, argv)) {
     return 0;
   }

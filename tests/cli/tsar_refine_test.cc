@@ -107,23 +107,27 @@ TEST_F(TsarRefineTest, OptionsComeOnTopOfThePreset) {
   ASSERT_EQ(paper.at("view_agreement"), "0");
   ASSERT_NE(paper.at("num_iterations"), "2");
   WriteText(folder_.Path() / "project.ini",
-            "random_seed = 2\n[TsarRefine]\npreset = paper\n"
-            "num_iterations = 2\ngpu_index = 0,2\n");
-  const Outcome outcome = Run({"--project_path",
-                               (folder_.Path() / "project.ini").string(),
-                               "--log_to_stderr",
-                               "1",
-                               "--random_seed=3"});
-  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  const auto manifest =
-      nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
-  EXPECT_EQ(manifest["runtime"]["gpu_index"], "0,2");
-  for (const auto& [name, value] : paper) {
-    EXPECT_EQ(manifest["options"][name],
-              name == "num_iterations" ? "2"
-              : name == "seed"         ? "3"
-                                       : value)
-        << name;
+            "random_seed = 0\n[TsarRefine]\npreset = paper\n"
+            "num_iterations = 2\ngpu_index = 0,2\nseed = 2\n");
+  for (const Words& more : {Words{}, Words{"--random_seed=3"}}) {
+    Words words = {"--project_path",
+                   (folder_.Path() / "project.ini").string(),
+                   "--log_to_stderr",
+                   "1"};
+    words.insert(words.end(), more.begin(), more.end());
+    const Outcome outcome = Run(words);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const auto manifest =
+        nlohmann::json::parse(ReadText(root_ / "stereo/tsar/manifest.json"));
+    EXPECT_EQ(manifest["runtime"]["gpu_index"], "0,2");
+    for (const auto& [name, value] : paper) {
+      EXPECT_EQ(manifest["options"][name],
+                name == "num_iterations" ? "2"
+                : name != "seed"         ? value
+                : more.empty()           ? "2"
+                                         : "3")
+          << name;
+    }
   }
 }
 
