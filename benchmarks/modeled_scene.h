@@ -14,16 +14,12 @@
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
-#include "colmap_tsar/scene/labeling/refine_borders.h"
-#include "colmap_tsar/scene/scene_options.h"
-#include "colmap_tsar/view/superpixels/cielab.h"
 #include "colmap_tsar/view/view_votes.h"
 
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -129,23 +125,8 @@ class ModeledScene {
     result.depth = view.depth;
     result.truth = ReadTruth(workspace_, Name(image));
     const DeviceImage<Rgb> color(*device_, evidence.color);
-    const DeviceImage<float> depth(*device_, view.depth);
-    DeviceImage<uint8_t> flags(*device_, evidence.flags);
-    const DeviceImage<uint16_t> superpixels(*device_, evidence.superpixels);
-    const RefinedBorders refined =
-        RefineBorders({superpixels.View(),
-                       ConvertToLab(color.View(), *device_).View(),
-                       depth.View(),
-                       std::as_const(flags).View(),
-                       views[0].camera.GetIntrinsics(),
-                       evidence.resolution},
-                      result.found.labels.planes,
-                      result.found.planes,
-                      MakeSceneOptions({}, views).borders,
-                      *device_);
-    DistrustFattened(refined.fattened.View(), flags.View(), *device_);
-    result.flags = flags.ToHost();
-    result.superpixels = refined.superpixels.ToHost();
+    result.flags = evidence.flags;
+    result.superpixels = evidence.superpixels;
     result.texture =
         ComputeTexture(ComputeGray(color.View(), *device_).View(), *device_)
             .ToHost();

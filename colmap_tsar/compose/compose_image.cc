@@ -11,12 +11,10 @@
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
-#include "colmap_tsar/scene/labeling/refine_borders.h"
 #include "colmap_tsar/scene/scene_options.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/stage_timer.h"
-#include "colmap_tsar/view/superpixels/cielab.h"
 #include "colmap_tsar/view/view_votes.h"
 
 #include <algorithm>
@@ -25,32 +23,6 @@
 
 namespace tsar {
 namespace {
-
-// The superpixel of each pixel after refinement of borders. Marks measurements
-// that an edge in front fattened as not trusted.
-Image<uint16_t> RefineSuperpixels(const DeviceReference& view,
-                                  const ObservedView& observed,
-                                  const FoundScene& found,
-                                  const BorderOptions& options,
-                                  DeviceImage<uint8_t>* flags,
-                                  Device& device) {
-  const ViewEvidence& evidence = *observed.evidence;
-  const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
-  const DeviceImage<Vec3f> lab =
-      ConvertToLab(DeviceImage<Rgb>(device, evidence.color).View(), device);
-  const RefinedBorders refined = RefineBorders({superpixels.View(),
-                                                lab.View(),
-                                                view.hypotheses.depth.View(),
-                                                flags->View(),
-                                                observed.camera.GetIntrinsics(),
-                                                evidence.resolution},
-                                               found.labels.planes,
-                                               found.planes,
-                                               options,
-                                               device);
-  DistrustFattened(refined.fattened.View(), flags->View(), device);
-  return refined.superpixels.ToHost();
-}
 
 DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
   const DeviceImage<float> gray =
@@ -107,19 +79,12 @@ RefineResult ComposeImage(
   StageTimer timer(device, &result.seconds);
   const ViewEvidence& evidence = *views[0].evidence;
   result.prior = evidence.prior.assessment;
-  const SceneOptions scene = MakeSceneOptions(options, views);
   DeviceReference view(reference, device);
-  DeviceImage<uint8_t> flags = TransferFlags(evidence, reference, view, device);
-  timer.Finish("upload");
-  const Image<uint16_t> superpixels =
-      options.pixel_borders
-          ? RefineSuperpixels(
-                view, views[0], found, scene.borders, &flags, device)
-          : evidence.superpixels;
-  timer.Finish("borders");
-  const DeviceImage<uint16_t> device_superpixels(device, superpixels);
+  const DeviceImage<uint8_t> flags =
+      TransferFlags(evidence, reference, view, device);
+  const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
   const DeviceImage<Plane> scene_planes =
-      PlanesOfLabels(device_superpixels.View(),
+      PlanesOfLabels(superpixels.View(),
                      Buffer<Plane>(device, PlanesOfSuperpixels(found)),
                      device);
   const Buffer<ComposedSuperpixel> of_superpixel(
@@ -128,9 +93,9 @@ RefineResult ComposeImage(
   const DeviceImage<float> prior_depth(device, evidence.prior.depth);
   const DeviceImage<float> prior_sigma(device, evidence.prior.sigma);
   timer.Finish("upload");
-  const ComposeSceneInputs inputs{std::as_const(flags).View(),
+  const ComposeSceneInputs inputs{flags.View(),
                                   view.OnMap(scene_planes),
-                                  device_superpixels.View(),
+                                  superpixels.View(),
                                   of_superpixel.Data(),
                                   texture.View(),
                                   {prior_depth.View(),
@@ -148,7 +113,7 @@ RefineResult ComposeImage(
                                       device);
   const DeviceImage<float> variances_on_cylinders =
       ApplyCylinders(found.cylinders,
-                     std::as_const(flags).View(),
+                     flags.View(),
                      view.MapIntrinsics(),
                      evidence.resolution,
                      &composed,
@@ -188,7 +153,8 @@ RefineResult ComposeImage(
                             .ToHost();
   }
   timer.Finish("composition");
-  const DeviceImage<uint16_t> plane_ids(device, PlaneIds(superpixels, found));
+  const DeviceImage<uint16_t> plane_ids(device,
+                                        PlaneIds(evidence.superpixels, found));
   result.maps.planes = MapPlanes(std::as_const(composed.map.depth).View(),
                                  view.OnMap(scene_planes),
                                  plane_ids.View(),

@@ -51,12 +51,8 @@ SceneOptions MakeSceneOptions(const RefineOptions& options,
     scene.labels.extrapolation_uncertainty = 0.f;
   }
   // Lengths at borders scale with the superpixels.
-  const double border_scale =
-      std::sqrt(options.superpixel_size / kDefaultSuperpixelSize);
-  scene.labels.crease_reach *= static_cast<float>(border_scale);
-  scene.borders.reach = ScaledLength(scene.borders.reach, border_scale);
-  scene.borders.radius = ScaledLength(scene.borders.radius, border_scale);
-  scene.borders.spatial_sigma *= static_cast<float>(border_scale);
+  scene.labels.crease_reach *= static_cast<float>(
+      std::sqrt(options.superpixel_size / kDefaultSuperpixelSize));
   return scene;
 }
 

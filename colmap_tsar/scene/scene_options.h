@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/scene/discovery/discover_planes.h"
 #include "colmap_tsar/scene/evidence/label_view.h"
-#include "colmap_tsar/scene/labeling/refine_borders.h"
 #include "colmap_tsar/view/refine_options.h"
 
 #include <vector>
@@ -17,7 +16,6 @@ namespace tsar {
 struct SceneOptions {
   DiscoverPlanesOptions discovery;
   LabelOptions labels;
-  BorderOptions borders;
 };
 
 // The tolerance of residuals at a plane, in relative depths of one pixel of

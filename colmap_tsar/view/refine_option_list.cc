@@ -206,12 +206,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
            "views, and fill them: round ones along an axis of the Manhattan "
            "frame. Has no effect without manhattan_frame.",
        .paper = 0},
-      {TSAR_FIELD(pixel_borders),
-       .description =
-           "Move the borders between planes from those of superpixels to the "
-           "edges of the image, and drop depths that spill over these. If 0, "
-           "borders are those of superpixels.",
-       .paper = 0},
       {TSAR_FIELD(photometric),
        .description = "Compare composed maps of up to 1280 pixels with the "
                       "images, and move textured pixels that stand a little "
