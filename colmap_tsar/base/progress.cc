@@ -43,9 +43,14 @@ void Progress::SetListener(Listener listener) {
   listener_ = std::move(listener);
 }
 
+void Progress::SetPart(const std::string& part) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  part_ = part;
+}
+
 void Progress::Start(int num_total, const std::string& pass) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  pass_ = Printable(pass);
+  pass_ = part_ + Printable(pass);
   num_total_ = num_total;
   num_done_ = 0;
   num_worked_ = 0;

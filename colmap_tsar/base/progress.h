@@ -30,6 +30,10 @@ class Progress {
   // at a time, by the reporting thread. Must be called before the work begins.
   void SetListener(Listener listener);
 
+  // Names the part of the work to which the next passes belong, such as
+  // "Stereo. "; their lines begin with it.
+  void SetPart(const std::string& part);
+
   // pass: the prefix of the line, such as "Pass 1 of 2:"; may be empty.
   void Start(int num_total, const std::string& pass = "");
   // Counts one more image. was_work: whether it counts for the speed; false for
@@ -46,6 +50,7 @@ class Progress {
   const Clock clock_;
   Listener listener_;
   std::mutex mutex_;
+  std::string part_;
   std::string pass_;
   int num_total_ = 0;
   int num_done_ = 0;

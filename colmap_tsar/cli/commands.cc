@@ -82,6 +82,11 @@ int TellAboutProgram(int argc, char** argv) {
 
 const std::vector<Command>& Commands() {
   static const std::vector<Command> commands = {
+#if TSAR_TOOL_STEREO && TSAR_TOOL_REPORT
+    {"tsar_reconstruct",
+     "Make a point cloud of posed images: stereo, refinement, fusion",
+     &Reported<&RunTsarReconstruct>},
+#endif
     {"tsar_refine",
      "Complete the depth and normal maps before stereo_fusion",
      &Reported<&RunTsarRefine>},

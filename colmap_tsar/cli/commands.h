@@ -35,6 +35,7 @@ int RunCommand(CommandFunction function, int argc, char** argv);
 int RunProgram(int argc, char** argv);
 
 // The commands themselves, which throw tsar::Error.
+int RunTsarReconstruct(int argc, char** argv);
 int RunTsarRefine(int argc, char** argv);
 int RunTsarStereo(int argc, char** argv);
 int RunTsarFuse(int argc, char** argv);

@@ -26,23 +26,6 @@ constexpr const char* kSummary =
     "Writes fused.ply, with normals and colors, and fused.ply.vis, the images "
     "that see each point, for poisson_mesher and delaunay_mesher.";
 
-void PrintSummary(const FuseSummary& summary, const FuseCommand& command) {
-  std::cout << "Fused " << Counted(summary.num_images, "image") << " into "
-            << summary.num_points
-            << " points: " << Printable(command.options.output_path.string())
-            << "\n";
-  PrintMasks(summary.num_masks, summary.num_images, std::cout);
-  std::cout << "Time: " << std::fixed << std::setprecision(1) << summary.seconds
-            << " s on " << Printable(summary.devices) << "\n";
-  PrintPeakMemory(summary.gpu_memory, std::cout);
-  if (summary.num_points == 0) {
-    std::cout << "No point was kept: see that the maps are geometric ones, the "
-                 "poses right, several images used and the bounding box around "
-                 "them, or lower --TsarFuse.min_num_views\n";
-  }
-  std::cout << std::flush;
-}
-
 }  // namespace
 
 void FuseCommand::AddTo(OptionSet* set) {
@@ -126,6 +109,22 @@ FuseSummary FuseCommand::Run(Progress& progress,
   return FuseWorkspace(workspace, parsed, progress, should_stop);
 }
 
+void FuseCommand::Print(const FuseSummary& summary) const {
+  std::cout << "Fused " << Counted(summary.num_images, "image") << " into "
+            << summary.num_points
+            << " points: " << Printable(options.output_path.string()) << "\n";
+  PrintMasks(summary.num_masks, summary.num_images, std::cout);
+  std::cout << "Time: " << std::fixed << std::setprecision(1) << summary.seconds
+            << " s on " << Printable(summary.devices) << "\n";
+  PrintPeakMemory(summary.gpu_memory, std::cout);
+  if (summary.num_points == 0) {
+    std::cout << "No point was kept: see that the maps are geometric ones, the "
+                 "poses right, several images used and the bounding box around "
+                 "them, or lower --TsarFuse.min_num_views\n";
+  }
+  std::cout << std::flush;
+}
+
 int RunTsarFuse(int argc, char** argv) {
   FuseCommand command;
   OptionSet options("tsar_fuse",
@@ -138,8 +137,7 @@ int RunTsarFuse(int argc, char** argv) {
   }
   command.UsePreset();
   options.Parse(argc, argv);
-  PrintSummary(RunInterruptibly(std::bind_front(&FuseCommand::Run, &command)),
-               command);
+  command.Print(RunInterruptibly(std::bind_front(&FuseCommand::Run, &command)));
   return 0;
 }
 

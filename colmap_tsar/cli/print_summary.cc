@@ -173,7 +173,8 @@ void PrintFusion(const RunSummary& summary, std::ostream& out) {
       << Quoted(summary.workspace_path / "fused.ply") << "\n";
 }
 
-// Prints the next command to run.
+}  // namespace
+
 void PrintNext(const RunSummary& summary, std::ostream& out) {
   if (summary.pass == RefinePass::kObserve) {
     out << "Next, when all shards have been observed: --TsarRefine.pass "
@@ -186,9 +187,8 @@ void PrintNext(const RunSummary& summary, std::ostream& out) {
   } else if (!summary.RefinedNone()) {
     PrintFusion(summary, out);
   }
+  out << std::flush;
 }
-
-}  // namespace
 
 std::string Counted(int64_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
@@ -227,7 +227,6 @@ void PrintSummary(const RunSummary& summary, std::ostream& out) {
       PrintTimes(summary, out);
     }
   }
-  PrintNext(summary, out);
   out << std::flush;
 }
 
@@ -262,6 +261,9 @@ void PrintSummary(const StereoSummary& summary, std::ostream& out) {
         << "\n";
   }
   PrintPeakMemory(summary.peak_gpu_memory, out);
+}
+
+void PrintNext(const StereoSummary& summary, std::ostream& out) {
   out << "Next: tsar_refine --workspace_path " << Quoted(summary.workspace_path)
       << ", or stereo_fusion with --input_type " << ToString(summary.type)
       << "\n";

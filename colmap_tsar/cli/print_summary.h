@@ -20,9 +20,11 @@ struct StereoSummary;
 // "1 image" or "2 images".
 std::string Counted(int64_t count, const std::string& noun);
 
-// Prints for the user what was done, the effect, the time, and the next command
-// to run.
+// Prints for the user what was done, the effect and the time.
 void PrintSummary(const RunSummary& summary, std::ostream& out);
+
+// Prints the next command to run, if any.
+void PrintNext(const RunSummary& summary, std::ostream& out);
 
 // Prints which maps were put back and which stayed, and the new paths of
 // superseded ones.
@@ -37,8 +39,11 @@ void PrintMasks(const std::optional<int64_t>& num_masks,
 void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
                      std::ostream& out);
 
-// Prints the device, the time, images without maps and the next command.
+// Prints the device, the time and images without maps.
 void PrintSummary(const StereoSummary& summary, std::ostream& out);
+
+// Prints the next command to run.
+void PrintNext(const StereoSummary& summary, std::ostream& out);
 
 // Prints a few lines for the user, with the next command to run and the first
 // of the warnings.

@@ -188,6 +188,16 @@ RunSummary RefineCommand::Run(Progress& progress,
   return RefineWorkspace(workspace, refine, progress, should_stop);
 }
 
+void RequireRefined(const RunSummary& summary) {
+  if (summary.RefinedNone()) {
+    const RunSummary::KeptImage& first = summary.kept.front();
+    throw Error(ErrorCode::kNotFound,
+                summary.workspace_path.string() +
+                    ": no image could be refined; " + first.name + ": " +
+                    first.reason);
+  }
+}
+
 int RunTsarRefine(int argc, char** argv) {
   RefineCommand command;
   OptionSet options(
@@ -204,14 +214,8 @@ int RunTsarRefine(int argc, char** argv) {
   const RunSummary summary =
       RunInterruptibly(std::bind_front(&RefineCommand::Run, &command));
   PrintSummary(summary, std::cout);
-  if (summary.RefinedNone()) {
-    // The next command would find no refined maps.
-    const RunSummary::KeptImage& first = summary.kept.front();
-    throw Error(ErrorCode::kNotFound,
-                command.workspace.workspace_path.string() +
-                    ": no image could be refined; " + first.name + ": " +
-                    first.reason);
-  }
+  RequireRefined(summary);
+  PrintNext(summary, std::cout);
   return 0;
 }
 

@@ -31,4 +31,8 @@ struct RefineCommand {
                  const std::function<bool()>& should_stop) const;
 };
 
+// Throws kNotFound where no image could be refined, so that the next command
+// would find no refined maps.
+void RequireRefined(const RunSummary& summary);
+
 }  // namespace tsar

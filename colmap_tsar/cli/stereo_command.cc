@@ -135,8 +135,10 @@ int RunTsarStereo(int argc, char** argv) {
   if (!options.Parse(argc, argv)) {
     return 0;
   }
-  PrintSummary(RunInterruptibly(std::bind_front(&StereoCommand::Run, &command)),
-               std::cout);
+  const StereoSummary summary =
+      RunInterruptibly(std::bind_front(&StereoCommand::Run, &command));
+  PrintSummary(summary, std::cout);
+  PrintNext(summary, std::cout);
   return 0;
 }
 

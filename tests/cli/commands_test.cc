@@ -98,7 +98,7 @@ TEST(RunProgram, AnUnknownCommandIsOneLineWithAllCommands) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.err,
               testing::MatchesRegex("ERROR: unknown command 'tsar_evaluat'; "
-                                    "the commands are tsar_refine, .*\n"));
+                                    "the commands are tsar_reconstruct, .*\n"));
 }
 
 TEST(RunCommand, PrintsEveryErrorOnOneLineThatNoTerminalObeys) {

@@ -71,6 +71,7 @@ TEST_F(RefineShardTest, TellsWhatItDid) {
                               const std::vector<std::string>& texts) {
     std::ostringstream text;
     PrintSummary(summary, text);
+    PrintNext(summary, text);
     for (const std::string& expected : texts) {
       EXPECT_THAT(text.str(), testing::HasSubstr(expected));
     }

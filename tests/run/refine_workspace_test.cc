@@ -240,6 +240,7 @@ TEST_F(RefineWorkspaceTest, KeepsImagesThatCannotBeRefined) {
 
   std::ostringstream text;
   PrintSummary(summary, text);
+  PrintNext(summary, text);
   EXPECT_THAT(text.str(), testing::HasSubstr("4 images: 1 refined, 3 kept"));
   EXPECT_THAT(text.str(), testing::HasSubstr("left/v2.png: none of"));
   EXPECT_THAT(text.str(), testing::HasSubstr("colmap stereo_fusion"));

@@ -167,17 +167,6 @@ std::optional<StereoChange> FindStereoChange(const StereoInputs& before,
   return first;
 }
 
-void RequireUnrefined(const MapPaths& paths) {
-  if (fs::exists(paths.original_depth) || fs::exists(paths.original_normal)) {
-    throw Error::File(
-        ErrorCode::kUnsupported,
-        paths.depth.string(),
-        "has been refined",
-        "run tsar_refine with " + OptionName("restore") + " 1 first");
-  }
-  RequireNoStrayResults(paths);
-}
-
 // A map that would be removed; without a replacement, where it is not listed.
 Error Foreign(const fs::path& path, bool is_listed) {
   return Error::File(
@@ -258,6 +247,17 @@ ContainedPath GetStereoFolder(const Workspace& workspace) {
   return {workspace.Root(), fs::path("stereo") / "tsar_stereo"};
 }
 
+void RequireUnrefined(const MapPaths& paths) {
+  if (fs::exists(paths.original_depth) || fs::exists(paths.original_normal)) {
+    throw Error::File(
+        ErrorCode::kUnsupported,
+        paths.depth.string(),
+        "has been refined",
+        "run tsar_refine with " + OptionName("restore") + " 1 first");
+  }
+  RequireNoStrayResults(paths);
+}
+
 void ClaimMaps(const Workspace& workspace,
                const StereoOptions& options,
                bool overwrite,
@@ -282,11 +282,11 @@ void ClaimMaps(const Workspace& workspace,
     const SparseModel::ModelImage& image =
         workspace.Model().images[problem.reference];
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-      const MapPaths paths = workspace.Paths(problem.reference, type);
-      RequireUnrefined(paths);
       if (goes_on && known->contains(image.name)) {
         continue;
       }
+      const MapPaths paths = workspace.Paths(problem.reference, type);
+      RequireUnrefined(paths);
       for (const ContainedPath& path :
            {paths.depth, paths.normal, paths.cost}) {
         if (fs::exists(path)) {

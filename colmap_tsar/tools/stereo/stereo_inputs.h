@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/compose/depth_interval.h"
+#include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
@@ -30,13 +31,17 @@ std::pair<int, int> MapSizeOf(const Camera& camera, int max_image_size);
 // stereo/tsar_stereo, the state of MatchWorkspace between passes and runs.
 ContainedPath GetStereoFolder(const Workspace& workspace);
 
+// Throws Error kUnsupported if maps of an image have been refined, since what
+// replaces them would be taken for refined, too.
+void RequireUnrefined(const MapPaths& paths);
+
 // Makes sure that all existing maps of the images to match are those of a run
 // with these options and inputs, of which an earlier run may have completed a
-// part. overwrite: whether other maps may be removed. is_listed: by index in
-// Problems(), whether the run makes the image's maps. Throws Error
-// kUnsupported, before a file is changed, if there are other maps and overwrite
-// is false or their image is not listed, or if the workspace has been refined;
-// and those of StereoDepths, removing and writing.
+// part, and that may have been refined since. overwrite: whether other maps may
+// be removed. is_listed: by index in Problems(), whether the run makes the
+// image's maps. Throws Error kUnsupported, before a file is changed, if there
+// are other maps and overwrite is false, or their image is not listed, or they
+// have been refined; and those of StereoDepths, removing and writing.
 void ClaimMaps(const Workspace& workspace,
                const StereoOptions& options,
                bool overwrite,

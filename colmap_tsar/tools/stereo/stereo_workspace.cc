@@ -380,6 +380,11 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
       summary.num_images - static_cast<int>(summary.without_sources.size());
   // Otherwise the intermediate files are gone and need not be made again.
   if (!is_done) {
+    for (const StereoProblem& problem : workspace.Problems()) {
+      for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+        RequireUnrefined(workspace.Paths(problem.reference, type));
+      }
+    }
     RunPasses(workspace,
               options,
               passes,

@@ -54,8 +54,11 @@ struct StereoSummary {
 // overwrite: whether to replace maps that this program did not make, or made
 // with other options or inputs.
 //
+// Where all of them are done, also of a workspace that has been refined since,
+// nothing is changed.
+//
 // Throws Error: kUnsupported (there are such maps and overwrite is false, or
-// the workspace has been refined), kNotFound (no image has sources; an image
+// the workspace has been refined and maps are to be made), kNotFound (no image has sources; an image
 // without sparse points needs options.depth_min and depth_max), kInterrupted
 // once should_stop returned true, and those of the workspace, its lock, the
 // devices, writing and Workspace::UseMasks. Completed images are kept; the same

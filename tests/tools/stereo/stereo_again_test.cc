@@ -116,6 +116,24 @@ TEST_F(StereoWorkspaceTest, RemovesNothingWhereOneImageHasBeenRefined) {
   ExpectRefused(ErrorCode::kUnsupported, "restore 1", true);
 }
 
+TEST_F(StereoWorkspaceTest, LeavesWhatIsDoneAlsoWhereItHasBeenRefined) {
+  Run();
+  const MapPaths paths =
+      Workspace(root_, MapType::kGeometric).Paths(3, MapType::kGeometric);
+  CreateFolders(paths.original_depth.Parent());
+  std::filesystem::copy_file(paths.depth, paths.original_depth);
+  const auto expected = ReadTree(root_);
+  EXPECT_EQ(Run().num_skipped, 4);
+  EXPECT_TRUE(ReadTree(root_) == expected);
+  options_.num_iterations = 1;
+  ExpectRefused(ErrorCode::kUnsupported, "restore 1", true);
+  options_.num_iterations = 2;
+  std::filesystem::remove(Workspace(root_, MapType::kGeometric)
+                              .Paths(0, MapType::kGeometric)
+                              .depth);
+  ExpectRefused(ErrorCode::kUnsupported, "restore 1");
+}
+
 TEST_F(StereoWorkspaceTest, NamesWhatHasChanged) {
   Run();
   const auto expected = ReadTree(root_);
