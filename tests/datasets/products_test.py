@@ -119,8 +119,7 @@ class PhotosTest(DatasetTest):
         result = subprocess.run(
             [str(part) for part in (
                 REPOSITORY / "scripts" / "reconstruct.sh", photos, output, "--colmap", COLMAP,
-                "--colmap_tsar", PROGRAM, "--stereo", "tsar", "--max_image_size", 64,
-                "--ImageReader.single_camera", 1, "--StereoFusion.min_num_pixels", 3,
+                "--colmap_tsar", PROGRAM, "--max_image_size", 64, "--ImageReader.single_camera", 1,
                 "--mask_path", self.folder / "masks",
                 "--PoissonMeshing.depth", 6, "--mesh")],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
