@@ -199,7 +199,7 @@ def show_eth3d(args, ours):
                     ours.values())
     if "ablation" in args.tables:
         for index, tolerance in enumerate((0.02, 0.1)):
-            right = lambda scene, name: 100 * ours[scene][name]["fused_pixels"]["scores"][index]["right"]
+            right = lambda scene, name: 100 * ours[scene][name]["fused_pixels"]["scores"][index]["of_known"]
             rows = []
             for name, printed in paper.ABLATION[tolerance].items():
                 there = [right(scene, name) for scene in ours]

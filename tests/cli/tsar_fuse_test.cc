@@ -88,7 +88,8 @@ TEST_F(TsarEvaluateFusedPixelsTest, ComparesEachPointOnceWithTheTruth) {
                                SyntheticWorkspace::kHeight,
                                static_cast<float>(SyntheticWorkspace::kDepth)));
   }
-  const auto evaluate = [&](const std::string& tolerances) {
+  const auto evaluate = [&](const std::string& tolerances,
+                            const std::string& min_num_views) {
     const Outcome outcome = Run({"fused_pixels",
                                  "--ground_truth_path",
                                  truth.string(),
@@ -97,11 +98,13 @@ TEST_F(TsarEvaluateFusedPixelsTest, ComparesEachPointOnceWithTheTruth) {
                                  "--json",
                                  "1",
                                  "--tolerances",
-                                 tolerances});
+                                 tolerances,
+                                 "--min_num_views",
+                                 min_num_views});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return nlohmann::json::parse(outcome.out);
   };
-  const nlohmann::json scores = evaluate("0.001,0.5");
+  const nlohmann::json scores = evaluate("0.001,0.5", "3");
   const int num_pixels =
       SyntheticWorkspace::kWidth * SyntheticWorkspace::kHeight;
   EXPECT_EQ(scores["num_images"], 4);
@@ -109,8 +112,13 @@ TEST_F(TsarEvaluateFusedPixelsTest, ComparesEachPointOnceWithTheTruth) {
   // Once, though all four see it.
   EXPECT_GT(scores["num_fused"], num_pixels / 2);
   EXPECT_LT(scores["num_fused"], 2 * num_pixels);
-  EXPECT_LT(scores["scores"][0]["right"], 0.5);
-  EXPECT_GT(scores["scores"][1]["right"], 0.99);
+  EXPECT_LT(scores["scores"][0]["of_fused"], 0.5);
+  EXPECT_GT(scores["scores"][1]["of_fused"], 0.99);
+  EXPECT_NEAR(scores["scores"][1]["of_known"].get<double>(),
+              scores["scores"][1]["of_fused"].get<double>() *
+                  scores["num_fused"].get<double>() / (4 * num_pixels),
+              1e-9);
+  EXPECT_GT(evaluate("0.5", "2")["num_fused"], scores["num_fused"]);
 }
 
 }  // namespace

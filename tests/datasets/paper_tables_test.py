@@ -117,7 +117,7 @@ class PaperTablesTest(DatasetTest):
         self.assertIn("--TsarRefine.preset paper --TsarRefine.segment 0", log)
         full = json.loads((variants / "TSAR-MVS.json").read_text())
         self.assertIn(f"{100 * full['cloud']['scores'][0]['f1']:.2f}", text)
-        self.assertIn(f"{100 * full['fused_pixels']['scores'][1]['right']:.2f}", text)
+        self.assertIn(f"{100 * full['fused_pixels']['scores'][1]['of_known']:.2f}", text)
         self.assertIn("gp after, paper              85.32", text)
         self.assertIn("12 of 13 scenes are missing", text)
         self.assertIn("Strecha, fountain-P5", text)

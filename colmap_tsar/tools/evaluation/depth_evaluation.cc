@@ -283,11 +283,11 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
 FusedPixelEvaluation EvaluateFusedPixels(
     const Workspace& workspace,
     const DepthEvaluationOptions& options,
+    const FusionOptions& fusion,
     const DeviceOptions& devices,
     Progress& progress,
     const std::function<bool()>& should_stop) {
   CheckTolerances(options.tolerances);
-  const FusionOptions fusion = PresetFusionOptions("paper");
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   const FusionPlan plan = PlanFusion(workspace, {}, fusion.check_num_images);
   const std::vector<fs::path> truths = FindTruths(

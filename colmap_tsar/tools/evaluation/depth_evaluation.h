@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/progress.h"
+#include "colmap_tsar/fusion/fusion_options.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 
@@ -68,9 +69,8 @@ struct FusedPixelEvaluation {
 
 // The evaluation of the ablation in the TSAR-MVS paper (section 6.3.1): for
 // each point of the cloud that the maps of the workspace's type and its masks
-// give by the paper's thresholds, the map's depth in the pixel that became the
-// point is compared with the ground truth. The paper does not print the total
-// of its percentages; shares here are of these pixels. Where map and ground
+// give by these options (the paper's are a preset), the map's depth in the pixel
+// that became the point is compared with the ground truth. Where map and ground
 // truth differ in size, the ground truth is looked up at the map's pixels.
 //
 // Throws Error: kNotFound (no image has maps, or no fused image has ground
@@ -79,6 +79,7 @@ struct FusedPixelEvaluation {
 FusedPixelEvaluation EvaluateFusedPixels(
     const Workspace& workspace,
     const DepthEvaluationOptions& options,
+    const FusionOptions& fusion,
     const DeviceOptions& devices,
     Progress& progress,
     const std::function<bool()>& should_stop);
