@@ -21,7 +21,24 @@ fs::path Canonical(const fs::path& path) {
   return error ? path : canonical;
 }
 
-}  // namespace
+// The name of the input folder in which a path is or lies, or nothing: of the
+// innermost workspace around it, a folder that holds two of the three.
+std::string FindInputFolderAround(const fs::path& path) {
+  for (fs::path below = path; below.has_relative_path();
+       below = below.parent_path()) {
+    int count = 0;
+    std::string found;
+    for (const char* name : {"images", "sparse", "stereo"}) {
+      std::error_code error;
+      count += fs::is_directory(below.parent_path() / name, error) ? 1 : 0;
+      found = below.filename() == name ? name : found;
+    }
+    if (count >= 2) {
+      return found;
+    }
+  }
+  return "";
+}
 
 std::string FindInputFolder(const fs::path& root, const fs::path& path) {
   // A link of this name would be replaced in place, or followed to its target.
@@ -30,18 +47,17 @@ std::string FindInputFolder(const fs::path& root, const fs::path& path) {
                                            : path.parent_path()) /
       path.filename();
   const fs::path target = Canonical(path);
-  // Of an output workspace, the images lead to the input.
-  for (const fs::path& workspace :
-       {root, Canonical(root / "images").parent_path()}) {
-    for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
-      const fs::path folder = Canonical(workspace / name);
-      if (IsWithin(place, folder) || IsWithin(target, folder)) {
-        return name;
-      }
+  for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
+    const fs::path folder = Canonical(root / name);
+    if (IsWithin(place, folder) || IsWithin(target, folder)) {
+      return name;
     }
   }
-  return "";
+  const std::string folder = FindInputFolderAround(place);
+  return folder.empty() ? FindInputFolderAround(target) : folder;
 }
+
+}  // namespace
 
 void RequireOutsideInputs(const fs::path& root,
                           const fs::path& path,
