@@ -40,29 +40,23 @@ std::string FindInputFolderAround(const fs::path& path) {
   return "";
 }
 
-std::string FindInputFolder(const fs::path& root, const fs::path& path) {
-  // A link of this name would be replaced in place, or followed to its target.
-  const fs::path place =
-      Canonical(path.parent_path().empty() ? fs::path(".")
-                                           : path.parent_path()) /
-      path.filename();
-  const fs::path target = Canonical(path);
-  for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
-    const fs::path folder = Canonical(root / name);
-    if (IsWithin(place, folder) || IsWithin(target, folder)) {
-      return name;
-    }
-  }
-  const std::string folder = FindInputFolderAround(place);
-  return folder.empty() ? FindInputFolderAround(target) : folder;
-}
-
 }  // namespace
 
 void RequireOutsideInputs(const fs::path& root,
                           const fs::path& path,
                           const std::string& option) {
-  const std::string folder = FindInputFolder(root, path);
+  // A link of this name would be replaced in place, or followed to its target.
+  const fs::path place =
+      Canonical(path.parent_path().empty() ? fs::path(".")
+                                           : path.parent_path()) /
+      path.filename();
+  std::string folder;
+  for (const fs::path& file : {place, Canonical(path)}) {
+    folder = folder.empty() ? FindInputFolderAround(file) : folder;
+    for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
+      folder = IsWithin(file, Canonical(root / name)) ? name : folder;
+    }
+  }
   if (!folder.empty()) {
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),

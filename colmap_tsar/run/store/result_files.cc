@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/run/store/evidence_file.h"
 #include "colmap_tsar/run/store/record.h"
 
 #include <algorithm>
@@ -52,14 +53,14 @@ void WarnOfChangedResults(const Workspace& workspace,
   for (int image = 0; image < workspace.NumImages(); ++image) {
     const MapPaths paths = workspace.Paths(image, workspace.Type());
     const std::optional<ImageRecord> record = ReadRecordIfValid(paths.record);
-    const bool is_kept = record && record->status == ImageStatus::kKept;
-    const bool is_done = record && record->status == ImageStatus::kDone;
+    const ImageStatus status = record ? record->status : ImageStatus::kPending;
+    const bool is_done = status == ImageStatus::kDone;
     const bool is_refined = is_done && record->Has("depth", paths.depth);
     num_refined += is_refined ? 1 : 0;
     if (!is_refined && is_reference.contains(image)) {
       const bool has_depth = Exists(paths.depth);
       const bool has_both = has_depth && Exists(paths.normal);
-      num_left += has_both && !is_kept ? 1 : 0;
+      num_left += has_both && status != ImageStatus::kKept ? 1 : 0;
       if (!has_both && !is_done) {
         missing.push_back((has_depth ? paths.normal : paths.depth).string());
       }
@@ -91,9 +92,9 @@ void WarnOfChangedResults(const Workspace& workspace,
            "there is no such map, so that its image is left out; run "
            "patch_match_stereo again for it");
   }
+  // Before the first image is refined, all are observed.
   const bool has_begun =
-      num_refined > 0 ||
-      Exists(GetTsarFolder(workspace.Root()) / "manifest.json");
+      num_refined > 0 || Exists(GetEvidenceFolder(workspace.Root()));
   if (has_begun && num_left > 0) {
     WarnOf({workspace.Root().string()},
            std::to_string(num_refined) + " of " +

@@ -91,7 +91,7 @@ TEST_F(ChangedResultsTest, WhatIsMixedOrLeftOutIsTold) {
   // Stopped before the first image.
   Restore(root_);
   EXPECT_EQ(Warnings(), "");
-  WriteText(root_ / "stereo/tsar/manifest.json", "{}");
+  std::filesystem::create_directories(root_ / "stereo/tsar/evidence");
   EXPECT_THAT(Warnings(), testing::HasSubstr("0 of "));
 }
 
