@@ -51,16 +51,35 @@ void LockTemporary(int descriptor, const ContainedPath& path) {
   }
 }
 
+// The sign of a temporary where the user named the file itself, so that
+// anything may stand beside it: the sticky bit, which means nothing for a file.
+mode_t SignOf(const ContainedPath& path) {
+  return path.Relative().has_parent_path() ? 0 : S_ISVTX;
+}
+
 // The temporary of a killed program may be a link to a file that must not
-// change.
+// change. What another program makes meanwhile stays.
 void RemoveOldTemporary(const ContainedPath& path) {
   RequireNoFolder(path.Path());
   const fs::path temporary = TemporaryOf(path).Path();
   RequireNoFolder(temporary);
   const int descriptor =
       open(temporary.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0 && errno == ENOENT) {
+    return;
+  }
   if (descriptor >= 0) {
     LockTemporary(descriptor, path);
+  }
+  struct stat state;
+  if (lstat(temporary.c_str(), &state) == 0 && S_ISREG(state.st_mode) &&
+      state.st_size > 0 && (~state.st_mode & SignOf(path)) != 0) {
+    close(descriptor);
+    throw Error::File(ErrorCode::kUnsupported,
+                      temporary.string(),
+                      "is there already, and its name is needed for a file "
+                      "that is being written",
+                      "move it away, or choose another name");
   }
   unlink(temporary.c_str());
   close(descriptor);
@@ -119,10 +138,10 @@ struct AtomicFile::State {
       replaced = state;
     }
     RemoveOldTemporary(path);
-    const int opened =
-        open(temporary.c_str(),
-             O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
-             replaced ? replaced->st_mode & kPermissions : 0666);
+    const int opened = open(
+        temporary.c_str(),
+        O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+        (replaced ? replaced->st_mode & kPermissions : 0666) | SignOf(path));
     if (opened < 0) {
       ThrowSystemError(path.Path(), "cannot be written", errno);
     }
@@ -138,7 +157,7 @@ struct AtomicFile::State {
     const int descriptor = buffer.fd();
     if (replaced) {
       std::ignore = fchown(descriptor, replaced->st_uid, replaced->st_gid);
-      fchmod(descriptor, replaced->st_mode & kPermissions);
+      fchmod(descriptor, (replaced->st_mode & kPermissions) | SignOf(path));
     }
     if (time) {
       const timespec times[] = {{0, UTIME_OMIT}, *time};
@@ -182,6 +201,10 @@ void AtomicFile::Commit() {
     ThrowSystemError(path.Path(), "cannot be replaced", errno);
   }
   state_->committed = true;
+  struct stat state;
+  if (SignOf(path) != 0 && fstat(state_->lock, &state) == 0) {
+    fchmod(state_->lock, state.st_mode & kPermissions);
+  }
   FlushToDisk(path.Parent());
 }
 

@@ -23,7 +23,8 @@ namespace tsar {
 class AtomicFile {
  public:
   // Suffix of the temporary names. A killed program leaves its temporary
-  // behind; the next write of the same file replaces it.
+  // behind; the next write of the same file replaces it. Beside a file that the
+  // user named (UserPath), anything else of that name is refused.
   static constexpr const char* kTemporarySuffix = ".tsar_tmp";
 
   // The folder must exist, and no folder stand under the file's name or its

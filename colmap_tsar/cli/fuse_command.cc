@@ -14,6 +14,7 @@
 #include <functional>
 #include <iomanip>
 #include <iostream>
+#include <tuple>
 
 namespace tsar {
 namespace {
@@ -25,6 +26,19 @@ constexpr const char* kSummary =
     "points that other images see through are left out. "
     "Writes fused.ply, with normals and colors, and fused.ply.vis, the images "
     "that see each point, for poisson_mesher and delaunay_mesher.";
+
+// A scan has no normals, and a mesh has faces.
+bool IsPointCloud(const std::string& begin) {
+  return begin.starts_with("ply") &&
+         begin.find("property float nx") != std::string::npos &&
+         begin.find("element face") == std::string::npos;
+}
+
+// It begins with the number of points.
+bool IsVisibility(const std::string& begin) {
+  constexpr size_t kNumBytes = 8;
+  return begin.size() >= kNumBytes && begin.compare(5, 3, "\0\0\0", 3) == 0;
+}
 
 }  // namespace
 
@@ -103,8 +117,11 @@ FuseSummary FuseCommand::Run(Progress& progress,
   const Workspace workspace = OpenWorkspaceWithMaps(workspace_path, input_type);
   std::filesystem::path visibility_path = options.output_path;
   visibility_path += ".vis";
-  for (const auto& path : {options.output_path, visibility_path}) {
-    RequireWritableOutput(workspace_path, path, "point cloud", overwrite);
+  for (const auto& [path, kind, is_of_kind] :
+       {std::tuple(options.output_path, "point cloud", &IsPointCloud),
+        std::tuple(
+            visibility_path, "list of a cloud's images", &IsVisibility)}) {
+    RequireWritableOutput(workspace_path, path, kind, is_of_kind, overwrite);
   }
   return FuseWorkspace(workspace, parsed, progress, should_stop);
 }

@@ -22,13 +22,19 @@ Interruption::Interruption() {
   action.sa_handler = &SetRequested;
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, &previous_interrupt_);
-  sigaction(SIGTERM, &action, &previous_terminate_);
+  for (size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], &action, &previous_[i]);
+  }
+  // With nohup, the work goes on when its terminal is closed.
+  if (previous_.back().sa_handler == SIG_IGN) {
+    sigaction(kSignals.back(), &previous_.back(), nullptr);
+  }
 }
 
 Interruption::~Interruption() {
-  sigaction(SIGINT, &previous_interrupt_, nullptr);
-  sigaction(SIGTERM, &previous_terminate_, nullptr);
+  for (size_t i = 0; i < kSignals.size(); ++i) {
+    sigaction(kSignals[i], &previous_[i], nullptr);
+  }
 }
 
 bool Interruption::Requested() const { return requested; }

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/progress.h"
 
+#include <array>
 #include <iostream>
 
 #include <signal.h>
@@ -12,9 +13,9 @@
 
 namespace tsar {
 
-// While it lives, the first Ctrl-C (SIGINT) or SIGTERM only sets a flag, so
-// that the work can end in order; the second ends the program at once. One
-// object at a time.
+// While it lives, the first Ctrl-C (SIGINT), SIGTERM or SIGHUP, unless that is
+// ignored, only sets a flag, so that the work can end in order; the second ends
+// the program at once. One object at a time.
 class Interruption {
  public:
   Interruption();
@@ -25,8 +26,8 @@ class Interruption {
   bool Requested() const;
 
  private:
-  struct sigaction previous_interrupt_;
-  struct sigaction previous_terminate_;
+  static constexpr std::array kSignals = {SIGINT, SIGTERM, SIGHUP};
+  std::array<struct sigaction, kSignals.size()> previous_;
 };
 
 // Returns what the work returns. Its arguments are a Progress that writes to

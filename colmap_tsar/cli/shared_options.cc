@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/run/store/input_folders.h"
 
@@ -58,6 +59,7 @@ void AddMaskPath(std::filesystem::path* value,
 void RequireWritableOutput(const std::filesystem::path& workspace_path,
                            const std::filesystem::path& output_path,
                            const std::string& kind,
+                           const IsOfKind& is_of_kind,
                            bool overwrite,
                            const std::string& option_key) {
   const std::string option = OptionName(option_key);
@@ -74,7 +76,11 @@ void RequireWritableOutput(const std::filesystem::path& workspace_path,
           std::filesystem::symlink_status(output_path, error))) {
     return;
   }
-  if (!std::filesystem::is_regular_file(output_path, error)) {
+  InputFile file(output_path);
+  std::string begin(1000, '\0');
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<size_t>(file.gcount()));
+  if (!file.Reason().empty() || !(begin.empty() || is_of_kind(begin))) {
     throw Error::File(ErrorCode::kUnsupported,
                       output_path.string(),
                       "is there already and is no " + kind,

@@ -9,6 +9,7 @@
 #include "colmap_tsar/run/device_options.h"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 
 namespace tsar {
@@ -46,12 +47,15 @@ void AddMaskPath(std::filesystem::path* value,
 
 // Checks, before the work is done, whether a command may write a file to a path
 // that an option gives. Throws Error kNotFound where its folder is missing,
-// kUnsupported where it lies among the inputs of the workspace, where it is
-// something else than a file, and where the file exists and is not to be
-// overwritten. kind: the name of the kind of file, "picture".
+// kUnsupported where it lies among the inputs of a workspace, where something
+// else than a file of the kind is there, and where one exists and is not to be
+// overwritten. kind: its name, "picture"; is_of_kind: whether a file that is
+// not empty begins, in its first 1000 bytes, as one of the kind.
+using IsOfKind = std::function<bool(const std::string& begin)>;
 void RequireWritableOutput(const std::filesystem::path& workspace_path,
                            const std::filesystem::path& output_path,
                            const std::string& kind,
+                           const IsOfKind& is_of_kind,
                            bool overwrite,
                            const std::string& option_key = "output_path");
 

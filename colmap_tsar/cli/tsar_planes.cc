@@ -155,14 +155,26 @@ void CheckUse(const PlanesCommand& command) {
   }
 }
 
+// Whether a file begins as those of this command. DXF has no name in it, but
+// layers of planes at its begin.
+bool IsOfPlanes(const std::string& begin) {
+  return begin.find("tsar_planes") != std::string::npos ||
+         (begin.find("AC1009") != std::string::npos &&
+          begin.find("\nFLOOR\n") != std::string::npos);
+}
+
 // Checks the paths of what is to be written.
 void CheckPaths(const PlanesCommand& command) {
   for (const auto& [path, option, kind] :
        {std::tuple(command.output_path, "output_path", "file of planes"),
         std::tuple(command.plan_path, "plan_path", "floor plan")}) {
     if (!path.empty()) {
-      RequireWritableOutput(
-          command.workspace_path, path, kind, command.overwrite, option);
+      RequireWritableOutput(command.workspace_path,
+                            path,
+                            kind,
+                            &IsOfPlanes,
+                            command.overwrite,
+                            option);
     }
   }
   if (std::filesystem::weakly_canonical(command.plan_path) ==

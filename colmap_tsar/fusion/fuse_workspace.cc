@@ -16,6 +16,7 @@
 
 #include <array>
 #include <cstddef>
+#include <string>
 #include <utility>
 
 namespace tsar {
@@ -31,6 +32,8 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path) {
     is_complete &= parsed.has_value();
     number = parsed.value_or(0.0);
   }
+  std::string rest;
+  is_complete &= !(file >> rest);
   const Eigen::AlignedBox3d box(Eigen::Vector3d::Map(&numbers[0]),
                                 Eigen::Vector3d::Map(&numbers[3]));
   if (!is_complete || !(box.min().array() <= box.max().array()).all()) {

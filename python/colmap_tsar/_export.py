@@ -84,7 +84,7 @@ class _OutputFolder:
 
     def __init__(self, path, overwrite):
         self._path = pathlib.Path(os.path.abspath(path))
-        self._overwrite = overwrite
+        self._overwrite, self._is_committed = overwrite, False
         self._temporary = self._path.with_name(self._path.name + ".tsar_tmp")
         self._former = self._path.with_name(self._path.name + ".tsar_old")
         self._check_place()
@@ -97,7 +97,10 @@ class _OutputFolder:
         self._lock = os.open(self._temporary, os.O_RDONLY)
         try:
             fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+            # Not where it was removed or renamed as complete before it was locked.
+            if not os.path.samestat(os.fstat(self._lock), os.lstat(self._temporary)):
+                raise BlockingIOError
+        except (BlockingIOError, FileNotFoundError):
             os.close(self._lock)
             advice = "wait until it has ended, or give another output_path"
             what = "another export is at work there"
@@ -144,13 +147,15 @@ class _OutputFolder:
                 shutil.rmtree(self._former)
             os.rename(self._path, self._former)
         os.rename(self._temporary, self._path)
+        self._is_committed = True
         if _is_remains(self._former):
             shutil.rmtree(self._former)
 
     def close(self):
         """Leaves nothing of an export that was not committed."""
+        if not self._is_committed:
+            shutil.rmtree(self._temporary, ignore_errors=True)
         os.close(self._lock)
-        shutil.rmtree(self._temporary, ignore_errors=True)
 
 
 def _map(meaning, stored, scale=1.0, offset=0.0):

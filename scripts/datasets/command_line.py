@@ -160,8 +160,10 @@ def run_main(parser, run, commands_of=dense_commands):
     """Calls run(args, programs) and turns what goes wrong into one line.
     commands_of(args): the programs' commands that take options from the command
     line."""
-    # So that a program at work is ended too.
+    # So that a program at work is ended too; with nohup, it outlives its terminal.
     signal.signal(signal.SIGTERM, lambda number, _: sys.exit(128 + number))
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        signal.signal(signal.SIGHUP, lambda number, _: sys.exit(128 + number))
     try:
         words, passed = take_passed(sys.argv[1:])
         args = parser.parse_args(words)

@@ -73,7 +73,8 @@ class Step:
             log.flush()
             # A signal that comes while the program starts is heard only where the
             # program is ended with it.
-            usual = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM})
+            usual = signal.pthread_sigmask(
+                signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
             unblock = lambda: signal.pthread_sigmask(signal.SIG_SETMASK, usual)
             try:
                 # The program holds the scene's lock as well, so that nothing else

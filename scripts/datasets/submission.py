@@ -68,10 +68,13 @@ def pack(archive, folder, names):
         raise DatasetError(f"{archive}: cannot be written without cmake, which packs it; install "
                            f"it, or pack {archive.stem} in {folder} yourself")
     part = archive.with_name(archive.name + ".part")
-    done = subprocess.run([cmake, "-E", "tar", "cf", str(part), "--format=7zip", *names],
-                          cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-    if done.returncode != 0:
-        part.unlink(missing_ok=True)
-        raise DatasetError(f"{archive}: cmake -E tar says "
-                           f"'{(done.stdout.strip().splitlines() or ['nothing'])[-1][:200]}'")
+    # It is read back: cmake says nothing of a full disk.
+    for words in (["cf", str(part), "--format=7zip", *names], ["tf", str(part)]):
+        done = subprocess.run([cmake, "-E", "tar", *words], cwd=folder, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        lines = done.stdout.strip().splitlines()
+        if done.returncode != 0 or (words[0] == "tf" and sorted(lines) != sorted(names)):
+            part.unlink(missing_ok=True)
+            raise DatasetError(f"{archive}: is not whole; see that its disk has room; cmake -E tar "
+                               f"says '{(lines or ['nothing'])[-1][:200]}'")
     os.replace(part, archive)

@@ -68,6 +68,39 @@ TEST(AtomicFileTest, TakesThePlaceOfALeftTemporary) {
   EXPECT_EQ(NumEntries(folder.Path()), 2u);
 }
 
+// The sign of a temporary of this program goes when the file is complete.
+TEST(AtomicFileTest, AUsersFileOfTheTemporarysNameStays) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file";
+  const auto temporary = folder.Path() / "file.tsar_tmp";
+  const auto perms = [](const std::filesystem::path& of) {
+    return std::filesystem::status(of).permissions();
+  };
+  WriteText(temporary, "mine");
+  ExpectError(ErrorCode::kUnsupported,
+              {temporary.string(), "move it away"},
+              [&] { AtomicFile file(UserPath(path)); });
+  EXPECT_EQ(ReadText(temporary), "mine");
+  EXPECT_EQ(NumEntries(folder.Path()), 1u);
+  // As one is left by a killed program.
+  std::filesystem::remove(temporary);
+  WriteText(path, "old");
+  AtomicFile file(UserPath(path));
+  file.Stream() << "new";
+  file.Prepare();
+  std::filesystem::copy_file(temporary, folder.Path() / "killed.tsar_tmp");
+  EXPECT_NE(perms(temporary) & std::filesystem::perms::sticky_bit,
+            std::filesystem::perms::none);
+  std::filesystem::permissions(folder.Path() / "killed.tsar_tmp",
+                               perms(temporary));
+  file.Commit();
+  EXPECT_EQ(perms(path) & std::filesystem::perms::sticky_bit,
+            std::filesystem::perms::none);
+  AtomicFile again(UserPath(folder.Path() / "killed"));
+  again.Commit();
+  EXPECT_EQ(NumEntries(folder.Path()), 2u);
+}
+
 // Not even where one is complete and the other has just begun.
 TEST(AtomicFileTest, RefusesAFileThatAnotherProgramWrites) {
   const TemporaryFolder folder;

@@ -11,12 +11,25 @@ namespace tsar {
 namespace {
 
 TEST(Interruption, CatchesTheFirstSignal) {
-  for (const int signal : {SIGINT, SIGTERM}) {
+  const auto handler = std::signal(SIGHUP, SIG_DFL);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const Interruption interruption;
     EXPECT_FALSE(interruption.Requested());
     std::raise(signal);
     EXPECT_TRUE(interruption.Requested());
   }
+  std::signal(SIGHUP, handler);
+}
+
+// As nohup asks for.
+TEST(Interruption, AnIgnoredHangupStaysIgnored) {
+  const auto handler = std::signal(SIGHUP, SIG_IGN);
+  {
+    const Interruption interruption;
+    std::raise(SIGHUP);
+    EXPECT_FALSE(interruption.Requested());
+  }
+  EXPECT_EQ(std::signal(SIGHUP, handler), SIG_IGN);
 }
 
 TEST(InterruptionDeathTest, TheSecondSignalEndsTheProgram) {

@@ -37,7 +37,7 @@ class TsarFuseTest : public CommandTest<&RunTsarFuse> {
 };
 
 TEST_F(TsarFuseTest, TellsWhatItWroteAndReplacesACloudOnlyWhereToldTo) {
-  WriteText(output_.string() + ".vis", "former");
+  WriteText(output_.string() + ".vis", std::string(8, '\0'));
   ExpectFailure({"--output_path", output_.string(), "--TsarFuse.device", "cpu"},
                 Words{output_.string() + ".vis", "--overwrite 1"});
   const Outcome outcome = Fuse({"--overwrite", "1"});
@@ -47,7 +47,22 @@ TEST_F(TsarFuseTest, TellsWhatItWroteAndReplacesACloudOnlyWhereToldTo) {
               testing::HasSubstr(" points: " + output_.string() + "\n"));
   EXPECT_THAT(outcome.out,
               testing::ContainsRegex("\nTime: [0-9]+\\.[0-9] s on [0-9]+ CPU"));
-  EXPECT_NE(ReadText(output_.string() + ".vis"), "former");
+  EXPECT_GT(fs::file_size(output_.string() + ".vis"), 8u);
+}
+
+TEST_F(TsarFuseTest, ReplacesNothingButACloud) {
+  const std::string list = output_.string() + ".vis";
+  for (const auto& [path, text] :
+       {std::pair(output_.string(), "years of work"),
+        std::pair(output_.string(), "ply\nproperty float nx\nelement face 0\n"),
+        std::pair(list, "years of work")}) {
+    WriteText(path, text);
+    ExpectFailure({"--output_path", output_.string(), "--overwrite", "1"},
+                  Words{path, "is no"});
+    fs::remove(path);
+  }
+  FuseAnew({});
+  FuseAnew({});
 }
 
 TEST_F(TsarFuseTest, OptionsComeBeforeThoseOfThePreset) {

@@ -71,6 +71,10 @@ TEST_F(TsarPlanesTest, CountsWhatTheFileHolds) {
     EXPECT_THAT(out, testing::HasSubstr("for an outline: 1 (JSON has them)\n"));
     // The front wall of the room has a hole.
     EXPECT_EQ(CountOf(ReadText(path), group), name[7] == 'o' ? 6 : 7);
+    EXPECT_EQ(Write(path, {"--overwrite", "1"}).exit_code, 0);
+    WriteText(path, "years of work");
+    ExpectFailure({"--output_path", path.string(), "--overwrite", "1"},
+                  Words{path.string(), "is no file of planes"});
   }
 }
 
@@ -95,6 +99,8 @@ TEST_F(TsarPlanesTest, DrawsAFloorPlanOfTheWalls) {
   EXPECT_EQ(outcome.out, "Drew 4 walls to " + plan.string() + "\n");
   EXPECT_EQ(CountOf(ReadText(plan), "<g id=\"plane_"), 4);
   ExpectFailure({"--plan_path", plan.string()}, "--overwrite 1");
+  EXPECT_EQ(Run({"--plan_path", plan.string(), "--overwrite", "1"}).exit_code,
+            0);
   const std::string dxf = (folder_.Path() / "plan.dxf").string();
   outcome = Write(json_, {"--plan_path", dxf, "--scale", "2"});
   EXPECT_THAT(outcome.out, testing::StartsWith("Wrote 7 planes"));

@@ -51,6 +51,16 @@ TEST_F(TsarReportTest, WrongInputIsOneLine) {
   ExpectFailure({"--report_path", root_.string()}, "is no report");
   ExpectFailure({"--report_path", (root_ / "images").string()},
                 "is in the folder images of a workspace");
+  // Of whichever workspace, and by whichever links.
+  const fs::path other = folder_.Path() / "other";
+  fs::create_directories(other / "images/left");
+  fs::create_directories(other / "sparse");
+  fs::create_directory_symlink(other / "sparse", folder_.Path() / "link");
+  for (const fs::path& folder : {other / "images/left/page",
+                                 other / "sparse",
+                                 folder_.Path() / "link/page"}) {
+    ExpectFailure({"--report_path", folder.string()}, "of a workspace");
+  }
 }
 
 }  // namespace

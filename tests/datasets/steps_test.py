@@ -89,16 +89,19 @@ def run(args, programs):
         outputs=[])
 command_line.run_main(command_line.make_parser("test", "", "", {{}}, ""), run)
 ''')
-        process = subprocess.Popen(
-            [sys.executable, script, "scene", "--output_path", self.root / "out2", "--colmap",
-             COLMAP, "--colmap_tsar", PROGRAM], stdout=subprocess.DEVNULL,
-            env=dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path)))
-        while process.poll() is None and not pid_file.exists():
-            time.sleep(0.02)
-        pid = int(pid_file.read_text())
-        process.terminate()
-        self.assertEqual(process.wait(), 128 + signal.SIGTERM)
-        self.assertRaises(ProcessLookupError, os.kill, pid, 0)
+        for number in (signal.SIGTERM, signal.SIGHUP):
+            pid_file.unlink(missing_ok=True)
+            process = subprocess.Popen(
+                [sys.executable, script, "scene", "--output_path", self.root / "out2", "--colmap",
+                 COLMAP, "--colmap_tsar", PROGRAM], stdout=subprocess.DEVNULL,
+                preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_DFL),
+                env=dict(os.environ, PYTHONPATH=os.pathsep.join(sys.path)))
+            while process.poll() is None and not pid_file.exists():
+                time.sleep(0.02)
+            pid = int(pid_file.read_text())
+            process.send_signal(number)
+            self.assertEqual(process.wait(), 128 + number)
+            self.assertRaises(ProcessLookupError, os.kill, pid, 0)
 
     def test_no_program_outlives_a_signal_at_its_start(self):
         pid_file = self.root / "pid"

@@ -5,6 +5,7 @@
 import contextlib
 import io
 import os
+import shutil
 import subprocess
 import unittest
 from unittest import mock
@@ -89,6 +90,18 @@ class SubmissionTest(FolderTest):
             self.rejects("without cmake", submission.pack, self.root / "a.7z", self.root, ["x"])
         self.rejects("cmake -E tar", submission.pack, self.root / "a.7z", self.root, ["not_there"])
         self.assertEqual(list(self.root.iterdir()), [])
+        # A full disk, of which cmake says nothing, leaves a part of it, or nothing.
+        (self.root / "x").write_bytes(os.urandom(9999))
+        real, stand_in = shutil.which("cmake"), self.root / "bin" / "cmake"
+        stand_in.parent.mkdir()
+        for size in (0, 99, 5000):
+            stand_in.write_text(f'#!/bin/sh\n{real} "$@" || exit\n[ $3 = tf ] || '
+                                f'truncate -s {size} "$4"\n')
+            stand_in.chmod(0o755)
+            with mock.patch.dict(os.environ, {"PATH": f"{stand_in.parent}:{os.environ['PATH']}"}):
+                self.rejects("a.7z: is not whole; see that its disk has room", submission.pack,
+                             self.root / "a.7z", self.root, ["x"])
+        self.assertEqual(sorted(os.listdir(self.root)), ["bin", "x"])
 
     def test_sets(self):
         self.assertEqual([len(eth3d.SETS[name]) for name in ("training", "test", "all")], [13, 12, 25])

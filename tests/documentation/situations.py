@@ -151,7 +151,7 @@ SITUATIONS = {
     "The report comes before the refinement": lambda: None,
     "The planes come before the refinement": lambda: None,
     "Something goes into the workspace's own folders": lambda: None,
-    "There is a cloud already": lambda: write("dense/fused.ply", "of stereo_fusion"),
+    "There is a cloud already": lambda: write("dense/fused.ply", "ply\nproperty float nx\n"),
     "tsar_stereo finds maps of COLMAP": lambda: None,
     "An image changed after tsar_stereo": photo_after_stereo,
     "The depth images are pictures": lambda: write("depth/v000.png", png(8, 480, 360)),

@@ -149,8 +149,14 @@ TEST(ReadBoundingBoxTest, NeedsSixNumbersOfABox) {
   const Eigen::AlignedBox3d box = ReadBoundingBox(path);
   EXPECT_EQ(box.min(), Eigen::Vector3d(-1, -2, -3));
   EXPECT_EQ(box.max(), Eigen::Vector3d(4, 5, 6.5));
-  for (const char* bad :
-       {"", "1 2 3 4 5", "1 2 3 4 5 x", "1 0 0 0 1 1", "nan 0 0 1 1 1"}) {
+  for (const char* bad : {"",
+                          "1 2 3 4 5",
+                          "1 2 3 4 5 x",
+                          "1 0 0 0 1 1",
+                          "nan 0 0 1 1 1",
+                          "0 0 0 1 1 1 1",
+                          "0 0 0 1 1 100abc",
+                          "0 0 0 1 1 1 x"}) {
     WriteText(path, bad);
     ExpectError(ErrorCode::kCorrupt, {path.string(), "six numbers"}, [&] {
       ReadBoundingBox(path);

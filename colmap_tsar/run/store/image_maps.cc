@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/run/store/image_maps.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/start_thread.h"
@@ -86,6 +87,17 @@ std::vector<int> FindRefinedImages(const Workspace& workspace) {
         Exists(workspace.Paths(image, type).provenance)) {
       refined.push_back(image);
     }
+  }
+  return refined;
+}
+
+std::vector<int> RequireRefinedImages(const Workspace& workspace) {
+  const std::vector<int> refined = FindRefinedImages(workspace);
+  if (refined.empty()) {
+    throw Error::File(ErrorCode::kNotFound,
+                      workspace.Root().string(),
+                      "has no refined " + ToString(workspace.Type()) + " maps",
+                      "run tsar_refine on it first");
   }
   return refined;
 }

@@ -45,6 +45,8 @@ std::vector<int> FindImagesWithMaps(const Workspace& workspace);
 // The images whose maps of the workspace's type were refined, as indices into
 // its sparse model, ascending.
 std::vector<int> FindRefinedImages(const Workspace& workspace);
+// Throws Error kNotFound where there are none.
+std::vector<int> RequireRefinedImages(const Workspace& workspace);
 
 // Opens a workspace to read its maps. type: if not given, geometric maps, or
 // photometric ones if only those were refined or exist. Errors as Workspace.

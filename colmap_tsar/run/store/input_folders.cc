@@ -21,32 +21,42 @@ fs::path Canonical(const fs::path& path) {
   return error ? path : canonical;
 }
 
-}  // namespace
-
-std::string FindInputFolder(const fs::path& root, const fs::path& path) {
-  // A link of this name would be replaced in place, or followed to its target.
-  const fs::path place =
-      Canonical(path.parent_path().empty() ? fs::path(".")
-                                           : path.parent_path()) /
-      path.filename();
-  const fs::path target = Canonical(path);
-  // Of an output workspace, the images lead to the input.
-  for (const fs::path& workspace :
-       {root, Canonical(root / "images").parent_path()}) {
-    for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
-      const fs::path folder = Canonical(workspace / name);
-      if (IsWithin(place, folder) || IsWithin(target, folder)) {
-        return name;
-      }
+// The name of the input folder in which a path is or lies, or nothing: of the
+// innermost workspace around it, a folder that holds two of the three.
+std::string FindInputFolderAround(const fs::path& path) {
+  for (fs::path below = path; below.has_relative_path();
+       below = below.parent_path()) {
+    int count = 0;
+    std::string found;
+    for (const char* name : {"images", "sparse", "stereo"}) {
+      std::error_code error;
+      count += fs::is_directory(below.parent_path() / name, error) ? 1 : 0;
+      found = below.filename() == name ? name : found;
+    }
+    if (count >= 2) {
+      return found;
     }
   }
   return "";
 }
 
+}  // namespace
+
 void RequireOutsideInputs(const fs::path& root,
                           const fs::path& path,
                           const std::string& option) {
-  const std::string folder = FindInputFolder(root, path);
+  // A link of this name would be replaced in place, or followed to its target.
+  const fs::path place =
+      Canonical(path.parent_path().empty() ? fs::path(".")
+                                           : path.parent_path()) /
+      path.filename();
+  std::string folder;
+  for (const fs::path& file : {place, Canonical(path)}) {
+    folder = folder.empty() ? FindInputFolderAround(file) : folder;
+    for (const char* name : {"images", "sparse", "sparse/0", "stereo"}) {
+      folder = IsWithin(file, Canonical(root / name)) ? name : folder;
+    }
+  }
   if (!folder.empty()) {
     throw Error::File(ErrorCode::kUnsupported,
                       path.string(),

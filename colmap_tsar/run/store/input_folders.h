@@ -8,16 +8,11 @@
 
 namespace tsar {
 
-// The input folder (images, sparse, sparse/0 where that is a link, or stereo)
-// of the workspace `root`, or of the one that it is the output of, in which a
-// path is or lies, with links resolved; empty where it is outside of all.
-// Neither the path nor the workspace has to exist.
-std::string FindInputFolder(const std::filesystem::path& root,
-                            const std::filesystem::path& path);
-
-// Programs only read these folders, so nothing else may be written there.
-// Throws Error kUnsupported, naming the option, where `path` lies in one of
-// them.
+// Programs only read the folders images, sparse and stereo of a workspace, so
+// nothing else may be written there. Throws Error kUnsupported, naming the
+// option, where `path` is or lies in one of them, with links resolved: of the
+// workspace `root`, or of any other around the path. Neither the path nor the
+// workspace has to exist.
 void RequireOutsideInputs(const std::filesystem::path& root,
                           const std::filesystem::path& path,
                           const std::string& option);

@@ -21,6 +21,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 
 namespace tsar {
 namespace {
@@ -99,11 +100,19 @@ void RemoveUnfinished(const OutputFolderKind& kind, const fs::path& path) {
 DIR* OpenLocked(const OutputFolderKind& kind, const fs::path& path) {
   CreateFolders(UserPath(path));
   DIR* const folder = opendir(path.c_str());
-  if (folder == nullptr) {
+  if (folder == nullptr && errno != ENOENT) {
     ThrowSystemError(path, "the folder cannot be opened", errno);
   }
-  if (flock(dirfd(folder), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    closedir(folder);
+  // It may have been removed, or renamed as complete, before it was locked.
+  struct stat locked;
+  struct stat named;
+  if (folder == nullptr ||
+      (flock(dirfd(folder), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) ||
+      fstat(dirfd(folder), &locked) != 0 || stat(path.c_str(), &named) != 0 ||
+      locked.st_ino != named.st_ino) {
+    if (folder != nullptr) {
+      closedir(folder);
+    }
     throw Refused(kind,
                   path,
                   std::string("another ") + kind.command + " is at work there",
@@ -251,7 +260,7 @@ OutputFolder::OutputFolder(const OutputFolderKind& kind,
 
 OutputFolder::~OutputFolder() {
   try {
-    if (IsUnfinished(kind_, temporary_)) {
+    if (lock_ && IsUnfinished(kind_, temporary_)) {
       RemoveUnfinished(kind_, temporary_);
     }
   } catch (const std::exception&) {
@@ -263,7 +272,11 @@ void OutputFolder::Commit() {
   WriteList(kind_, temporary_);
   const ContainedPath from = UserPath(temporary_);
   const ContainedPath to = UserPath(path_);
+  // From its new name on, another program may begin under the temporary one,
+  // unless the former folder is there, to be removed under its own lock.
+  Lock former = {nullptr, &closedir};
   if (CheckPlace(kind_, path_, overwrite_)) {
+    former.reset(OpenLocked(kind_, path_));
     Mark(kind_, path_);
     if (renameat2(AT_FDCWD,
                   temporary_.c_str(),
@@ -274,11 +287,13 @@ void OutputFolder::Commit() {
       RenameFile(to, UserPath(FormerPath(path_)));
       RenameFile(from, to);
       RemoveFormer(kind_, path_);
+      former.reset();
     }
     FlushToDisk(to.Parent());
   } else {
     RenameFile(from, to);
   }
+  lock_.swap(former);
   RemoveFile(to / kind_.unfinished_file);
 }
 

@@ -57,8 +57,9 @@ class OutputFolder {
   std::filesystem::path path_;
   std::filesystem::path temporary_;
   bool overwrite_;
-  // The temporary folder, open with a lock.
-  std::unique_ptr<DIR, int (*)(DIR*)> lock_ = {nullptr, &closedir};
+  // The temporary folder, open with a lock; none where it is another's.
+  using Lock = std::unique_ptr<DIR, int (*)(DIR*)>;
+  Lock lock_ = {nullptr, &closedir};
 };
 
 }  // namespace tsar

@@ -131,10 +131,7 @@ void RequireUsable(const Workspace& input,
   if (canonical == root) {
     throw Refused(output, "the output is the input workspace itself");
   }
-  const std::string folder = FindInputFolder(root, output);
-  if (!folder.empty()) {
-    throw Refused(output, "the output is in the input's folder " + folder);
-  }
+  RequireOutsideInputs(root, output, OptionName("output_path"));
   if (IsWithin(root, canonical)) {
     throw Refused(output, "the output is a folder around the input");
   }
@@ -147,7 +144,8 @@ void RequireUsable(const Workspace& input,
   // A killed call may have left the temporary name of its first link.
   if (!std::ranges::all_of(
           ListFolder({output, {}}), [](const FolderEntry& entry) {
-            return entry.path.string().ends_with(AtomicFile::kTemporarySuffix);
+            return entry.is_link &&
+                   entry.path.string().ends_with(AtomicFile::kTemporarySuffix);
           })) {
     throw Refused(
         output,

@@ -89,8 +89,12 @@ void RemoveLeftovers(const ContainedPath& folder, bool with_folders) {
   for (const FolderEntry& entry : tree) {
     if (entry.is_folder && with_folders) {
       RemoveFolderIfEmpty(entry.path);
-    } else if (!entry.is_folder &&
-               entry.path.string().ends_with(AtomicFile::kTemporarySuffix)) {
+    }
+    // As in "NAME.geometric.bin.tsar_tmp".
+    const auto type = entry.path.Filename().stem().stem().extension();
+    if (!entry.is_folder &&
+        entry.path.string().ends_with(AtomicFile::kTemporarySuffix) &&
+        (type == ".geometric" || type == ".photometric")) {
       RemoveFile(entry.path);
     }
   }

@@ -28,9 +28,12 @@ std::array<ResultFile, 4> ResultFiles(const MapPaths& paths);
 // Removes the result files.
 void RemoveResults(const MapPaths& paths);
 
-// For programs that read the files that refinement writes beside the maps, of
-// the workspace's type: gives one warning about files that are missing or
-// differ from their images' records. names: of ResultFiles(); empty: all.
+// For programs that read the maps of the workspace's type and the files that
+// refinement writes beside them: gives one warning each about files that are
+// missing or differ from their images' records, about depth or normal maps
+// without the other, and about images that are not refined, or with other
+// options, beside others that are. names: "depth", "normal" and those of
+// ResultFiles(), whose files are read; empty: all.
 // Throws what ReadRecord and HashFile throw, except for corrupt records, which
 // are another warning.
 void WarnOfChangedResults(const Workspace& workspace,

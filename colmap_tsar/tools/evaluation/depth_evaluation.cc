@@ -17,6 +17,7 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
 
@@ -105,6 +106,17 @@ void AddPixels(const Image<float>& estimate,
   }
 }
 
+Image<float> ReadTruth(const fs::path& path) {
+  Image<float> truth = ReadDepthMap(path);
+  if (*std::ranges::max_element(truth) <= 0.f) {
+    throw Error::File(ErrorCode::kCorrupt,
+                      path.string(),
+                      "is no ground truth: none of its depths is above 0",
+                      "give ground truth of this image, or remove the file");
+  }
+  return truth;
+}
+
 // Adds one image to the scores. mask_path: empty without a mask.
 void ScoreImage(const fs::path& photo_path,
                 const fs::path& map_path,
@@ -113,7 +125,7 @@ void ScoreImage(const fs::path& photo_path,
                 DepthEvaluation* evaluation) {
   ++evaluation->num_images;
   const Image<float> estimate = ReadDepthMap(map_path);
-  const Image<float> truth = ReadDepthMap(truth_path);
+  const Image<float> truth = ReadTruth(truth_path);
   const RasterSize size{estimate.Width(), estimate.Height()};
   const RasterSize truth_size{truth.Width(), truth.Height()};
   RequireShape(map_path,
@@ -214,8 +226,9 @@ std::vector<fs::path> FindTruths(const Workspace& workspace,
   return paths;
 }
 
-Image<float> ReadTruth(const fs::path& path, const Image<FusionPixel>& pixels) {
-  Image<float> truth = ReadDepthMap(path);
+Image<float> ReadTruthOf(const Image<FusionPixel>& pixels,
+                         const fs::path& path) {
+  Image<float> truth = ReadTruth(path);
   RequireShape(path,
                {truth.Width(), truth.Height()},
                {pixels.Width(), pixels.Height()},
@@ -289,6 +302,7 @@ FusedPixelEvaluation EvaluateFusedPixels(
     const std::function<bool()>& should_stop) {
   CheckTolerances(options.tolerances);
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
+  WarnOfChangedResults(workspace);
   const FusionPlan plan = PlanFusion(workspace, {}, fusion.check_num_images);
   const std::vector<fs::path> truths = FindTruths(
       workspace,
@@ -303,7 +317,7 @@ FusedPixelEvaluation EvaluateFusedPixels(
         if (!truths[place].empty()) {
           of_images[place] =
               EvaluateImage(fused,
-                            ReadTruth(truths[place], fused.view->pixels),
+                            ReadTruthOf(fused.view->pixels, truths[place]),
                             options.tolerances);
         }
       },

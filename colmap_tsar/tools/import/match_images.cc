@@ -380,6 +380,13 @@ class Matcher {
     for (const auto& [image, path] :
          FindNamedFiles(input_, &num_without_image_)) {
       found_[image] = {image, path, normals[image], {}};
+      if (!options_.normal_path.empty() && normals[image].empty()) {
+        throw Error::File(ErrorCode::kNotFound,
+                          options_.normal_path.string(),
+                          "holds no normal map for " + path.string(),
+                          "add it, or leave " + OptionName("normal_path") +
+                              " out, so that depth gives the normals");
+      }
     }
     if (found_.empty()) {
       throw Error::File(

@@ -33,17 +33,11 @@ constexpr double kCosine30 = 0.8660254037844387;
 constexpr double kMinMeanUp = 0.2;
 
 [[noreturn]] void ThrowNoPlanes(const Workspace& workspace) {
-  const std::string type = ToString(workspace.Type());
-  if (FindRefinedImages(workspace).empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      workspace.Root().string(),
-                      "has no refined " + type + " maps",
-                      "run tsar_refine on it first");
-  }
+  RequireRefinedImages(workspace);
   throw Error::File(
       ErrorCode::kNotFound,
       workspace.Root().string(),
-      "its " + type +
+      "its " + ToString(workspace.Type()) +
           " maps were refined without keeping the planes of the scene",
       "run this version's tsar_refine on it, with the planes of the scene");
 }
@@ -303,7 +297,7 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
   const SceneModel model =
       ReadSceneModel(model_path, SceneModelParts::kWithoutLabels);
   RequirePlanesOfMaps(workspace, images, model_path);
-  WarnOfChangedResults(workspace, {"planes", "provenance"});
+  WarnOfChangedResults(workspace, {"depth", "planes", "provenance"});
   PlaneObservations seen =
       ObservePlanes(workspace, images, model, progress, is_stopped);
   ExportedPlanes result;

@@ -39,17 +39,6 @@ constexpr OutputFolderKind kPageFolder = {"report",
                                           "tsar_report.txt",
                                           "unfinished_page"};
 
-std::vector<int> RequireRefinedImages(const Workspace& workspace) {
-  const std::vector<int> refined = FindRefinedImages(workspace);
-  if (refined.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      workspace.Root().string(),
-                      "has no refined " + ToString(workspace.Type()) + " maps",
-                      "run tsar_refine on it first");
-  }
-  return refined;
-}
-
 // The name of the workspace's folder, which identifies it.
 std::string WorkspaceName(const Workspace& workspace) {
   const fs::path root = fs::absolute(workspace.Root()).lexically_normal();
@@ -121,8 +110,8 @@ int WritePage(const Workspace& workspace,
   // The lock keeps the maps before and after consistent.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   const std::vector<int> refined = RequireRefinedImages(workspace);
-  WarnOfChangedResults(workspace);
   OutputFolder folder(kPageFolder, options.report_path, options.overwrite);
+  WarnOfChangedResults(workspace);
   PageData data;
   data.version = TSAR_VERSION;
   data.workspace = WorkspaceName(workspace);

@@ -1,6 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
+#include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/result_files.h"
 
 #include "tests/run/store/write_back_testing.h"
@@ -12,7 +13,7 @@ class ChangedResultsTest : public WriteBackTest {
  protected:
   void SetUp() override {
     WriteBackTest::SetUp();
-    for (const int image : {0, 1}) {
+    for (const int image : {0, 1, 2}) {
       RefinedMaps maps = MakeRefinedMaps(42.f);
       maps.planes = Image<uint16_t>(maps.depth.Width(), maps.depth.Height());
       WriteRefined(workspace(), image, maps, Record());
@@ -57,11 +58,41 @@ TEST_F(ChangedResultsTest, ManyAreOneLine) {
   std::filesystem::remove_all(root_ / "stereo/plane_maps");
   EXPECT_THAT(
       Warnings(),
-      testing::AllOf(testing::HasSubstr("a.png.geometric.png and 1 more"),
+      testing::AllOf(testing::HasSubstr("a.png.geometric.png and 2 more"),
                      testing::Not(testing::HasSubstr("left/b.png"))));
   // Nothing is missed of images that were not refined.
   WriteText(workspace().Paths(0, MapType::kGeometric).record, "no record");
-  EXPECT_THAT(Warnings(), testing::HasSubstr("left/b.png.geometric.png: gone"));
+  EXPECT_THAT(Warnings(),
+              testing::HasSubstr("left/b.png.geometric.png and 1 more: gone"));
+}
+
+// As a run leaves them that was stopped, and users who move maps away.
+TEST_F(ChangedResultsTest, WhatIsMixedOrLeftOutIsTold) {
+  const MapPaths paths = workspace().Paths(0, MapType::kGeometric);
+  const MapPaths others = workspace().Paths(1, MapType::kGeometric);
+  const std::string depth = ReadText(others.depth);
+  WriteText(others.depth, ReadText(paths.original_depth));
+  EXPECT_THAT(Warnings(), testing::HasSubstr(others.depth.string() + ": gone"));
+  std::filesystem::remove(others.depth);
+  EXPECT_THAT(Warnings(), testing::HasSubstr(others.depth.string() + ": gone"));
+  EXPECT_EQ(Warnings({"planes"}), "");
+  WriteText(others.depth, depth);
+  WriteRefined(workspace(), 1, MakeRefinedMaps(42.f), Record("others"));
+  EXPECT_THAT(Warnings(), testing::HasSubstr("with different options"));
+  KeepImage(workspace(), 1, Record());
+  EXPECT_EQ(Warnings(), "");
+  std::filesystem::remove(paths.record);
+  EXPECT_THAT(Warnings(), testing::HasSubstr("1 of 2 images are refined"));
+  std::filesystem::remove(paths.depth);
+  EXPECT_THAT(Warnings(),
+              testing::AllOf(testing::HasSubstr(paths.depth.string() +
+                                                ": there is no such map"),
+                             testing::Not(testing::HasSubstr("refined"))));
+  // Stopped before the first image.
+  Restore(root_);
+  EXPECT_EQ(Warnings(), "");
+  std::filesystem::create_directories(root_ / "stereo/tsar/evidence");
+  EXPECT_THAT(Warnings(), testing::HasSubstr("0 of "));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -208,6 +209,22 @@ TEST_F(OutputFolderTest, IsWrittenByOneProgramAtATime) {
   const OutputFolder first(kReport, path_, false);
   ExpectUntouched({"another tsar_report", "wait"},
                   [&] { OutputFolder(kReport, path_, false); });
+}
+
+// As soon as a folder is complete, the next one may be begun beside it.
+TEST_F(OutputFolderTest, RemovesNoFolderOfAnotherProgram) {
+  std::optional<OutputFolder> first(std::in_place, kReport, path_, false);
+  WriteText(first->Temporary() / kReport.known_file, "first");
+  first->Commit();
+  OutputFolder second(kReport, path_, true);
+  WriteText(second.Temporary() / kReport.known_file, "second");
+  first.reset();
+  second.Commit();
+  EXPECT_EQ(ReadText(path_ / kReport.known_file), "second");
+  // The former one is removed by the program that replaced it alone.
+  ExpectError(ErrorCode::kUnsupported, {"another tsar_report"}, [&] {
+    OutputFolder(kReport, path_, true);
+  });
 }
 
 }  // namespace

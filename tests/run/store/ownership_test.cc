@@ -294,7 +294,8 @@ TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
   WriteText(root_ / "stereo/tsar/manifest.json", "{}");
   // Of killed programs.
   for (const char* folder : {"depth_maps", "plane_maps/left", "tsar/records"}) {
-    WriteText(root_ / "stereo" / folder / "a.bin.tsar_tmp", "half");
+    WriteText(root_ / "stereo" / folder / "a.jpg.geometric.bin.tsar_tmp",
+              "half");
   }
   EXPECT_EQ(Restore(root_).num_restored, 6);
   EXPECT_EQ(ReadTree(root_), clean);
@@ -302,6 +303,7 @@ TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
   WriteRefined(workspace(), 0, MakeRefinedMaps(42.f), Record());
   const std::filesystem::path mine[] = {
       root_ / "stereo/confidence_maps/mine.bin",
+      root_ / "stereo/depth_maps/mine.tsar_tmp",
       root_ / "stereo/confidence_maps/folder.tsar_tmp/mine.bin"};
   for (const std::filesystem::path& path : mine) {
     WriteText(path, "mine");

@@ -202,6 +202,9 @@ TEST_F(DepthEvaluationTest, InputsAreThereWholeAndOfTheShapeOfTheGroundTruth) {
   EXPECT_EQ(code(), ErrorCode::kMismatch);
   WriteMap(Map("a.pgm"), 16, 1.f);
   EXPECT_EQ(code(), std::nullopt);
+  WriteMap(Truth("a.pgm"), 8, 0.f);
+  EXPECT_EQ(code(), ErrorCode::kCorrupt);
+  WriteMap(Truth("a.pgm"), 8, 1.f);
   Write("images/a.pgm", "P5\n8 3\n255\n" + std::string(24, 'x'));
   EXPECT_EQ(code(), ErrorCode::kMismatch);
 }

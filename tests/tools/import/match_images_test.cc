@@ -139,8 +139,11 @@ TEST_F(MatchImagesTest, FindsDepthImagesByName) {
   Write("sub/b.png");
   Write("b.jpg");
   WriteText(options_.normal_path / "a.exr", "x");
+  ExpectRefused({options_.normal_path.string(), "c.jpg.npy"},
+                ErrorCode::kNotFound);
+  WriteText(options_.normal_path / "sub/c.exr", "x");
   EXPECT_THAT(Match(),
-              testing::ElementsAre("sub/c.jpg: sub/c.jpg.npy",
+              testing::ElementsAre("sub/c.jpg: sub/c.jpg.npy sub/c.exr",
                                    "a.jpg: in/a.png normals/a.exr"));
   EXPECT_EQ(MatchImages(options_, model_).num_without_image, 2);
   Write("a.jpg.pfm");
