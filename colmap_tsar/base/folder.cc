@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/warning.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -96,6 +97,16 @@ std::set<std::string> ListFileNames(const ContainedPath& folder,
     }
   }
   return names;
+}
+
+void WarnOfStrayFiles(const std::filesystem::path& folder,
+                      const std::vector<std::filesystem::path>& files) {
+  if (!files.empty()) {
+    Warn(folder.string() + ": " + std::to_string(files.size()) +
+         (files.size() == 1 ? " file belongs to no image, such as "
+                            : " files belong to no image, such as ") +
+         files.front().string());
+  }
 }
 
 void FlushToDisk(const fs::path& path) {

@@ -38,6 +38,10 @@ std::vector<FolderEntry> ListTree(const ContainedPath& folder);
 std::set<std::string> ListFileNames(const ContainedPath& folder,
                                     const std::string& suffix);
 
+// Warns, in one line, of files in a folder of inputs that belong to no image.
+void WarnOfStrayFiles(const std::filesystem::path& folder,
+                      const std::vector<std::filesystem::path>& files);
+
 // Flushes a file, or the names in a folder, to the disk as far as the file
 // system can.
 void FlushToDisk(const std::filesystem::path& path);

@@ -124,4 +124,17 @@ std::vector<uint8_t> InputFile::ReadBytes(uintmax_t begin, uintmax_t count) {
   return bytes;
 }
 
+bool ReadLine(std::istream& text, bool is_first, std::string* line) {
+  if (!std::getline(text, *line)) {
+    return false;
+  }
+  if (is_first && line->starts_with("\xEF\xBB\xBF")) {
+    line->erase(0, 3);
+  }
+  if (line->ends_with('\r')) {
+    line->pop_back();
+  }
+  return true;
+}
+
 }  // namespace tsar

@@ -53,4 +53,8 @@ class InputFile : public std::istream {
   bool is_no_file_ = false;
 };
 
+// Reads the next line of a text that other programs or hands wrote, without a
+// carriage return at its end, and without a byte order mark if it is the first.
+bool ReadLine(std::istream& text, bool is_first, std::string* line);
+
 }  // namespace tsar

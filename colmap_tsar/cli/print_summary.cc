@@ -75,6 +75,15 @@ void PrintFirst(const List& list,
 
 void PrintMasksAndPriors(const RunSummary& summary, std::ostream& out) {
   PrintMasks(summary.num_masks, summary.num_images, out);
+  if (const int64_t count = Count(summary, kMaskedAway); count > 0) {
+    out << "  all depths masked: " << Counted(count, "image")
+        << " (black in a mask is what is left out)\n";
+  }
+  if (const int64_t count = Count(summary, kBlackBorders); count > 0) {
+    out << "  black borders without a mask: " << Counted(count, "image")
+        << "; what lies outside of undistorted pictures gets depth unless it "
+           "is black in masks, --mask_path\n";
+  }
   if (summary.num_priors) {
     const int64_t num_dropped = Count(summary, kPriorsDropped);
     out << "  depth priors for " << *summary.num_priors << " of "

@@ -11,6 +11,7 @@
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/fusion/fusion_run.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 
@@ -52,11 +53,13 @@ FuseSummary FuseWorkspace(Workspace workspace,
   const Stopwatch stopwatch;
   options.fusion.Check();
   workspace.UseMasks(options.mask_path);
+  workspace.WarnOfStrayFiles();
   // The lock keeps the maps of an image consistent.
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   WarnOfChangedResults(workspace);
   const FusionPlan plan = PlanFusion(
       workspace, options.image_list_path, options.fusion.check_num_images);
+  WarnOfConventions(workspace, plan.order);
   FusionRun run(workspace, plan, options.fusion, options.devices);
   FusedCloudWriter writer(UserPath(options.output_path));
   std::vector<EncodedPoints> encoded(plan.order.size());

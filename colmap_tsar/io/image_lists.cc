@@ -21,8 +21,6 @@ namespace {
 
 // Upper bound of the length of file names.
 constexpr size_t kMaxNameLength = 4096;
-// The byte order mark that some editors write at the beginning of a text.
-constexpr const char* kByteOrderMark = "\xEF\xBB\xBF";
 
 std::string Trimmed(const std::string& text) {
   constexpr const char* kBlank = " \t\r\n\v\f";
@@ -45,11 +43,19 @@ int IndexOf(const std::string& name,
             const std::string& advice) {
   const int index = model.IndexOf(name);
   if (index < 0) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "line " + std::to_string(line) + " names " + name +
-                          ", which is not in the sparse model",
-                      advice);
+    const auto longer = std::ranges::find_if(
+        model.images,
+        [&](const auto& image) { return image.name.starts_with(name + " "); });
+    throw Error::File(
+        ErrorCode::kMismatch,
+        path.string(),
+        "line " + std::to_string(line) + " names " + name +
+            ", which is not in the sparse model" +
+            (longer == model.images.end()
+                 ? ""
+                 : "; it has \"" + longer->name +
+                       "\", with text behind the name"),
+        longer == model.images.end() ? advice : "take that out of images.txt");
   }
   return index;
 }
@@ -63,10 +69,7 @@ std::vector<Line> ReadLines(const std::filesystem::path& path,
   file.RequireOpened(noun, advice);
   std::vector<Line> lines;
   std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    if (number == 1 && line.starts_with(kByteOrderMark)) {
-      line.erase(0, 3);
-    }
+  for (int number = 1; ReadLine(file, number == 1, &line); ++number) {
     if (std::string text = Trimmed(line); !text.empty()) {
       lines.push_back({number, std::move(text)});
     }

@@ -4,6 +4,7 @@
 #include "colmap_tsar/io/image_masks.h"
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/picture_file.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -43,7 +45,8 @@ Error Corrupt(const fs::path& path, const std::string& what) {
 }
 
 // Throws if, by its header, the file is no mask for an image of these sizes.
-void RequireMask(const fs::path& path,
+// Returns whether it has an alpha channel.
+bool RequireMask(const fs::path& path,
                  const MaskSizes& sizes,
                  InputFile* file) {
   file->RequireOpened("mask", kMaskAdvice);
@@ -69,12 +72,16 @@ void RequireMask(const fs::path& path,
         "masks of the photos do not fit: undistort them with "
         "image_undistorter, as docs/guide.md tells under Masks");
   }
+  return header->has_alpha;
 }
 
-Image<uint8_t> DecodeMask(const fs::path& path, InputFile* file) {
-  const cv::Mat pixels =
-      DecodePicture(file->ReadBytes(0, file->Size()),
-                    cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
+Image<uint8_t> DecodeMask(const fs::path& path,
+                          bool has_alpha,
+                          InputFile* file) {
+  const auto decode = [&](int mode) {
+    return DecodePicture(file->ReadBytes(0, file->Size()), mode);
+  };
+  const cv::Mat pixels = decode(cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH);
   if (pixels.empty()) {
     throw Corrupt(path, "the mask is damaged or breaks off");
   }
@@ -82,6 +89,18 @@ Image<uint8_t> DecodeMask(const fs::path& path, InputFile* file) {
   cv::Mat is_black(pixels.rows, pixels.cols, CV_8UC1, mask.Data());
   cv::compare(pixels, 0, is_black, cv::CMP_EQ);
   is_black &= 1;
+  const auto varies = [](const cv::Mat& channel) {
+    const int count = cv::countNonZero(channel);
+    return count > 0 && count < static_cast<int>(channel.total());
+  };
+  if (has_alpha && !varies(is_black)) {
+    const cv::Mat whole = decode(cv::IMREAD_UNCHANGED);
+    cv::Mat alpha;
+    cv::extractChannel(whole, alpha, whole.channels() - 1);
+    if (varies(alpha)) {
+      throw Corrupt(path, "the mask is all of one color, and transparent");
+    }
+  }
   return mask;
 }
 
@@ -128,18 +147,34 @@ std::vector<fs::path> FindImageMasks(
   return paths;
 }
 
+void WarnOfStrayMasks(const fs::path& folder,
+                      const std::vector<fs::path>& masks) {
+  const std::set<fs::path> known(masks.begin(), masks.end());
+  std::vector<fs::path> strays;
+  for (const FolderEntry& entry : ListTree({folder, {}})) {
+    const fs::path path = entry.path.Path().lexically_normal();
+    const std::string extension = FoldedCase(path.extension().string());
+    const bool is_picture =
+        extension == ".png" || extension == ".jpg" || extension == ".jpeg";
+    if (is_picture && !entry.is_folder && !known.contains(entry.path)) {
+      strays.push_back(path);
+    }
+  }
+  WarnOfStrayFiles(folder, strays);
+}
+
 Image<uint8_t> ReadImageMask(const fs::path& path, const MaskSizes& sizes) {
   InputFile file(path);
-  RequireMask(path, sizes, &file);
-  return DecodeMask(path, &file);
+  const bool has_alpha = RequireMask(path, sizes, &file);
+  return DecodeMask(path, has_alpha, &file);
 }
 
 void CheckImageMask(const fs::path& path, const MaskSizes& sizes) {
   InputFile file(path);
-  RequireMask(path, sizes, &file);
-  if (!EndsInMarker(&file)) {
+  const bool has_alpha = RequireMask(path, sizes, &file);
+  if (has_alpha || !EndsInMarker(&file)) {
     // Data may have been appended after the end.
-    DecodeMask(path, &file);
+    DecodeMask(path, has_alpha, &file);
   }
 }
 

@@ -18,8 +18,9 @@ namespace tsar {
 // their own. They follow COLMAP's mask_path: that of the image sub/a.jpg is
 // sub/a.jpg.png in the folder of masks. The mask of an image sub/a.png may also
 // have its name if there is no sub/a.png.png. Pixels of value 0 (black) are
-// masked, all others are not; colors are converted to gray. Images without a
-// mask are used entirely.
+// masked, all others are not; colors are converted to gray; a mask that
+// shows in its alpha channel alone is refused. Images without a mask are used
+// entirely.
 
 // Throws Error kBadOption if a folder of other content is that of the images.
 // content: the expected content, such as "masks"; option: the option that names
@@ -36,6 +37,10 @@ std::vector<std::filesystem::path> FindImageMasks(
     const std::filesystem::path& folder,
     const std::vector<std::string>& image_names,
     const std::string& option);
+
+// Warns of pictures in a folder of masks that are none of these.
+void WarnOfStrayMasks(const std::filesystem::path& folder,
+                      const std::vector<std::filesystem::path>& masks);
 
 // The permitted sizes of a mask: that of the undistorted image and that of its
 // maps.

@@ -148,8 +148,18 @@ DepthImage ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
                       "its columns are stored one after the other",
                       "save numpy.ascontiguousarray of it");
   }
-  const std::vector<int64_t> shape =
+  std::vector<int64_t> shape =
       ParseShape(Between(header, "'shape': (", ')', reader), reader);
+  // Batches of one image.
+  while (shape.size() > 3 && shape.front() == 1) {
+    shape.erase(shape.begin());
+  }
+  const auto is_num_channels = [](int64_t n) { return n == 1 || n == 3; };
+  const bool is_planar = shape.size() == 3 && is_num_channels(shape[0]) &&
+                         !is_num_channels(shape[2]);
+  if (is_planar) {
+    std::ranges::rotate(shape, shape.begin() + 1);
+  }
   if (shape.size() != 2 && shape.size() != 3) {
     throw Unsupported(name,
                       "it has " + std::to_string(shape.size()) + " dimensions",
@@ -168,11 +178,38 @@ DepthImage ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
             : type == "<u2" ? static_cast<float>(reader.Read<uint16_t>())
                             : static_cast<float>(reader.Read<double>());
   }
+  if (is_planar && channels > 1) {
+    const std::vector<float> planes = std::move(values);
+    const size_t num_pixels = planes.size() / 3;
+    values.resize(planes.size());
+    for (size_t i = 0; i < planes.size(); ++i) {
+      values[i] = planes[i % 3 * num_pixels + i / 3];
+    }
+  }
   return {{static_cast<int>(shape[1]),
            static_cast<int>(shape[0]),
            static_cast<int>(channels),
            std::move(values)},
           type == "<u2"};
+}
+
+// An archive that numpy.savez made of one array, whose bytes stand in it as
+// they are, between an entry and the directory of all.
+DepthImage ParseNpz(std::span<const uint8_t> bytes, const std::string& name) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()),
+                              bytes.size());
+  constexpr size_t kEndBytes = 22;
+  constexpr size_t kCountOffset = 10;
+  const size_t begin = std::min(text.find("\x93NUMPY"), text.size());
+  const size_t end = text.rfind("PK\1\2");
+  const std::string_view last =
+      text.substr(std::max(text.size(), kEndBytes) - kEndBytes);
+  if (!text.starts_with("PK\3\4") || end == std::string_view::npos ||
+      end < begin || !last.starts_with("PK\5\6") || last[kCountOffset] != 1) {
+    throw ByteReader(bytes, name, "save it with numpy.save")
+        .Corrupt("not an uncompressed archive of one array");
+  }
+  return ParseNpy(bytes.subspan(begin, end - begin), name);
 }
 
 // The channels are in OpenCV's order.
@@ -280,8 +317,8 @@ Image<T> ReadGray(const std::filesystem::path& path) {
 }  // namespace
 
 bool IsDepthImageName(const std::filesystem::path& path) {
-  constexpr std::array<std::string_view, 6> kExtensions = {
-      ".png", ".exr", ".tif", ".tiff", ".pfm", ".npy"};
+  constexpr std::array<std::string_view, 7> kExtensions = {
+      ".png", ".exr", ".tif", ".tiff", ".pfm", ".npy", ".npz"};
   return std::ranges::find(kExtensions, LowerExtension(path)) !=
          kExtensions.end();
 }
@@ -291,6 +328,7 @@ DepthImage ParseDepthImage(std::span<const uint8_t> bytes,
   const std::string extension = LowerExtension(path);
   return extension == ".pfm"   ? ParsePfm(bytes, path.string())
          : extension == ".npy" ? ParseNpy(bytes, path.string())
+         : extension == ".npz" ? ParseNpz(bytes, path.string())
                                : ParsePicture(bytes, path.string());
 }
 
@@ -299,7 +337,7 @@ FloatMap ParseNormalImage(std::span<const uint8_t> bytes,
   DepthImage normals;
   float max_value = 65535.f;
   const std::string extension = LowerExtension(path);
-  if (extension == ".pfm" || extension == ".npy") {
+  if (extension == ".pfm" || extension.starts_with(".np")) {
     normals = ParseDepthImage(bytes, path);
   } else {
     const cv::Mat pixels = DecodeMap(bytes, path.string());

@@ -23,8 +23,8 @@ struct DepthImage {
   bool is_integer = false;  // Stored in integers: the unit is uncertain.
 };
 
-// Whether a file's name ends in .png, .exr, .tif, .tiff, .pfm or .npy, in any
-// case.
+// Whether a file's name ends in .png, .exr, .tif, .tiff, .pfm, .npy or .npz, in
+// any case.
 bool IsDepthImageName(const std::filesystem::path& path);
 
 // Reads the bytes of such a file:
@@ -36,8 +36,10 @@ bool IsDepthImageName(const std::filesystem::path& path);
 //   by white space, the last by one byte of it; then float32 from the bottom
 //   row up, little-endian where the scale is negative. The scale's magnitude is
 //   ignored, as all programs that write depth expect.
-// - NPY: an array of shape (height, width) or (height, width, channels), of
-//   little-endian float16, float32, float64 or uint16, row by row ("C order").
+// - NPY: an array of shape (height, width), (height, width, channels) or
+//   (channels, height, width), also as a batch of one, of little-endian
+//   float16, float32, float64 or uint16, row by row ("C order").
+// - NPZ: an uncompressed archive of one such array.
 //
 // path: the file's name, which determines the format, also for messages. Throws
 // Error: kCorrupt (the content breaks the format), kUnsupported (a picture that

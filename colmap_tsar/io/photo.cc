@@ -113,6 +113,24 @@ Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path) {
   return Read<uint8_t>(path);
 }
 
+bool HasBlackBorder(const Image<Rgb>& photo) {
+  constexpr int64_t kMinShare = 100;  // One of so many.
+  const auto is_bright = [](const Rgb& color) {
+    return color.r != 0 || color.g != 0 || color.b != 0;
+  };
+  int64_t num_black = 0;
+  for (int y = 0; y < photo.Height(); ++y) {
+    const std::span<const Rgb> row(&photo(0, y),
+                                   static_cast<size_t>(photo.Width()));
+    const auto left = std::find_if(row.begin(), row.end(), is_bright);
+    const auto right =
+        std::find_if(row.rbegin(), std::make_reverse_iterator(left), is_bright);
+    num_black += (left - row.begin()) + (right - row.rbegin());
+  }
+  return num_black > 0 &&
+         num_black * kMinShare >= static_cast<int64_t>(photo.NumPixels());
+}
+
 bool HasAlpha(const std::filesystem::path& path) {
   InputFile file(path);
   file.RequireOpened("image", kAdvice);

@@ -31,6 +31,10 @@ Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path);
 // Whether a PNG file says that it has an alpha channel, which is not read.
 bool HasAlpha(const std::filesystem::path& path);
 
+// Whether a hundredth of the photo is exactly black and joined to its left or
+// right rim: most likely what lies outside of the undistorted picture.
+bool HasBlackBorder(const Image<Rgb>& photo);
+
 // Looks at the beginning and the end of a file alone, and decodes it only where
 // these are not those of a whole one. Tells what is missing, empty, of another
 // format or, if JPEG or PNG, cut off; other damage shows when the photo is

@@ -5,6 +5,7 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/sparse_model.h"
 
 #include <algorithm>
@@ -54,6 +55,7 @@ class BinaryReader : ModelFile {
   }
 
   bool NextRecord() { return num_records_ > 0 && num_records_-- > 0; }
+  void EndRecord() const {}
 
   template <typename T>
   T Read() {
@@ -152,18 +154,26 @@ class TextReader : ModelFile {
   // Moves to the next line that is neither blank nor a comment.
   bool NextRecord() {
     while (NextLine()) {
-      const size_t first = line_.find_first_not_of(kBlank);
-      if (first != std::string::npos && line_[first] != '#') {
+      if (!AtEnd()) {
         return true;
       }
     }
     return false;
   }
 
+  // Throws if the record has more than was read.
+  void EndRecord() {
+    if (!AtEnd()) {
+      throw Corrupt("has \"" + ReadModelName() + "\" behind its end");
+    }
+  }
+
   template <typename T>
   T Read() {
     const std::string word = ReadModelName();
-    const std::optional<T> number = ParseNumber<T>(word);
+    // As COLMAP, with a sign.
+    const std::optional<T> number = ParseNumber<T>(
+        std::string_view(word).substr(word.starts_with('+') ? 1 : 0));
     if (!number) {
       throw Corrupt("has \"" + word + "\" in the place of a number");
     }
@@ -180,25 +190,39 @@ class TextReader : ModelFile {
     return line_.substr(begin, position_ - begin);
   }
 
-  // The rest of the line, without blanks around it.
+  // The rest of the line, without blanks and a comment behind it.
   std::string ReadImageName() {
-    return AtEndOfLine()
-               ? ""
-               : line_.substr(position_,
-                              line_.find_last_not_of(kBlank) + 1 - position_);
+    if (AtEndOfLine()) {
+      return "";
+    }
+    const std::string name =
+        line_.substr(position_, line_.find(" #", position_) - position_);
+    return name.substr(0, name.find_last_not_of(kBlank) + 1);
   }
 
   // They have a line of their own, which may be blank.
-  void SkipKeypoints() { NextLine(); }
+  void SkipKeypoints() {
+    while (NextLine() && !AtEndOfLine() && AtEnd()) {
+    }
+    for (int i = 0; !AtEnd(); ++i) {
+      constexpr int kNumWords = 3;
+      const bool is_number = ParseNumber<double>(ReadModelName()).has_value();
+      if (!is_number || (AtEnd() && i % kNumWords != kNumWords - 1)) {
+        throw Corrupt(
+            "is not the line of points of the image before it, of which each "
+            "has x, y and an id; it may be empty");
+      }
+    }
+  }
 
   void SkipColorAndError() {
     for (int i = 0; i < 4; ++i) {
-      ReadModelName();
+      Read<double>();
     }
   }
 
   void ReadTrack(std::vector<uint32_t>* image_ids) {
-    while (!AtEndOfLine()) {
+    while (!AtEnd()) {
       image_ids->push_back(Read<uint32_t>());
       Read<uint32_t>();  // The keypoint's index.
     }
@@ -208,10 +232,13 @@ class TextReader : ModelFile {
   static constexpr std::string_view kBlank = " \t\r";
 
   bool NextLine() {
-    ++line_number_;
     position_ = 0;
-    return static_cast<bool>(std::getline(file_, line_));
+    line_.clear();
+    return ReadLine(file_, line_number_++ == 0, &line_);
   }
+
+  // Also before a comment.
+  bool AtEnd() { return AtEndOfLine() || line_[position_] == '#'; }
 
   bool AtEndOfLine() {
     position_ =
@@ -294,6 +321,7 @@ Cameras ReadCameras(const Path& path) {
     camera.fy = model == "PINHOLE" ? reader.template Read<double>() : camera.fx;
     camera.cx = reader.template Read<double>();
     camera.cy = reader.template Read<double>();
+    reader.EndRecord();
     RequireValidCamera(path, name, width, height, camera);
     camera.width = static_cast<int>(width);
     camera.height = static_cast<int>(height);
@@ -407,24 +435,34 @@ std::vector<Eigen::Vector3d> ReadPoints(const Path& path, Images* images) {
     image_of_id.emplace(id, &image);
   }
   std::vector<Eigen::Vector3d> positions;
+  size_t num_left_out = 0;
+  uint64_t first_left_out = 0;
   positions.reserve(points.size());
   for (const auto& [id, point] : points) {
-    const std::string text = "point " + std::to_string(id);
     if (!point.position.allFinite()) {
-      throw CorruptModel(path, text + " has a position that is not a number");
+      first_left_out = num_left_out++ == 0 ? id : first_left_out;
+      continue;
     }
     for (size_t i = point.track_begin; i < point.track_end; ++i) {
       const auto image = image_of_id.find(image_ids[i]);
       if (image == image_of_id.end()) {
-        throw CorruptModel(path,
-                           text + " is seen by image " +
-                               std::to_string(image_ids[i]) +
-                               ", which does not exist");
+        throw CorruptModel(
+            path,
+            "point " + std::to_string(id) + " is seen by image " +
+                std::to_string(image_ids[i]) + ", which does not exist");
       }
       image->second->point_indices.push_back(
           static_cast<int>(positions.size()));
     }
     positions.push_back(point.position);
+  }
+  if (num_left_out > 0) {
+    Warn(path.string() + ": the position of point " +
+         std::to_string(first_left_out) +
+         (num_left_out > 1
+              ? " and " + std::to_string(num_left_out - 1) + " more"
+              : std::string()) +
+         " is not a number; left out");
   }
   return positions;
 }

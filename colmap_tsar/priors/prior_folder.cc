@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/resize_nearest.h"
-#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/float_map.h"
 #include "colmap_tsar/io/map_files.h"
 
@@ -114,6 +113,26 @@ FloatMap ReadMap(const Path& path, bool is_normals, const RasterSize& photo) {
   return map;
 }
 
+// Adds a constant to values that are known up to one, as negative ones tell,
+// unless they are few or one number that stands for "none".
+void MakePositive(std::vector<float>* values) {
+  constexpr int64_t kMinShare = 20;  // One of so many.
+  float least = 0.f;
+  float most = 0.f;
+  for (const float value : *values) {
+    least = std::isfinite(value) ? std::min(least, value) : least;
+    most = std::isfinite(value) ? std::max(most, value) : most;
+  }
+  const int64_t num_negative = std::ranges::count_if(
+      *values, [&](float value) { return value < 0.f && value > least; });
+  if (num_negative * kMinShare > static_cast<int64_t>(values->size())) {
+    for (float& value : *values) {
+      value =
+          std::isfinite(value) ? value - least + 0.01f * (most - least) : 0.f;
+    }
+  }
+}
+
 template <typename T>
 Image<T> Reduce(const Image<T>& image) {
   const int side = std::max(image.Width(), image.Height());
@@ -164,8 +183,8 @@ PriorFolder::PriorFolder(const Path& folder,
         WithoutExtension(path.lexically_relative(folder).generic_string()));
     if (found == matches.end()) {
       // Folders may have such names as well.
-      if (IsFile(path) && num_stray_files_++ == 0) {
-        first_stray_file_ = path;
+      if (IsFile(path)) {
+        stray_files_.push_back(path);
       }
       continue;
     }
@@ -210,23 +229,17 @@ std::optional<int64_t> PriorFolder::Count(
       images.begin(), images.end(), [&](int image) { return HasPrior(image); });
 }
 
-void PriorFolder::WarnOfStrayFiles() const {
-  if (num_stray_files_ > 0) {
-    Warn(folder_.string() + ": " + std::to_string(num_stray_files_) +
-         (num_stray_files_ == 1 ? " file belongs to no image, such as "
-                                : " files belong to no image, such as ") +
-         first_stray_file_.string());
-  }
-}
-
 DepthPrior ReadPrior(const PriorFiles& files,
                      PriorType type,
                      const RasterSize& photo) {
   DepthPrior prior;
   prior.type = type;
   if (!files.depth.empty()) {
-    prior.values = Reduce(
-        ToDepth(ReadMap(files.depth, false, photo), files.depth.string()));
+    FloatMap map = ReadMap(files.depth, false, photo);
+    if (type != PriorType::kMetric) {
+      MakePositive(&map.values);
+    }
+    prior.values = Reduce(ToDepth(map, files.depth.string()));
   }
   if (!files.normals.empty()) {
     prior.normals = Reduce(

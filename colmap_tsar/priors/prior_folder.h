@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/priors/depth_prior.h"
 
@@ -29,8 +30,10 @@ constexpr int kMaxPriorSide = 1024;
 
 // Reads the files of an image whose undistorted photo has this size, by
 // ParseDepthImage() and ParseNormalImage(). Larger rasters are reduced by
-// taking the nearest pixel. Values that are negative or not finite become 0,
-// normals unit vectors or (0, 0, 0).
+// taking the nearest pixel. Values that are not finite become 0, and so do
+// negative ones, unless they are many and the type is not kMetric: then all get
+// a constant that makes them positive. Normals become unit vectors or (0, 0,
+// 0).
 //
 // Throws Error, naming the file: kNotFound (no such file), kIo (it cannot be
 // read, or is a folder), kCorrupt, kUnsupported (such as depth of 8 bits),
@@ -70,14 +73,15 @@ class PriorFolder {
   std::optional<int64_t> Count(const std::vector<int>& images) const;
 
   // Warns of files that match no image, with their number and one of them.
-  void WarnOfStrayFiles() const;
+  void WarnOfStrayFiles() const {
+    tsar::WarnOfStrayFiles(folder_, stray_files_);
+  }
 
  private:
   std::filesystem::path folder_;
   PriorType type_ = PriorType::kAuto;
   std::vector<PriorFiles> files_;  // By image; empty: no folder.
-  size_t num_stray_files_ = 0;
-  std::filesystem::path first_stray_file_;
+  std::vector<std::filesystem::path> stray_files_;
 };
 
 }  // namespace tsar

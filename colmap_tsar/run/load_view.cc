@@ -146,8 +146,8 @@ int64_t HypothesisReader::NumNotFinite() const {
 
 void HypothesisReader::ReadOwn(size_t first_pixel,
                                const HypothesisPiece& piece) {
-  own_.depth.Read(first_pixel, piece.depth);
-  own_.normal.Read(first_pixel, piece.normal);
+  own_.ReadDepths(first_pixel, piece.depth);
+  own_.ReadNormals(first_pixel, piece.normal);
   if (own_costs_) {
     ReadCosts(*own_costs_, first_pixel, piece.min_cost);
   }
@@ -175,8 +175,8 @@ void HypothesisReader::FillFromOtherType(size_t first_pixel,
   const size_t count = piece.depth.size();
   depth_.resize(count);
   normal_.resize(count);
-  other_->depth.Read(first_pixel, depth_);
-  other_->normal.Read(first_pixel, normal_);
+  other_->ReadDepths(first_pixel, depth_);
+  other_->ReadNormals(first_pixel, normal_);
   if (other_costs_) {
     min_cost_.resize(count);
     ReadCosts(*other_costs_, first_pixel, min_cost_);

@@ -11,6 +11,7 @@
 #include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/device.h"
+#include "colmap_tsar/io/photo.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
@@ -284,15 +285,19 @@ RefineResult ComposePass::Compute(size_t index,
   const int image = run_.plan.Reference(index);
   const ViewData& reference = views->Get(image);
   report->counts["not_finite"] = reference.num_not_finite;
+  if (!run_.workspace.HasMask(image) && HasBlackBorder(reference.color)) {
+    report->counts[kBlackBorders] = 1;
+  }
   RefineResult result;
   if (!HasDepth(reference.depth)) {
     if (IsMaskedAway(run_.workspace, image)) {
       // Masked depths are not to stay.
       result.maps = EmptyMaps(reference.depth, run_.refine_options);
+      report->counts[kMaskedAway] = 1;
     } else {
       result.reason_to_keep =
-          "its depth map holds no valid depth, or none where the image has "
-          "texture";
+          "its maps hold no valid depth with a normal, or none where the image "
+          "has texture";
     }
     return result;
   }

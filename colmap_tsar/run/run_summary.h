@@ -20,6 +20,8 @@ namespace tsar {
 // Names of counts in ImageReport.
 inline constexpr const char* kPriorsUsed = "priors_used";
 inline constexpr const char* kPriorsDropped = "priors_dropped";
+inline constexpr const char* kBlackBorders = "black_borders";
+inline constexpr const char* kMaskedAway = "masked_away";
 
 // The outcome of one image of a run.
 struct ImageReport {
@@ -35,8 +37,9 @@ struct ImageReport {
   int num_sources_without_maps = 0;
   // Counts of images that are refined, or were before, as in their records:
   // "pixels", "depth_before", "depth_after", "not_finite", one for each
-  // provenance, and kPriorsUsed or kPriorsDropped (1) where the image has a
-  // depth prior.
+  // provenance, kPriorsUsed or kPriorsDropped (1) where the image has a depth
+  // prior, kBlackBorders (1) where it has a black border and no mask, and
+  // kMaskedAway (1) where all of its depths are masked.
   std::map<std::string, int64_t> counts;
   std::map<std::string, double> seconds;  // Per stage.
 };

@@ -46,7 +46,8 @@ int64_t RequirePossibleSize(const std::filesystem::path& path,
 // The size of an image's original maps, or nothing where there are none.
 std::optional<RasterSize> CheckMaps(const Workspace& workspace,
                                     int image,
-                                    MapType type) {
+                                    MapType type,
+                                    ImageRemarks* remarks) {
   const MapPaths paths = workspace.Paths(image, type);
   RequireNoStrayResults(paths);
   const OriginalMaps originals = FindOriginals(paths);
@@ -63,7 +64,10 @@ std::optional<RasterSize> CheckMaps(const Workspace& workspace,
   if (!has_depth) {
     return std::nullopt;
   }
-  return workspace.OpenOriginalMaps(image, type).Size();
+  const DepthNormalReader maps = workspace.OpenOriginalMaps(image, type);
+  remarks->Add(maps.conventions.remarks,
+               workspace.Name(image) + ", " + ToString(type) + " maps");
+  return maps.Size();
 }
 
 // Checks that the files of an image can be written, before hours of work.
@@ -78,24 +82,31 @@ void CheckTargets(const MapPaths& paths) {
 // Checks the files of an image. Returns whether it has maps to refine.
 bool CheckImage(const Workspace& workspace,
                 int image,
-                WorkspaceOverview* overview) {
+                WorkspaceOverview* overview,
+                ImageRemarks* remarks) {
   const MapType type = workspace.Type();
-  const std::optional<RasterSize> size = CheckMaps(workspace, image, type);
+  const std::optional<RasterSize> size =
+      CheckMaps(workspace, image, type, remarks);
   if (!size) {
     return false;
   }
   CheckTargets(workspace.Paths(image, type));
   CheckPhotoFile(workspace.ImagePath(image));
   workspace.CheckMask(image, *size);
-  workspace.ReadPrior(image);
+  const std::shared_ptr<DepthPrior> prior = workspace.ReadPrior(image);
+  if (prior != nullptr && prior->no_depth != 0.f) {
+    remarks->Add({NoDepthRemark(prior->no_depth)},
+                 workspace.Priors().FilesOf(image).depth.string());
+  }
   overview->has_priors =
       overview->has_priors || workspace.Priors().HasPrior(image);
   workspace.OpenCosts(image, type, *size);
   const MapType other = workspace.OtherType();
   if (workspace.HasMaps(image, other)) {
-    RequireSizeOfDepthMap(workspace.DepthPath(image, other),
-                          CheckMaps(workspace, image, other).value_or(*size),
-                          *size);
+    RequireSizeOfDepthMap(
+        workspace.DepthPath(image, other),
+        CheckMaps(workspace, image, other, remarks).value_or(*size),
+        *size);
     workspace.OpenCosts(image, other, *size);
   }
   const Camera& camera = workspace.CameraOf(image);
@@ -194,19 +205,18 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
   overview.map_sides.resize(workspace.Model().images.size());
-  int num_with_alpha = 0;
+  ImageRemarks remarks;
   for (const int image : images) {
-    overview.has_maps[image] = CheckImage(workspace, image, &overview);
-    num_with_alpha +=
-        overview.has_maps[image] && HasAlpha(workspace.ImagePath(image)) ? 1
-                                                                         : 0;
+    overview.has_maps[image] =
+        CheckImage(workspace, image, &overview, &remarks);
+    if (overview.has_maps[image] && HasAlpha(workspace.ImagePath(image))) {
+      remarks.Add({"the alpha channel is ignored; give what is transparent as "
+                   "black in masks, " +
+                   OptionName("mask_path")},
+                  workspace.Name(image));
+    }
   }
-  if (num_with_alpha > 0) {
-    Warn(std::to_string(num_with_alpha) +
-         " images have an alpha channel, which is ignored; give what is "
-         "transparent as black in masks, " +
-         OptionName("mask_path"));
-  }
+  std::ranges::for_each(remarks.Lines(), &Warn);
   bool any_reference = false;
   for (const StereoProblem& problem : workspace.Problems()) {
     if (!overview.has_maps[problem.reference]) {
@@ -229,7 +239,7 @@ Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(options.mask_path);
   workspace.UsePriors(options.prior_path, options.prior_type);
-  workspace.Priors().WarnOfStrayFiles();
+  workspace.WarnOfStrayFiles();
   return workspace;
 }
 

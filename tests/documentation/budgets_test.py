@@ -11,23 +11,23 @@ from sample_testing import check
 SOURCES = (".cc", ".cu", ".cuh", ".h", ".js", ".html", ".css")
 SCRIPTS = (".py", ".sh")
 BUDGETS = (
-    ("colmap_tsar/base", SOURCES, 2740),
-    ("colmap_tsar/cli", SOURCES, 3220),
+    ("colmap_tsar/base", SOURCES, 2770),
+    ("colmap_tsar/cli", SOURCES, 3230),
     ("colmap_tsar/compose", SOURCES, 2180),
     ("colmap_tsar/device", SOURCES, 1610),
     ("colmap_tsar/fusion", SOURCES, 1520),
-    ("colmap_tsar/io", SOURCES, 3600),
+    ("colmap_tsar/io", SOURCES, 4180),
     ("colmap_tsar/matching", SOURCES, 1940),
-    ("colmap_tsar/priors", SOURCES, 1810),
-    ("colmap_tsar/run", SOURCES, 7870),
+    ("colmap_tsar/priors", SOURCES, 1830),
+    ("colmap_tsar/run", SOURCES, 7970),
     ("colmap_tsar/scene", SOURCES, 10750),
     ("colmap_tsar/tools/evaluation", SOURCES, 1120),
-    ("colmap_tsar/tools/import", SOURCES, 1620),
+    ("colmap_tsar/tools/import", SOURCES, 1600),
     ("colmap_tsar/tools/plane_export", SOURCES, 2140),
     ("colmap_tsar/tools/report", SOURCES, 930),
     ("colmap_tsar/tools/stereo", SOURCES, 1340),
     ("colmap_tsar/view", SOURCES, 7000),
-    ("tests", SOURCES + SCRIPTS, 43300),
+    ("tests", SOURCES + SCRIPTS, 43710),
     ("docs", (".md",), 4300),
 )
 

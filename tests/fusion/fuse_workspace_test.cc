@@ -121,6 +121,21 @@ TEST_F(FuseWorkspaceTest, MaskedDepthsAreMissing) {
   }
 }
 
+TEST_F(FuseWorkspaceTest, MapsOfOtherConventionsAreReadAsColmapsAre) {
+  WriteOtherConventions(root_, 0.f);
+  Fuse();
+  const std::string expected = Bytes();
+  WriteOtherConventions(root_, 1e6f);
+  testing::internal::CaptureStderr();
+  Fuse();
+  EXPECT_THAT(
+      testing::internal::GetCapturedStderr(),
+      testing::AllOf(
+          testing::HasSubstr("v1.png and 3 more: many depths are 1e+06"),
+          testing::HasSubstr("v1.png and 3 more: the normals point")));
+  EXPECT_EQ(Bytes(), expected);
+}
+
 TEST_F(FuseWorkspaceTest, WithBadMapsOrNoneNothingIsWritten) {
   const fs::path map = root_ / "stereo/depth_maps/v3.png.geometric.bin";
   fs::resize_file(map, fs::file_size(map) - 1);

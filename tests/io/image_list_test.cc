@@ -58,6 +58,10 @@ TEST_F(ImageListTest, NamesTheLineThatIsWrong) {
   ExpectRefused("a.png\r\n\r\nb.png\r\n",
                 kMismatch,
                 "line 3 names b.png, which is not in the sparse model");
+  ExpectRefused("left/b",
+                kMismatch,
+                "line 1 names left/b, which is not in the sparse model; it has "
+                "\"left/b c.png\", with text behind the name");
   // Not a comment: names may begin so.
   ExpectRefused("# a.png\n", kMismatch, "line 1 names # a.png");
   for (const char* text : {"", "\n \r\n\t\n", "\xEF\xBB\xBF"}) {

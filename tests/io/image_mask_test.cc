@@ -153,6 +153,29 @@ TEST_F(ImageMaskTest, OtherFilesAreRefused) {
   ExpectRefused(ErrorCode::kIo, "cannot be read (it is a ");
 }
 
+TEST_F(ImageMaskTest, AMaskInTheAlphaChannelIsRefused) {
+  cv::Mat pixels(6, 8, CV_8UC4, cv::Scalar::all(255));
+  cv::imwrite(path_.string(), pixels);
+  EXPECT_EQ(ReadImageMask(path_, kSizes)(0, 0), 0);
+  pixels.at<cv::Vec4b>(3, 3)[3] = 0;
+  cv::imwrite(path_.string(), pixels);
+  ExpectRefused(ErrorCode::kCorrupt,
+                "the mask is all of one color, and transparent");
+}
+
+TEST_F(ImageMaskTest, WarnsOfPicturesOfNoImage) {
+  const fs::path folder = folder_.Path();
+  for (const char* name : {"a.png", "b.jpg", "notes.txt"}) {
+    WriteText(folder / name, "");
+  }
+  WriteGoodMask();
+  testing::internal::CaptureStderr();
+  WarnOfStrayMasks(folder, FindImageMasks(folder, {"a.jpg"}, "--mask_path"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr(": 2 files belong to no image, such as " +
+                                 (folder / "a.png").string()));
+}
+
 TEST_F(ImageMaskTest, DamageNeverGivesAnotherMask) {
   const std::string png = WriteGoodMask();
   const Image<uint8_t> whole = ReadImageMask(path_, kSizes);

@@ -72,6 +72,18 @@ constexpr auto kReadNpy = &ReadImage<kNpy>;
 constexpr auto kReadTiff = &ReadImage<kTiff>;
 constexpr auto kReadExr = &ReadImage<kExr>;
 
+constexpr char kNpz[] = "some.file.npz";
+
+// As numpy.savez writes arrays, of which this is the first; without most of the
+// numbers, which are not read.
+std::string NpzBytes(const std::string& npy, char num_arrays = 1) {
+  std::string bytes = "PK\3\4" + std::string(26, '\0') + "depth.npy" + npy +
+                      "PK\1\2" + std::string(42, '\0') + "depth.npy" +
+                      "PK\5\6" + std::string(18, '\0');
+  bytes[bytes.size() - 12] = num_arrays;
+  return bytes;
+}
+
 struct ValidFile {
   std::string name;
   FloatMap (*read)(const std::string& bytes);
@@ -122,6 +134,19 @@ std::vector<ValidFile> ValidFiles() {
        kReadNpy,
        NpyBytes("<f4", "(2, 3, 1)", data),
        one},
+      {"npy of a batch",
+       kReadNpy,
+       NpyBytes("<f4", "(1, 1, 3, 2)", data),
+       {2, 3, 1, kSix}},
+      {"npy of a plane",
+       kReadNpy,
+       NpyBytes("<f4", "(1, 3, 2)", data),
+       {2, 3, 1, kSix}},
+      {"npy of planes",
+       kReadNpy,
+       NpyBytes("<f4", "(3, 1, 2)", data),
+       {2, 1, 3, {1, 3, 5, 2, 4, 6}}},
+      {"npz", &ReadImage<kNpz>, NpzBytes(NpyBytes("<f4", "(2, 3)", data)), one},
       {"npy of normals", kReadNpy, NpyBytes("<f4", "(2, 1, 3)", data), three},
       {"npy of halves", kReadNpy, NpyBytes("<f2", "(2, 3)", halves), one},
       {"npy of doubles", kReadNpy, NpyBytes("<f8", "(2, 3)", doubles), one},
@@ -190,11 +215,17 @@ TEST(MapFormats, RefuseOtherHeaders) {
       {kNpy, npy(">f4", "(2, 3)"), kUnsupported, "type '>f4'"},
       {kNpy, npy("|O", "(2, 3)"), kUnsupported, "type '|O'"},
       {kNpy, npy("<f4", "(6,)"), kUnsupported, "1 dimensions"},
-      {kNpy, npy("<f4", "(1, 2, 3, 1)"), kUnsupported, "4 dimensions"},
+      {kNpy, npy("<f4", "(2, 1, 3, 1)"), kUnsupported, "4 dimensions"},
       {kNpy,
        NpyBytes("<f4", "(2, 3)", data, "True"),
        kUnsupported,
        "its columns"},
+      {kNpz,
+       NpzBytes(npy("<f4", "(2, 3)"), 2),
+       kCorrupt,
+       "archive of one array"},
+      {kNpz, NpzBytes(""), kCorrupt, "save it with numpy.save"},
+      {kNpz, std::string(50, 'x'), kCorrupt, "not an uncompressed"},
       {kNpy, npy("<f4", "(2, 4)"), kCorrupt, "bytes follow"},
       {kNpy, npy("<f4", "(0, 6)"), kCorrupt, "no size of a map"},
       {kNpy, npy("<f4", "(-2, -3)"), kCorrupt, "no size of a map"},

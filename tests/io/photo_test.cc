@@ -192,5 +192,17 @@ TEST_F(PhotoTest, RefusesWhatIsNoPhoto) {
   }
 }
 
+TEST(HasBlackBorderTest, IsExactlyBlackAndAtARim) {
+  constexpr Rgb kGray = {1, 0, 0};
+  EXPECT_FALSE(HasBlackBorder({}));
+  EXPECT_TRUE(HasBlackBorder(Image<Rgb>(20, 10)));
+  Image<Rgb> photo(20, 10, kGray);
+  photo(10, 5) = photo(11, 5) = {};
+  photo(0, 5) = {};
+  EXPECT_FALSE(HasBlackBorder(photo));
+  photo(19, 6) = {};
+  EXPECT_TRUE(HasBlackBorder(photo));
+}
+
 }  // namespace
 }  // namespace tsar

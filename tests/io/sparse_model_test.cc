@@ -70,6 +70,36 @@ TEST(SparseModelTest, ReadsText) {
   EXPECT_EQ(model.Find("absent"), nullptr);
 }
 
+TEST(SparseModelTest, ReadsTextOfEditors) {
+  TextModel text;
+  text.points += "12 nan 2 3 0 0 0 0.5 5 0\n";
+  const SparseModel expected = TextModel().Read();
+  Replace("space.png\n", "space.png  # hall\n# its points\n", &text.images);
+  Replace("5 2 0", "  5 +2 0", &text.images);
+  Replace("40 30", "40 30 # wide", &text.cameras);
+  for (std::string* file : {&text.cameras, &text.images, &text.points}) {
+    for (size_t end = 0; (end = file->find('\n', end)) != std::string::npos;) {
+      file->replace(end, 1, "\r\n");
+      end += 2;
+    }
+    file->insert(0, "\xEF\xBB\xBF");
+  }
+  testing::internal::CaptureStderr();
+  const SparseModel model = text.Read();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("points3D.txt: the position of point 12 is "
+                                 "not a number; left out"));
+  ASSERT_EQ(model.images.size(), expected.images.size());
+  for (size_t i = 0; i < model.images.size(); ++i) {
+    EXPECT_EQ(model.images[i].name, expected.images[i].name);
+    EXPECT_EQ(model.images[i].camera.rotation,
+              expected.images[i].camera.rotation);
+    EXPECT_EQ(model.images[i].camera.fx, expected.images[i].camera.fx);
+    EXPECT_EQ(model.images[i].point_indices, expected.images[i].point_indices);
+  }
+  EXPECT_EQ(model.points, expected.points);
+}
+
 TEST(SparseModelTest, PrefersBinaryWhereAllThreeAreThere) {
   const TemporaryFolder folder;
   ExpectError(ErrorCode::kNotFound, {folder.Path().string()}, [&] {
@@ -158,7 +188,10 @@ TEST(SparseModelTest, RefusesBadText) {
       {kPoints, "5 0 2 3", "5 0 8 3", kCorrupt, "image 8"},
       {kPoints, "5 0 2 3", "5 0 2", kCorrupt, "line 1 ends too early"},
       {kPoints, "30 4 5 6", "11 4 5 6", kCorrupt, "more than once"},
-      {kPoints, "30 4 5 6", "30 nan 5 6", kCorrupt, "point 30"},
+      {kPoints, "30 4 5 6", "30 red 5 6", kCorrupt, "line 1 has \"red\""},
+      {kCameras, " 24\n", " 24 0.1\n", kCorrupt, "line 3 has \"0.1\" behind"},
+      {kImages, "11 3 4 -1", "11 3 4", kCorrupt, "is not the line of points"},
+      {kImages, "11 3 4 -1", "11 3 4 a", kCorrupt, "is not the line of points"},
   };
   for (const BadText& bad : cases) {
     SCOPED_TRACE(std::string(bad.from) + " -> " + bad.to);

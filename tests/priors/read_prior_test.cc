@@ -60,6 +60,25 @@ TEST_F(ReadPriorTest, NormalsGetUnitLength) {
   EXPECT_EQ(normals(2, 0), Vec3f{});
 }
 
+TEST_F(ReadPriorTest, NegativeValuesTellThatAConstantIsMissing) {
+  const auto values = [&](const std::vector<float>& stored, PriorType type) {
+    const fs::path file = Write("a.npy", NpyOf(3, 2, 1, stored));
+    const Image<float> read = ReadPrior({file, {}}, type, kPhoto).values;
+    return std::vector<float>(read.begin(), read.end());
+  };
+  const std::vector<float> affine = {-2, -1, 0, 1, NAN, 3};
+  for (const PriorType type : {PriorType::kAuto, PriorType::kInverse}) {
+    EXPECT_THAT(values(affine, type),
+                testing::Pointwise(testing::FloatEq(),
+                                   {0.05f, 1.05f, 2.05f, 3.05f, 0.f, 5.05f}));
+  }
+  EXPECT_THAT(values(affine, PriorType::kMetric),
+              testing::ElementsAre(0, 0, 0, 1, 0, 3));
+  // One number that stands for "none".
+  EXPECT_THAT(values({-1, -1, 2, 1, -1, 3}, PriorType::kAuto),
+              testing::ElementsAre(0, 0, 2, 1, 0, 3));
+}
+
 TEST_F(ReadPriorTest, ReadsBothWithSizesOfTheirOwn) {
   const fs::path depth = Write("a.npy", NpyOf(3, 2, 1, {1, 2, 3, 4, 5, 6}));
   std::vector<float> values(3 * 6 * 4);

@@ -11,6 +11,7 @@
 #include "tests/run/refine_workspace_fixture.h"
 #include "tests/support/mask_files.h"
 #include "tests/support/same_bytes.h"
+#include <opencv2/imgcodecs.hpp>
 
 namespace tsar {
 namespace {
@@ -185,12 +186,20 @@ TEST_F(RefineMaskedTest, RefinesAgainWhereMasksHaveChanged) {
 
 TEST_F(RefineMaskedTest, AnImageThatIsMaskedAltogetherGetsEmptyMaps) {
   WriteMasks([](int, int) { return true; });
+  // Of "v1.png", and of one without a mask.
+  for (const char* name : {"images/v1.png", "images/v3.png"}) {
+    cv::Mat photo = cv::imread((root_ / name).string());
+    photo.colRange(0, 3) = cv::Scalar::all(0);
+    cv::imwrite((root_ / name).string(), photo);
+  }
   for (const bool scene_planes : {true, false}) {
     RefineOptions refine;
     refine.scene_planes = scene_planes;
     const RunSummary summary = Refine(Masked(), refine);
     EXPECT_EQ(summary.num_refined, 4);
     EXPECT_TRUE(summary.kept.empty());
+    EXPECT_EQ(summary.counts.at(kMaskedAway), 2);
+    EXPECT_EQ(summary.counts.at(kBlackBorders), 1);
     for (const float z : ReadDepthMap(Paths(1).depth)) {
       ASSERT_EQ(z, 0.f);
     }

@@ -78,12 +78,14 @@ TEST_F(RefinePriorsTest, ViewsHaveTheirPriors) {
 TEST_F(RefinePriorsTest, TellsOfHowManyImagesThereArePriors) {
   EXPECT_EQ(Refine().num_priors, std::nullopt);
   EXPECT_FALSE(Manifest()["runtime"].contains("depth_priors"));
+  const Tree without = MapsOf(root_);
   const RunSummary summary = Refine(WithPriors());
   EXPECT_EQ(summary.num_priors, 2);
   EXPECT_EQ(Manifest()["runtime"]["depth_priors"], "2");
   // Of a constant depth, and without any.
   EXPECT_EQ(summary.counts.at(kPriorsDropped), 2);
   EXPECT_FALSE(summary.counts.contains(kPriorsUsed));
+  ExpectSameFiles(without, MapsOf(root_));
   std::map<std::string, std::string> notes;
   const nlohmann::json manifest = Manifest();
   for (const auto& image : manifest["images"]) {
@@ -94,6 +96,21 @@ TEST_F(RefinePriorsTest, TellsOfHowManyImagesThereArePriors) {
   EXPECT_THAT(notes["v1.png"],
               testing::AllOf(testing::StartsWith("depth prior not used: as "),
                              testing::HasSubstr("explains only 0 %")));
+}
+
+TEST_F(RefinePriorsTest, NumbersThatStandForNoDepthAreNone) {
+  std::vector<float> values(48, 1e4f);
+  std::fill_n(values.begin(), 30, 2.f);
+  WriteText(priors_ / "v1.png.pfm", PfmBytes(8, 6, 1, values, true));
+  EXPECT_THAT(WarningsOf(WithPriors(), 4),
+              testing::HasSubstr((priors_ / "v1.png.pfm").string() +
+                                 ": many depths are 10000"));
+  Workspace workspace(root_, MapType::kGeometric);
+  workspace.UsePriors(priors_, PriorType::kAuto);
+  const Image<float> read =
+      workspace.ReadPrior(IndexOf(workspace, "v1.png"))->values;
+  EXPECT_EQ(read(0, 0), 2.f);
+  EXPECT_EQ(read(7, 5), 0.f);
 }
 
 TEST_F(RefinePriorsTest, MasksHidePriors) {

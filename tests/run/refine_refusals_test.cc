@@ -219,6 +219,9 @@ TEST_F(RefineWorkspaceTest, RefusesCostMapsThatDoNotFit) {
 TEST_F(RefineWorkspaceTest, RefusesConfigurationsWithoutImages) {
   WriteText(root_ / "stereo/patch-match.cfg", "");
   ExpectRefusal(ErrorCode::kNotFound, {"patch-match.cfg", "names no image"});
+  std::filesystem::rename(root_ / "images", root_ / "visualize");
+  ExpectRefusal(ErrorCode::kNotFound,
+                {"images: no such folder", "--output_type COLMAP"});
 }
 
 TEST_F(RefineWorkspaceTest, RefusesOptionsThatMakeNoSense) {

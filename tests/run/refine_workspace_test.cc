@@ -263,6 +263,24 @@ TEST_F(RefineWorkspaceTest, CountsValuesThatAreNotFinite) {
   }
 }
 
+TEST_F(RefineWorkspaceTest, MapsOfOtherConventionsAreReadAsColmapsAre) {
+  const Tree expected = RefinedInOneGo(
+      {}, [](const auto& root) { WriteOtherConventions(root, 0.f); });
+  WriteOtherConventions(root_, 1e6f);
+  EXPECT_THAT(
+      WarningsOf(Options(root_), 4),
+      testing::AllOf(
+          testing::HasSubstr(
+              "v0.png, geometric maps and 7 more: the normals point away"),
+          testing::HasSubstr(
+              "v0.png, geometric maps and 3 more: many depths are 1e+06")));
+  for (const auto& [name, content] : MapsOf(root_)) {
+    EXPECT_TRUE(name.ends_with(".photometric.bin") ||
+                content == expected.at(name))
+        << name;
+  }
+}
+
 TEST_F(RefineWorkspaceTest, TakesPhotometricMapsWhereThereAreNoOthers) {
   for (int view = 0; view < 4; ++view) {
     RemoveMaps(view, MapType::kGeometric);

@@ -138,6 +138,24 @@ void MakeSyntheticWorkspace(const std::filesystem::path& root, double scale) {
   WriteText(root / "stereo/fusion.cfg", fusion);
 }
 
+void WriteOtherConventions(const std::filesystem::path& root, float no_depth) {
+  for (const std::string& name : SyntheticWorkspace::Names()) {
+    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      const MapPaths paths = GetMapPaths(root, name, type);
+      Image<float> depth = ReadDepthMap(paths.depth);
+      std::fill_n(depth.Data(),
+                  type == MapType::kGeometric ? 20 * depth.Width() : 3,
+                  no_depth);
+      WriteDepthMap(paths.depth, depth);
+      Image<Vec3f> normal = ReadNormalMap(paths.normal);
+      for (Vec3f& n : normal) {
+        n = no_depth > 0.f ? -n : n;
+      }
+      WriteNormalMap(paths.normal, normal);
+    }
+  }
+}
+
 std::map<std::string, std::string> ReadTree(const std::filesystem::path& root) {
   std::map<std::string, std::string> files;
   for (const auto& entry :

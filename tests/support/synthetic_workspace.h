@@ -28,6 +28,11 @@ struct SyntheticWorkspace {
 void MakeSyntheticWorkspace(const std::filesystem::path& root,
                             double scale = 1.0);
 
+// Writes the maps of all images as another program may: the upper rows of the
+// geometric ones and a few pixels of the others hold this number, 0 for none;
+// otherwise normals point away from the camera.
+void WriteOtherConventions(const std::filesystem::path& root, float no_depth);
+
 // The content of every file below a folder, also of those that links lead to;
 // "folder" for folders.
 std::map<std::string, std::string> ReadTree(const std::filesystem::path& root);

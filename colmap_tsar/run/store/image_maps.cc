@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/start_thread.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/device/thread_pool.h"
 #include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
@@ -116,6 +117,19 @@ Workspace OpenWorkspaceWithMaps(const std::filesystem::path& root,
   return workspace;
 }
 
+void WarnOfConventions(const Workspace& workspace,
+                       const std::vector<int>& images) {
+  ImageRemarks remarks;
+  for (const int image : images) {
+    if (!Exists(workspace.Paths(image, workspace.Type()).provenance)) {
+      remarks.Add(workspace.OpenOriginalMaps(image, workspace.Type())
+                      .conventions.remarks,
+                  workspace.Name(image));
+    }
+  }
+  std::ranges::for_each(remarks.Lines(), &Warn);
+}
+
 Image<float> ReadImageDepth(const Workspace& workspace, int image) {
   Image<float> depth = ReadWholeDepth(workspace, image);
   ClearMasked(MaskOf(workspace, image, depth), &depth);
@@ -139,6 +153,13 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
   maps.sigma = ReadIfThere(maps.depth, paths.sigma, &ReadSigmaMap);
   maps.provenance = ReadIfThere(maps.depth, paths.provenance, &ReadGrayPng);
   maps.planes = ReadIfThere(maps.depth, paths.planes, &ReadGray16Png);
+  if (maps.provenance.Empty()) {
+    // Not of this program.
+    const MapConventions conventions = FindConventions(
+        MapSample(maps.depth, maps.normal), workspace.Model(), image);
+    conventions.Apply(maps.depth);
+    conventions.Apply(maps.normal);
+  }
   ClearMaskedPixels(MaskOf(workspace, image, maps.depth), &maps);
   return maps;
 }

@@ -53,13 +53,19 @@ std::vector<int> RequireRefinedImages(const Workspace& workspace);
 Workspace OpenWorkspaceWithMaps(const std::filesystem::path& root,
                                 std::optional<MapType> type);
 
-// Throws Error: kMismatch (a map's aspect ratio is not the image's, or its size
+// Maps that were not refined are read by their conventions. Throws Error:
+// kMismatch (a map's aspect ratio is not the image's, or its size
 // not the depth map's), and those of the readers and Workspace::ReadMask.
 ImageMaps ReadImageMaps(const Workspace& workspace, int image);
 
 // The depth and the normal map before refinement, 0 where the image is masked;
 // no other maps. Throws what Workspace::ReadOriginalMaps and ReadMask throw.
 ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image);
+
+// Warns of maps among these that are not of COLMAP's conventions, see
+// map_conventions.h. Throws what Workspace::OpenOriginalMaps throws.
+void WarnOfConventions(const Workspace& workspace,
+                       const std::vector<int>& images);
 
 // Reads the depth map alone; errors as ReadImageMaps().
 Image<float> ReadImageDepth(const Workspace& workspace, int image);

@@ -52,6 +52,18 @@ std::vector<std::string> NamesOf(const SparseModel& model) {
   return names;
 }
 
+MapSample ReadSample(DepthMapReader depth, NormalMapReader normal) {
+  const MapSize& size = depth.Size();
+  MapSample sample(size.width, size.height);
+  const auto width = static_cast<size_t>(size.width);
+  for (size_t i = 0; i < sample.rows.size(); ++i) {
+    const size_t first = static_cast<size_t>(sample.rows[i]) * width;
+    depth.Read(first, {sample.depth.Data() + i * width, width});
+    normal.Read(first, {sample.normal.Data() + i * width, width});
+  }
+  return sample;
+}
+
 std::filesystem::path ConfigPath(const std::filesystem::path& root) {
   return root / "stereo" / "patch-match.cfg";
 }
@@ -73,8 +85,12 @@ void RequireSizeOfDepthMap(const std::filesystem::path& map,
 Workspace::Workspace(const std::filesystem::path& root, MapType type)
     : root_(root), type_(type) {
   RequireFolder(root, "check " + OptionName("workspace_path"));
+  // Where image_undistorter puts the images for PMVS.
+  const std::string option =
+      Exists(root / "visualize") ? " --output_type COLMAP" : "";
   for (const char* folder : {"images", "sparse", "stereo"}) {
-    RequireFolder(root / folder, "make the workspace with image_undistorter");
+    RequireFolder(root / folder,
+                  "make the workspace with image_undistorter" + option);
   }
   for (const char* folder : {"depth_maps", "normal_maps"}) {
     RequireFolder(root / "stereo" / folder, "run patch_match_stereo first");
@@ -141,12 +157,20 @@ std::filesystem::path Workspace::CostPath(int image, MapType type) const {
 
 void Workspace::UseMasks(const std::filesystem::path& folder) {
   masks_.clear();
+  mask_folder_ = folder;
   if (folder.empty()) {
     return;
   }
   RequireNoImageFolder(
       folder, root_ / "images", "masks", OptionName("mask_path"));
   masks_ = FindImageMasks(folder, NamesOf(model_), OptionName("mask_path"));
+}
+
+void Workspace::WarnOfStrayFiles() const {
+  if (!masks_.empty()) {
+    WarnOfStrayMasks(mask_folder_, masks_);
+  }
+  priors_.WarnOfStrayFiles();
 }
 
 std::filesystem::path Workspace::MaskPath(int image) const {
@@ -204,10 +228,16 @@ void Workspace::UsePriors(const std::filesystem::path& folder, PriorType type) {
 }
 
 std::shared_ptr<DepthPrior> Workspace::ReadPrior(int image) const {
-  return priors_.HasPrior(image)
-             ? std::make_shared<DepthPrior>(tsar::ReadPrior(
-                   priors_.FilesOf(image), priors_.Type(), SizeOfImage(image)))
-             : nullptr;
+  if (!priors_.HasPrior(image)) {
+    return nullptr;
+  }
+  auto prior = std::make_shared<DepthPrior>(tsar::ReadPrior(
+      priors_.FilesOf(image), priors_.Type(), SizeOfImage(image)));
+  if (!prior->values.Empty()) {
+    prior->no_depth = FindNoDepth(MapSample(prior->values, {}), model_, image);
+    ClearNoDepth(prior->no_depth, prior->values);
+  }
+  return prior;
 }
 
 bool Workspace::HasMaps(int image, MapType type) const {
@@ -244,8 +274,8 @@ DepthNormal Workspace::ReadOriginalMaps(int image, MapType type) const {
   maps.depth = Image<float>::Uninitialized(reader.Width(), reader.Height());
   maps.normal = Image<Vec3f>::Uninitialized(reader.Width(), reader.Height());
   ForEachPiece(reader.NumPixels(), [&](size_t first, size_t count) {
-    reader.depth.Read(first, {maps.depth.Data() + first, count});
-    reader.normal.Read(first, {maps.normal.Data() + first, count});
+    reader.ReadDepths(first, {maps.depth.Data() + first, count});
+    reader.ReadNormals(first, {maps.normal.Data() + first, count});
   });
   maps.num_not_finite = reader.NumNotFinite();
   return maps;
@@ -268,7 +298,8 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
     try {
       DepthNormalReader maps = {
           open.operator()<DepthMapReader>(originals.depth.path),
-          open.operator()<NormalMapReader>(originals.normal.path)};
+          open.operator()<NormalMapReader>(originals.normal.path),
+          {}};
       // A refined map may have taken the name meanwhile.
       if (!is_still_there()) {
         continue;
@@ -276,6 +307,18 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
       const MapSize& normal = maps.normal.Size();
       RequireSizeOfDepthMap(
           paths.normal, {normal.width, normal.height}, maps.Size());
+      // By readers of their own, which count what they read.
+      maps.conventions =
+          FindConventions(ReadSample(DepthMapReader(originals.depth.path),
+                                     NormalMapReader(originals.normal.path)),
+                          model_,
+                          image);
+      // Photometric maps have few pixels without a depth.
+      if (maps.conventions.no_depth == 0.f && type == MapType::kPhotometric &&
+          HasMaps(image, MapType::kGeometric)) {
+        maps.conventions.no_depth =
+            OpenOriginalMaps(image, MapType::kGeometric).conventions.no_depth;
+      }
       return maps;
     } catch (const Error&) {
       if (is_still_there()) {

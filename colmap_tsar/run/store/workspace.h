@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/io/image_lists.h"
 #include "colmap_tsar/io/image_masks.h"
+#include "colmap_tsar/io/map_conventions.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/io/map_shape.h"
@@ -20,6 +21,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,10 +34,21 @@ struct DepthNormal {
   int64_t num_not_finite = 0;  // Values that were read as invalid.
 };
 
-// An open depth and normal map, to be read piece by piece.
+// An open depth and normal map, to be read piece by piece as COLMAP's are,
+// whatever the conventions of the program that wrote them.
 struct DepthNormalReader {
   DepthMapReader depth;
   NormalMapReader normal;
+  MapConventions conventions;
+
+  void ReadDepths(size_t first_pixel, std::span<float> depths) {
+    depth.Read(first_pixel, depths);
+    conventions.Apply(depths);
+  }
+  void ReadNormals(size_t first_pixel, std::span<Vec3f> normals) {
+    normal.Read(first_pixel, normals);
+    conventions.Apply(normals);
+  }
 
   int Width() const { return depth.Size().width; }
   int Height() const { return depth.Size().height; }
@@ -103,6 +116,8 @@ class Workspace {
   // where it is empty. Throws Error: what FindImageMasks throws,
   // kBadOption (it is the folder of the images).
   void UseMasks(const std::filesystem::path& folder);
+  // Warns of masks and depth priors that belong to no image.
+  void WarnOfStrayFiles() const;
   bool HasMask(int image) const { return !MaskPath(image).empty(); }
   // Empty where the image has no mask.
   std::filesystem::path MaskPath(int image) const;
@@ -148,6 +163,7 @@ class Workspace {
   MaskSizes SizesOfMask(int image, const RasterSize& maps) const;
 
   std::filesystem::path root_;
+  std::filesystem::path mask_folder_;
   std::vector<std::filesystem::path> masks_;  // By image; empty: none.
   PriorFolder priors_;
   MapType type_;

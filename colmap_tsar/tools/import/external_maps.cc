@@ -167,7 +167,7 @@ Image<float> ScaledDepth(const Image<float>& depth, double scale) {
 ImportedMaps ConvertMaps(const ExternalMaps& external,
                          const Camera& camera,
                          double scale,
-                         bool normals_in_world) {
+                         NormalFrame frame) {
   ImportedMaps maps;
   maps.depth = ScaledDepth(external.depth, scale);
   const int width = maps.depth.Width();
@@ -175,8 +175,9 @@ ImportedMaps ConvertMaps(const ExternalMaps& external,
   const Intrinsics intrinsics = camera.Resized(width, height).GetIntrinsics();
   maps.normal = NormalsFromDepth(maps.depth, intrinsics);
   if (!external.normal.Empty()) {
+    const Eigen::Matrix3d turn = ToCameraFrame(frame, camera);
     const Eigen::Matrix3d* rotation =
-        normals_in_world ? &camera.rotation : nullptr;
+        frame == NormalFrame::kCamera ? nullptr : &turn;
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         const Vec3f normal = ConvertNormal(
@@ -190,33 +191,6 @@ ImportedMaps ConvertMaps(const ExternalMaps& external,
     }
   }
   return maps;
-}
-
-void AddFacing(const ExternalMaps& external,
-               const Camera& camera,
-               NormalFacing* facing) {
-  if (external.normal.Empty()) {
-    return;
-  }
-  const Intrinsics intrinsics =
-      camera.Resized(external.depth.Width(), external.depth.Height())
-          .GetIntrinsics();
-  for (int y = 0; y < external.depth.Height(); ++y) {
-    for (int x = 0; x < external.depth.Width(); ++x) {
-      const Vec3f& n = external.normal(x, y);
-      if (!(external.depth(x, y) > 0.f) || n == Vec3f{}) {
-        continue;
-      }
-      const Vec3f ray =
-          intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
-      const Eigen::Vector3d world_ray =
-          camera.rotation.transpose() * Eigen::Vector3d(ray.x, ray.y, ray.z);
-      ++facing->num_normals;
-      facing->num_facing_in_camera += Dot(n, ray) < 0.f ? 1 : 0;
-      facing->num_facing_in_world +=
-          world_ray.dot(Eigen::Vector3d(n.x, n.y, n.z)) < 0.0 ? 1 : 0;
-    }
-  }
 }
 
 }  // namespace tsar

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/io/dense_maps.h"
+#include "colmap_tsar/io/map_conventions.h"
 
 #include <filesystem>
 #include <optional>
@@ -54,25 +55,14 @@ struct ImportedMaps {
 // NormalsFromDepth).
 //
 // camera: that of the image at any size. scale: model units per stored unit of
-// depth. normals_in_world: otherwise in the camera frame.
+// depth. frame: that of the normals.
 ImportedMaps ConvertMaps(const ExternalMaps& external,
                          const Camera& camera,
                          double scale,
-                         bool normals_in_world);
+                         NormalFrame frame);
 
 // Depths times a scale; those that overflow become 0.
 Image<float> ScaledDepth(const Image<float>& depth, double scale);
-
-// The number of normals at pixels with depth that face the camera in either
-// frame. In the correct one all do, or none if they point into surfaces.
-struct NormalFacing {
-  int64_t num_normals = 0;
-  int64_t num_facing_in_camera = 0;
-  int64_t num_facing_in_world = 0;
-};
-void AddFacing(const ExternalMaps& external,
-               const Camera& camera,
-               NormalFacing* facing);
 
 // Computes the normals of a depth map (z in the camera frame, 0 = none): unit
 // vectors in the camera frame, towards the camera; (0, 0, 0) if undetermined.

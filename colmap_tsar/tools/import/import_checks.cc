@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/median.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/io/map_conventions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -143,27 +144,13 @@ void CheckCameras(const std::vector<AssignedCamera>& cameras,
 SparseComparison CompareWithSparse(const SparseModel& model,
                                    int image,
                                    const Image<float>& depth) {
-  const SparseModel::ModelImage& view = model.images[image];
-  const Camera camera = view.camera.Resized(depth.Width(), depth.Height());
   std::vector<double> ratios;
-  for (const int index : view.point_indices) {
-    const Eigen::Vector3d point =
-        camera.rotation * model.points[index] + camera.translation;
-    if (!(point.z() > 0.0)) {
-      continue;
-    }
-    const double x = camera.fx * point.x() / point.z() + camera.cx;
-    const double y = camera.fy * point.y() / point.z() + camera.cy;
-    if (!(x > -0.5 && y > -0.5 && x < depth.Width() - 0.5 &&
-          y < depth.Height() - 0.5)) {
-      continue;
-    }
-    const float here = depth(static_cast<int>(std::lround(x)),
-                             static_cast<int>(std::lround(y)));
-    if (here > 0.f) {
-      ratios.push_back(here / point.z());
-    }
-  }
+  ForEachSparsePoint(
+      model, image, depth.Width(), depth.Height(), [&](int x, int y, double z) {
+        if (depth(x, y) > 0.f) {
+          ratios.push_back(depth(x, y) / z);
+        }
+      });
   SparseComparison comparison;
   comparison.num_points = static_cast<int>(ratios.size());
   if (!ratios.empty()) {

@@ -17,8 +17,10 @@
 #include "colmap_tsar/tools/import/filter_maps.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -43,25 +45,16 @@ std::string Text(const char* format, double value) {
   return text;
 }
 
-int64_t CountDepths(const Image<float>& depth) {
-  return std::ranges::count_if(depth, [](float value) { return value > 0.f; });
+// A power of ten, such as that between millimeters and meters, where the factor
+// is nearly that.
+double RoundFactor(double factor) {
+  constexpr double kMaxDeviation = 0.05;
+  const double power = std::pow(10.0, std::round(std::log10(factor)));
+  return std::abs(factor / power - 1.0) < kMaxDeviation ? power : factor;
 }
 
-// Whether normals are in the world frame: in the right one, all face the camera
-// or all face away from it.
-bool AreInWorld(const NormalFacing& facing, ExternalFormat format) {
-  const auto agreement = [&](int64_t num_facing) {
-    return std::max(num_facing, facing.num_normals - num_facing);
-  };
-  const int64_t camera = agreement(facing.num_facing_in_camera);
-  const int64_t world = agreement(facing.num_facing_in_world);
-  // Where the frames are nearly the same, that of the format's documents.
-  constexpr int64_t kMinPercent = 5;
-  if (std::abs(world - camera) * 100 >= kMinPercent * facing.num_normals &&
-      facing.num_normals > 0) {
-    return world > camera;
-  }
-  return format == ExternalFormat::kAcm || format == ExternalFormat::kApd;
+int64_t CountDepths(const Image<float>& depth) {
+  return std::ranges::count_if(depth, [](float value) { return value > 0.f; });
 }
 
 // Gives an empty folder what COLMAP's dense stage needs beside maps: the photos
@@ -142,10 +135,22 @@ class Importer {
   }
 
  private:
+  // What is imported of one image.
+  struct Map {
+    ExternalFiles files;
+    const SparseModel::ModelImage& image;
+    double scale = 1.0;
+    SparseComparison sparse{};
+  };
+
+  // Whether the format has normals in the world's frame.
+  bool MustTurn() const {
+    return options_.match.format == ExternalFormat::kAcm ||
+           options_.match.format == ExternalFormat::kApd;
+  }
+
   bool MustFilter() const {
-    return options_.match.type == MapType::kGeometric &&
-           (options_.match.format == ExternalFormat::kAcm ||
-            options_.match.format == ExternalFormat::kApd);
+    return options_.match.type == MapType::kGeometric && MustTurn();
   }
 
   void ThrowIfStopped() const {
@@ -160,7 +165,7 @@ class Importer {
     progress_.Start(static_cast<int>(maps_.size()), "Checking:");
     for (Map& map : maps_) {
       ThrowIfStopped();
-      const ExternalMaps external =
+      ExternalMaps external =
           ReadExternalMaps(map.files, options_.match.format);
       RequireShape(map.files.depth,
                    {external.depth.Width(), external.depth.Height()},
@@ -170,7 +175,7 @@ class Importer {
       if (external.camera) {
         cameras.push_back({map.files.image, *external.camera});
       }
-      AddFacing(external, map.image.camera, &facing_);
+      DropNoDepth(map, &external);
       summary_.num_with_normals += external.normal.Empty() ? 0 : 1;
       constexpr double kMillimeter = 0.001;
       map.scale = options_.depth_scale > 0.0 ? options_.depth_scale
@@ -185,9 +190,34 @@ class Importer {
       progress_.Advance(true);
     }
     progress_.Finish();
+    const NormalVerdict verdict =
+        normals_.Judge(MustTurn() ? NormalFrame::kWorld : NormalFrame::kCamera);
+    frame_ = verdict.frame;
+    if (!verdict.remark.empty()) {
+      remarks_.Add({verdict.remark}, options_.match.input_path.string());
+    }
+    for (std::string& line : remarks_.Lines()) {
+      summary_.warnings.push_back(std::move(line));
+    }
     CheckCameras(cameras,
                  model_,
                  options_.depth_scale > 0.0 ? options_.depth_scale : 1.0);
+  }
+
+  // Drops the number that stands for "no depth" in this map, and looks at the
+  // normals of the others.
+  void DropNoDepth(const Map& map, ExternalMaps* external) {
+    MapSample sample(external->depth, external->normal);
+    const float no_depth = FindNoDepth(sample, model_, map.files.image);
+    if (no_depth != 0.f) {
+      no_depths_.insert(no_depth);
+      remarks_.Add({NoDepthRemark(no_depth)}, map.files.depth.string());
+      ClearNoDepth(no_depth, external->depth);
+      ClearNoDepth(no_depth, sample.depth);
+    }
+    if (!external->normal.Empty()) {
+      normals_.Add(sample, map.image.camera);
+    }
   }
 
   void DecideScales() {
@@ -211,8 +241,9 @@ class Importer {
               " times those of the sparse points in all images, so they seem "
               "to be in other units",
           "give " + OptionName("depth_scale") + " " +
-              Text("%.3g", maps_[0].scale / scale.median) + ", or " +
-              OptionName("check_scale") + " 0 to take them as they are");
+              Text("%.3g", RoundFactor(maps_[0].scale / scale.median)) +
+              ", or " + OptionName("check_scale") +
+              " 0 to take them as they are");
     }
     if (scale.num_images == 0) {
       summary_.warnings.push_back(
@@ -254,15 +285,16 @@ class Importer {
   }
 
   void WriteMaps(const fs::path& root, MapType type) {
-    const bool in_world = AreInWorld(facing_, options_.match.format);
     progress_.Start(static_cast<int>(maps_.size()), "Importing:");
     for (const Map& map : maps_) {
       ThrowIfStopped();
+      ExternalMaps external =
+          ReadExternalMaps(map.files, options_.match.format);
+      for (const float no_depth : no_depths_) {
+        ClearNoDepth(no_depth, external.depth);
+      }
       const ImportedMaps maps =
-          ConvertMaps(ReadExternalMaps(map.files, options_.match.format),
-                      map.image.camera,
-                      map.scale,
-                      in_world);
+          ConvertMaps(external, map.image.camera, map.scale, frame_);
       const MapPaths paths = GetMapPaths(root, map.image.name, type);
       CreateFolders(paths.depth.Parent());
       CreateFolders(paths.normal.Parent());
@@ -293,21 +325,17 @@ class Importer {
     }
   }
 
-  // What is imported of one image.
-  struct Map {
-    ExternalFiles files;
-    const SparseModel::ModelImage& image;
-    double scale = 1.0;
-    SparseComparison sparse{};
-  };
-
   const ImportOptions& options_;
   Progress& progress_;
   const std::function<bool()>& should_stop_;
   const SparseModel model_;
   ImportSummary summary_;
   std::vector<Map> maps_;
-  NormalFacing facing_;
+  // The numbers that stand for "no depth" in any of the maps.
+  std::set<float> no_depths_;
+  NormalEvidence normals_;
+  NormalFrame frame_ = NormalFrame::kCamera;
+  ImageRemarks remarks_;
 };
 
 }  // namespace

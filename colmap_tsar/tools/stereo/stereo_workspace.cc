@@ -254,6 +254,7 @@ Workspace OpenForStereo(const fs::path& path, const StereoImageFiles& files) {
   Workspace workspace(path, MapType::kPhotometric);
   workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(files.mask_path);
+  workspace.WarnOfStrayFiles();
   return workspace;
 }
 

@@ -120,7 +120,8 @@ TEST(ConvertMaps, TurnsWorldNormalsIntoTheCamerasFrame) {
       Image<Vec3f>(8, 6, ToVec3f(camera.rotation.transpose() * expected));
   // Of another length, and the other way around.
   external.normal(1, 1) = external.normal(1, 1) * -7.f;
-  for (const Vec3f& n : ConvertMaps(external, camera, 1.0, true).normal) {
+  for (const Vec3f& n :
+       ConvertMaps(external, camera, 1.0, NormalFrame::kWorld).normal) {
     EXPECT_LT(Norm(n - ToVec3f(expected)), 1e-6f);
   }
 }
@@ -134,7 +135,7 @@ TEST(ConvertMaps, KeepsUnitNormalsBitByBitAndComputesMissingOnes) {
   external.normal(5, 1) = {};
   external.depth(3, 3) = 0.f;
   const Image<Vec3f> normals =
-      ConvertMaps(external, TurnedCamera(), 1.0, false).normal;
+      ConvertMaps(external, TurnedCamera(), 1.0, NormalFrame::kCamera).normal;
   EXPECT_EQ(normals(0, 0), normal);
   EXPECT_EQ(normals(2, 2), (Vec3f{0.f, 0.f, -1.f}));
   EXPECT_EQ(normals(5, 1), (Vec3f{0.f, 0.f, -1.f}));
@@ -148,7 +149,8 @@ TEST(ConvertMaps, UsesTheIntrinsicsOfTheMapsSize) {
   ExternalMaps external;
   external.depth =
       DrawPlane(normal, -2.f, camera.Resized(4, 3).GetIntrinsics(), 4, 3);
-  const ImportedMaps maps = ConvertMaps(external, camera, 1.0, false);
+  const ImportedMaps maps =
+      ConvertMaps(external, camera, 1.0, NormalFrame::kCamera);
   EXPECT_LT(Norm(maps.normal(1, 1) - normal), 1e-5f);
 }
 

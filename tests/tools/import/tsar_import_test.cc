@@ -136,8 +136,35 @@ TEST_F(TsarImportTest, TakesPngInMillimetersOrOtherUnits) {
                  "--depth_scale 0.0002",
                  "--check_scale 0"});
   ExpectSuccess(Import("depth", {"--check_scale", "0"}), {"median 5.0"});
+  WriteDepth(".png", 1020.f, encode, scene_);
+  ExpectFailure("depth", {"--depth_scale 0.001,"}, {"--depth_scale", "1"});
+  WriteDepth(".png", 5000.f, encode, scene_);
   ExpectSuccess(Import("depth", {"--depth_scale", "0.0002"}), {"4 imported"});
   ExpectScene(0.00011f, 2.f);
+}
+
+TEST_F(TsarImportTest, NumbersThatStandForNoDepthAreNone) {
+  std::vector<SceneImage> images = scene_;
+  // One image has none at all, and its map tells nothing.
+  std::ranges::fill(images[3].depth, 65.535f);
+  for (SceneImage& image : images) {
+    std::fill_n(image.depth.Data(), 96 * 30, 65.535f);
+  }
+  const auto encode = [](int width, int height, const auto& values) {
+    std::vector<uint16_t> integers;
+    for (const float value : values) {
+      integers.push_back(static_cast<uint16_t>(std::lround(value)));
+    }
+    return PngBytes(width, height, integers);
+  };
+  WriteDepth(".png", 1000.f, encode, images);
+  ExpectSuccess(Import("depth"),
+                {"Pixels with depth: 35.5 %",
+                 "median 1.000",
+                 "v0.png and 3 more: many depths are 65535"});
+  const Image<float> depth = ReadDepthMap(Paths(scene_[0]).depth);
+  EXPECT_EQ(depth(50, 29), 0.f);
+  EXPECT_NEAR(depth(50, 31), scene_[0].depth(50, 31), 0.001f);
 }
 
 TEST_F(TsarImportTest, KeepsTheSizeOfTheMaps) {

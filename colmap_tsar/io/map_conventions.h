@@ -1,0 +1,132 @@
+// Copyright (c) 2026, the TSAR for COLMAP authors.
+// SPDX-License-Identifier: BSD-3-Clause
+
+#pragma once
+
+#include "colmap_tsar/base/camera.h"
+#include "colmap_tsar/base/image.h"
+#include "colmap_tsar/base/vector.h"
+#include "colmap_tsar/io/sparse_model.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace tsar {
+
+// What programs other than COLMAP write in another way into maps: a number that
+// stands for "no depth", and normals in another frame.
+
+// Some rows of a depth map and its normal map, spread over their height in
+// pairs that are a few rows apart: enough to tell conventions.
+struct MapSample {
+  MapSample(int width, int height);
+  // Of whole maps; normal may be empty.
+  MapSample(const Image<float>& depth, const Image<Vec3f>& normal);
+
+  int height = 0;         // Of the map.
+  std::vector<int> rows;  // By row of the images below.
+  Image<float> depth;     // 0 = none.
+  Image<Vec3f> normal;    // (0, 0, 0) = none.
+};
+
+// Calls function(column, row, z) for each sparse point that the image sees and
+// whose pixel lies in its map of this size.
+template <typename Function>
+void ForEachSparsePoint(const SparseModel& model,
+                        int image,
+                        int width,
+                        int height,
+                        const Function& function) {
+  const SparseModel::ModelImage& view = model.images[image];
+  const Camera camera = view.camera.Resized(width, height);
+  for (const int index : view.point_indices) {
+    const Eigen::Vector3d point =
+        camera.rotation * model.points[index] + camera.translation;
+    const double x = camera.fx * point.x() / point.z() + camera.cx;
+    const double y = camera.fy * point.y() / point.z() + camera.cy;
+    if (point.z() > 0.0 && x > -0.5 && y > -0.5 && x < width - 0.5 &&
+        y < height - 0.5) {
+      function(static_cast<int>(std::lround(x)),
+               static_cast<int>(std::lround(y)),
+               point.z());
+    }
+  }
+}
+
+// The number that stands for "no depth" in the map of an image, such as 65535,
+// 1e10 or the far plane of a renderer; 0 if there is none. It is the largest or
+// the smallest depth, fills one per cent of the pixels with a depth or more,
+// lies by half beyond nearly all others, and by half beyond the sparse points
+// in those pixels, or beyond all of the image where hardly any lies there.
+// Where the image sees no points, it lies a hundred times beyond all others.
+// Depths may be in units of their own.
+float FindNoDepth(const MapSample& sample, const SparseModel& model, int image);
+
+// Sets these depths to 0; no_depth: may be 0.
+void ClearNoDepth(float no_depth, std::span<float> depths);
+
+// The frames in which programs write normals.
+enum class NormalFrame : uint8_t {
+  kCamera = 0,  // x right, y down, z forward.
+  kOpenGl = 1,  // x right, y up, z backward.
+  kWorld = 2,
+};
+Eigen::Matrix3d ToCameraFrame(NormalFrame frame, const Camera& camera);
+
+struct NormalVerdict {
+  NormalFrame frame = NormalFrame::kCamera;
+  bool face_away = false;
+  // What is not as in COLMAP's maps, for users; may be empty.
+  std::string remark;
+};
+
+// What the normals of maps tell of their frame. In the right one, all face the
+// camera or all face away from it, and they are at right angles to the surface
+// that the depths describe.
+class NormalEvidence {
+ public:
+  // camera: that of the image at any size.
+  void Add(const MapSample& sample, const Camera& camera);
+  // usual: the frame that counts unless another one is clearly better.
+  NormalVerdict Judge(NormalFrame usual) const;
+
+ private:
+  static constexpr size_t kNumFrames = 3;
+
+  int64_t num_depths_ = 0;
+  int64_t num_normals_ = 0;  // Of pixels with a depth.
+  std::array<int64_t, kNumFrames> num_facing_{};
+  int64_t num_surfaces_ = 0;  // Of normals with depths around.
+  std::array<int64_t, kNumFrames> num_upright_{};
+};
+
+// How the maps of an image are to be read so that they are as COLMAP's.
+struct MapConventions {
+  float no_depth = 0.f;  // See FindNoDepth().
+  // To be applied to the normals.
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  std::vector<std::string> remarks;  // What differs, for users.
+
+  void Apply(std::span<float> depths) const { ClearNoDepth(no_depth, depths); }
+  void Apply(std::span<Vec3f> normals) const;
+};
+MapConventions FindConventions(const MapSample& sample,
+                               const SparseModel& model,
+                               int image);
+std::string NoDepthRemark(float no_depth);
+
+// What is remarkable about images, by remark.
+struct ImageRemarks {
+  std::map<std::string, std::vector<std::string>> images;
+
+  void Add(const std::vector<std::string>& remarks, const std::string& image);
+  // Such as "a.jpg and 2 more: the normals ...".
+  std::vector<std::string> Lines() const;
+};
+
+}  // namespace tsar
