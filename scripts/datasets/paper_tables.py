@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The tables of the paper, with ours beside them; see scripts/paper_tables.sh."""
 import json
+import os
 import pathlib
+import statistics
 
 import dense
 import eth3d
@@ -13,6 +15,7 @@ from command_line import EPILOG, add_options, add_prior_options, new_parser, run
 from files import DatasetError, find_scenes, write_text
 from programs import as_words
 from steps import remove
+from model import read_cameras, read_images
 from workspace import map_size, maps_of
 
 TOLERANCES = "0.02,0.1"
@@ -22,6 +25,10 @@ ABLATION = {"w/o JHF": "filter=0", "w/o DD": "filter_discontinuity=0",
             "w/o SP": "superpixel_planes=0", "w/o WMF": "weighted_median=0",
             "w/o TS": "segment=0"}
 TABLES = ("clouds", "ablation", "parameters")
+# For an estimate only, per megapixel of maps: seconds of a GPU or of one core, and
+# megabytes of the maps of an image and of one refinement.
+STEREO_SECONDS, REFINE_SECONDS = {True: 0.2, False: 300}, {True: 0.03, False: 12}
+MEGABYTES = 115
 
 DESCRIPTION = """\
 Runs what the tables of the TSAR-MVS paper show, on data that you have, and prints
@@ -31,8 +38,10 @@ each of them with our numbers below the paper's, in per cent:
                Strecha's fountain-P11 and Herz-Jesu-P8, before and after refinement
   ablation     ETH3D's training set without the joint filter (JHF), its discontinuity
                (DD) or confidence (CE), the refinement (ICR), its planes of superpixels
-               (SP) or weighted medians (WMF), the segmentation (TS): the share of fused
-               pixels, each surface once, that are right. It needs the depth maps
+               (SP) or weighted medians (WMF), the segmentation (TS): the pixels that
+               became a point and are right, as a share of those with ground truth,
+               which the paper's most likely are, and of those that became a point
+               ("of fused"). It needs the depth maps
                SCENE/ground_truth_depth and SCENE/dslr_calibration_jpg (the archives
                SCENE_dslr_depth.7z and SCENE_dslr_jpg.7z)
   parameters   F1 of ETH3D's training set by the values of the paper's parameters
@@ -42,7 +51,8 @@ missing are named, and the means are then over fewer scenes than the paper's. Th
 Tanks and Temples is the server's: scripts/tanks_and_temples.sh --submit.
 
 Each scene's maps are made once; OUTPUT/PRIOR/SCENE/variants/*.json keeps what was
-measured, and the same command goes on where it stopped. By default everything is as in
+measured, and the same command goes on where it stopped. The tables are also written to
+OUTPUT/PRIOR/tables.json. By default everything is as in
 the paper: --prior gp --preset paper --fusion paper, and maps of half the images'
 size; --max_image_size sets another."""
 
@@ -77,13 +87,24 @@ def variants(tables):
     return result
 
 
-def measure_variant(scene, args, programs, name, experiment, measures, truth):
+def measure_seeds(scene, args, programs, name, experiment, measures, truth):
+    """The scores of a variant by measure, for each seed of the refinement."""
+    seeds = range(args.seeds) if experiment is not None else [0]
+    scores = [measure_variant(scene, args, programs, name, experiment, measures, truth, seed)
+              for seed in seeds]
+    return scores if experiment is not None else scores * args.seeds
+
+
+def measure_variant(scene, args, programs, name, experiment, measures, truth, seed):
     """Refines, fuses and scores one variant; returns its scores by measure. truth:
     measure -> options of tsar_evaluate with the ground truth."""
     input_type = dense.input_type_of(scene.folder / dense.WORKSPACE)
     plain = "".join(c if c.isalnum() or c in "=._-" else "_" for c in name)
+    plain += f".seed{seed}" if seed else ""
     folder = scene.folder / "variants"
     refine = {"TsarRefine.preset": args.preset, **args.passed.get("tsar_refine", {})}
+    if seed:
+        refine["TsarRefine.seed"] = seed
     if experiment:
         option, value = experiment.split("=")
         refine[f"TsarRefine.{option}"] = value
@@ -135,25 +156,39 @@ def depth_truth(scene, path):
     return folder
 
 
+def check_sizes(scene, args):
+    """That imported maps have the size that is asked for."""
+    for path in maps_of(scene.folder / dense.WORKSPACE) if args.stereo == "acm" else ():
+        size = max(map_size(path))
+        if abs(size - args.max_image_size) > 1:
+            raise DatasetError(f"{dense.given_maps(args, scene.name)}: has maps of {size} pixels, and "
+                               f"those of this table have {args.max_image_size}; make them of that "
+                               f"size, or give --max_image_size {size}")
+
+
 def run_eth3d(path, args, programs):
-    """Variant -> scores of a scene."""
+    """Variant -> scores of a scene by seed."""
     wanted = variants(args.tables)
     scene = eth3d.open_workspace(path, args)
-    dense.make_maps(scene, eth3d.scene_options(path, args), programs, None)
+    options = eth3d.scene_options(path, args)
+    dense.make_maps(scene, options, programs, None)
+    check_sizes(scene, options)
     truth = {"cloud": {"ground_truth_path": path / eth3d.SCANS, "tolerances": TOLERANCES}}
     if "ablation" in args.tables:
         truth["fused_pixels"] = {"ground_truth_path": depth_truth(scene, path),
                                  "tolerances": TOLERANCES}
-    return {name: measure_variant(scene, args, programs, name, experiment, measures, truth)
+    return {name: measure_seeds(scene, args, programs, name, experiment, measures, truth)
             for name, (experiment, measures) in wanted.items()}
 
 
 def run_strecha(path, args, programs, truth):
     scene, cameras, poses = strecha.open_workspace(path, args, programs)
-    dense.make_maps(scene, strecha.scene_options(cameras, args), programs, None)
+    options = strecha.scene_options(cameras, args)
+    dense.make_maps(scene, options, programs, None)
+    check_sizes(scene, options)
     project, options = strecha.prepare_truth(scene, truth, cameras, poses)
     truth = {"cloud": {"ground_truth_path": project, **options, "tolerances": TOLERANCES}}
-    return {name: measure_variant(scene, args, programs, name, experiment, {"cloud"}, truth)
+    return {name: measure_seeds(scene, args, programs, name, experiment, {"cloud"}, truth)
             for name, experiment in ((BEFORE, None), (FULL, ""))}
 
 
@@ -168,55 +203,84 @@ def mean_rows(rows):
     return [sum(column) / len(rows) for column in zip(*rows)] if rows else None
 
 
-def show(title, columns, rows):
-    """Prints a table. rows: label and numbers; None: there are none."""
-    widths = [max(7, len(column) + 1) for column in columns]
-    print(f"\n{title}\n{'':<26}" + "".join(f"{c:>{w}}" for c, w in zip(columns, widths)))
-    for label, values in rows:
-        cells = [None] * len(columns) if values is None else values
-        print(f"{label:<26}" + "".join(f"{'-' if v is None else format(v, '.2f'):>{w}}"
-                                       for v, w in zip(cells, widths)), flush=True)
+def rows_of_seeds(label, rows):
+    """The median of the rows of the seeds and, of several, half their range."""
+    columns = list(zip(*rows))
+    result = [(label, [None if None in column else statistics.median(column) for column in columns])]
+    if len(rows) > 1:
+        result.append((f"{label}, ±", [None if None in column else (max(column) - min(column)) / 2
+                                       for column in columns]))
+    return result
 
 
-def show_clouds(title, prior, printed, ours):
-    """ours: scores by variant, one entry per scene."""
+class Tables:
+    """Prints tables and keeps their numbers."""
+
+    def __init__(self):
+        self.tables = {}
+
+    def show(self, title, columns, rows):
+        """rows: label and numbers; None: there are none."""
+        rows = [(label, [None] * len(columns) if values is None else list(values))
+                for label, values in rows]
+        self.tables[title] = {label: dict(zip(columns, values)) for label, values in rows}
+        widths = [max(7, len(column) + 1) for column in columns]
+        print(f"\n{title}\n{'':<30}" + "".join(f"{c:>{w}}" for c, w in zip(columns, widths)))
+        for label, values in rows:
+            print(f"{label:<30}" + "".join(f"{'-' if v is None else format(v, '.2f'):>{w}}"
+                                           for v, w in zip(values, widths)), flush=True)
+
+
+def show_clouds(tables, title, prior, printed, ours):
+    """ours: for each scene, the scores of each seed by variant."""
     columns = [f"{name}@{size}" for size in ("2cm", "10cm") for name in ("Acc", "Comp", "F1")]
     rows = []
     for (name, values), variant in zip(zip(("before", "after"), printed), (BEFORE, FULL)):
-        rows += [(f"{prior} {name}, paper", values),
-                 (f"{prior} {name}, ours", mean_rows(cloud_row(s[variant]) for s in ours))]
-    show(title, columns, rows)
+        rows.append((f"{prior} {name}, paper", values))
+        rows += rows_of_seeds(f"{prior} {name}, ours", [
+            mean_rows(map(cloud_row, scores)) for scores in zip(*(s[variant] for s in ours))])
+    tables.show(title, columns, rows)
 
 
-def show_eth3d(args, ours):
-    """ours: scene -> variant -> scores."""
+def ablation_rows(ours, name, index, share):
+    """For each seed, the mean of a variant over the scenes, and each of the paper's scenes."""
+    right = {scene: [100 * scores["fused_pixels"]["scores"][index][share]
+                     for scores in of_scene[name]] for scene, of_scene in ours.items()}
+    return [[sum(values) / len(values), *(right[scene][seed] if scene in right else None
+                                          for scene in paper.ABLATION_SCENES)]
+            for seed, values in enumerate(zip(*right.values()))]
+
+
+def show_eth3d(tables, args, ours):
+    """ours: scene -> variant -> scores of each seed."""
     missing = [name for name in eth3d.TRAINING if name not in ours]
     if missing:
         print(f"\nETH3D: {len(missing)} of {len(eth3d.TRAINING)} scenes are missing, so that means "
               f"are not the paper's: {', '.join(missing)}")
     if "clouds" in args.tables:
-        show_clouds("ETH3D, training set, mean of the scenes", args.prior, paper.ETH3D[args.prior],
-                    ours.values())
+        show_clouds(tables, "ETH3D, training set, mean of the scenes", args.prior,
+                    paper.ETH3D[args.prior], ours.values())
     if "ablation" in args.tables:
         for index, tolerance in enumerate((0.02, 0.1)):
-            right = lambda scene, name: 100 * ours[scene][name]["fused_pixels"]["scores"][index]["of_known"]
             rows = []
             for name, printed in paper.ABLATION[tolerance].items():
-                there = [right(scene, name) for scene in ours]
-                mean = sum(there) / len(there)
-                rows += [(f"{name}, paper", printed), (f"{name}, ours", [mean, *(
-                    right(scene, name) if scene in ours else None
-                    for scene in paper.ABLATION_SCENES)])]
-            show(f"Fused pixels right to {100 * tolerance:g} cm (the paper's with the prior gp)",
-                 ["mean", *paper.ABLATION_SCENES], rows)
+                rows.append((f"{name}, paper", printed))
+                for share, label in (("of_known", "ours"), ("of_fused", "ours of fused")):
+                    rows += rows_of_seeds(f"{name}, {label}", ablation_rows(ours, name, index, share))
+            tables.show(f"Fused pixels right to {100 * tolerance:g} cm (the paper's with the prior gp)",
+                        ["mean", *paper.ABLATION_SCENES], rows)
     if "parameters" in args.tables:
-        f1 = lambda *parameter: mean_rows([cloud_row(s[parameter_variant(*parameter)])[2]]
-                                          for s in ours.values())[0]
+        def f1(*parameter):
+            return [mean_rows([cloud_row(score)[2]] for score in scores)[0] for scores in zip(
+                *(of_scene[parameter_variant(*parameter)] for of_scene in ours.values()))]
+
         for symbol, option, factor, printed in paper.PARAMETERS:
-            show(f"F1 at 2 cm by {symbol}" + (f" ({option})" if option else ", which is no option here"),
-                 list(map(str, printed)),
-                 [("paper", printed.values()), ("ours", option and [
-                     f1(option, factor, *pair) for pair in printed.items()])])
+            by_seed = option and list(zip(*(f1(option, factor, *pair) for pair in printed.items())))
+            tables.show(
+                f"F1 at 2 cm by {symbol}" + (f" ({option})" if option else ", which is no option here"),
+                list(map(str, printed)),
+                [("paper", printed.values()),
+                 *(rows_of_seeds("ours", by_seed) if option else [("ours", None)])])
 
 
 def truth_of(folder, path):
@@ -248,6 +312,8 @@ def run(args, programs):
         raise DatasetError("nothing to do: give --eth3d or --strecha")
     if args.strecha and not args.ground_truth:
         raise DatasetError("--strecha: needs --ground_truth")
+    if args.seeds < 1:
+        raise DatasetError(f"--seeds {args.seeds}: is below 1")
     args.paper_size = args.max_image_size is None
     args.output_path = pathlib.Path(args.output_path) / args.prior
     eth3d_scenes = read_eth3d(args) if args.eth3d else []
@@ -258,14 +324,42 @@ def run(args, programs):
             strecha.read_scene(path)
             if strecha.kind(path.name) in paper.STRECHA:
                 strecha_scenes.append((path, truth_of(pathlib.Path(args.ground_truth).resolve(), path)))
+    tell_effort(args, programs, eth3d_scenes)
     results = {path.name: run_eth3d(path, args, programs) for path in eth3d_scenes}
     clouds = [(path.name, run_strecha(path, args, programs, truth)) for path, truth in strecha_scenes]
-    print(f"\n{programs.versions['colmap_tsar']}, preset {args.preset}, fusion {args.fusion}")
+    tables = Tables()
+    print(f"\n{programs.versions['colmap_tsar']}, preset {args.preset}, fusion {args.fusion}, "
+          f"{args.seeds} seeds")
     if results:
-        show_eth3d(args, results)
+        show_eth3d(tables, args, results)
     for name, scores in clouds:
-        show_clouds(f"Strecha, {name}", args.prior, paper.STRECHA[strecha.kind(name)][args.prior],
-                    [scores])
+        show_clouds(tables, f"Strecha, {name}", args.prior,
+                    paper.STRECHA[strecha.kind(name)][args.prior], [scores])
+    write_text(args.output_path / "tables.json", json.dumps(
+        {**programs.versions, "preset": args.preset, "fusion": args.fusion, "seeds": args.seeds,
+         "tables": tables.tables}, indent=1) + "\n")
+
+
+def tell_effort(args, programs, scenes):
+    """How long the scenes of ETH3D will take, and the disk that they need, roughly."""
+    megapixels = []
+    for path in scenes:
+        size = eth3d.scene_options(path, args).max_image_size
+        cameras = read_cameras(path / eth3d.CALIBRATION / "cameras.txt")
+        megapixels.append(sum(
+            camera.width * camera.height * min(1, size / max(camera.width, camera.height))**2 / 1e6
+            for camera in (cameras[image.camera_id]
+                           for image in read_images(path / eth3d.CALIBRATION / "images.txt"))))
+    if not megapixels:
+        return
+    experiments = [experiment for experiment, _ in variants(args.tables).values()]
+    num_runs = args.seeds * sum(experiment is not None for experiment in experiments)
+    on_gpu = programs.has_gpu and "with CUDA" in programs.versions["colmap_tsar"]
+    seconds = num_runs * REFINE_SECONDS[on_gpu] + (STEREO_SECONDS[on_gpu] if args.stereo == "tsar" else 0)
+    hours = sum(megapixels) * seconds / 3600 / (1 if on_gpu else os.cpu_count() or 1)
+    print(f"ETH3D: {num_runs} refinements of each scene, {sum(megapixels):.0f} megapixels of maps: some "
+          f"{hours:.1f} hours without fusion and scores, and {sum(megapixels) * MEGABYTES / 1e3:.0f} GB of disk",
+          flush=True)
 
 
 def main():
@@ -278,6 +372,8 @@ def main():
                         "SCENE.mlp, a MeshLab project of scans")
     parser.add_argument("--tables", choices=TABLES, nargs="+", default=list(TABLES),
                         help="which tables (default: all)")
+    parser.add_argument("--seeds", type=int, default=1, metavar="N", help="refine with "
+                        "--TsarRefine.seed 0 to N - 1, and print medians and half the range (default: 1)")
     add_prior_options(parser)
     add_options(parser, "OUTPUT/PRIOR/SCENE")
     parser.set_defaults(prior="gp", preset="paper", fusion="paper", max_image_size=None)
