@@ -114,10 +114,10 @@ def main():
 
     lines = run_end_to_end(arguments, folder, "--keep", "--colmap", stereo)
     runs = table(lines, "### Whole runs")
-    check(list(runs) == ["tsar_refine",
+    check(list(runs) == ["tsar_refine", "tsar_stereo", "tsar_fuse",
                          "patch_match_stereo, photometric pass",
                          "stereo_fusion"],
-          "a row for tsar_refine and one for each of COLMAP's programs")
+          "a row for each program of ours and of COLMAP's")
     images, seconds, _, speed, house, ratio, _, gpu, memory = runs["tsar_refine"]
     check(int(images) == NUM_IMAGES, "all images count")
     check(float(seconds) > 0 and float(speed) > 0 and float(ratio) == 1,

@@ -49,7 +49,7 @@ class Scorer:
             run([self.colmap, "stereo_fusion", "--workspace_path", workspace,
                  "--input_type", map_type, "--output_path", cloud_path,
                  "--StereoFusion.num_threads", "1"], self.colmap_environment)
-            scores.update(self._score_cloud(cloud_path))
+            scores.update(self.score_cloud(cloud_path))
         return scores
 
     def score_tsar_fuse(self, workspace, cloud_path, map_type, device):
@@ -60,9 +60,10 @@ class Scorer:
              "--input_type", map_type, "--output_path", cloud_path,
              "--overwrite", "1", "--TsarFuse.device", device])
         return {f"tsar_fuse_{key}": value
-                for key, value in self._score_cloud(cloud_path).items()}
+                for key, value in self.score_cloud(cloud_path).items()}
 
-    def _score_cloud(self, cloud_path):
+    def score_cloud(self, cloud_path):
+        """Number of points, and completeness, accuracy and F1 by tolerance."""
         cloud = json.loads(run([
             self.program, "tsar_evaluate", "cloud", "--input_path", cloud_path,
             "--ground_truth_path", self.scans, "--tolerances",

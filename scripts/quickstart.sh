@@ -2,31 +2,38 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 #
-# Builds the program, refines the sample scene with it, and shows what that
-# changed. Everything is written below the repository: build/ and sample/ (which
-# is made anew every time; a sample/ that it did not make is left alone).
+# Builds the program, reconstructs the sample scene from its posed photos, and
+# shows what refinement gained. Everything is written below the repository:
+# build/ and sample/ (which is made anew every time; a sample/ that it did not
+# make is left alone).
 #
-#   scripts/quickstart.sh [--skip-install] [--from-images]
+#   scripts/quickstart.sh [--skip-install] [--stereo tsar|colmap]
 #
 #   --skip-install   do not look for missing packages (and need no root rights)
-#   --from-images    make the depth maps from the images by tsar_stereo, instead
-#                    of taking those of COLMAP; without a GPU this takes some
-#                    five minutes of one core
+#   --stereo         where the depth maps come from: tsar_stereo makes them of
+#                    the photos (the default; without a GPU this takes some four
+#                    minutes of one core), or COLMAP 3.10 has made them
 set -euo pipefail
 
+usage() {
+  echo "usage: scripts/quickstart.sh [--skip-install] [--stereo tsar|colmap]" >&2
+  exit 2
+}
+
 install=1
-from_images=0
-for argument in "$@"; do
-  case $argument in
-    --skip-install) install=0 ;;
-    --from-images) from_images=1 ;;
-    *) echo "usage: scripts/quickstart.sh [--skip-install] [--from-images]" >&2
-       exit 2 ;;
+stereo=tsar
+while (($#)); do
+  case "$1 ${2:-}" in
+    --skip-install*) install=0 ;;
+    "--stereo tsar" | "--stereo colmap")
+      stereo=$2
+      shift ;;
+    *) usage ;;
   esac
+  shift
 done
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
-export QT_QPA_PLATFORM=offscreen  # COLMAP needs no display for this.
 
 program=build/bin/colmap_tsar
 sample=sample
@@ -58,11 +65,6 @@ patiently() {
     echo "quickstart: failed: $*" >&2
     exit 1
   fi
-}
-
-fuse() {  # fuse OUTPUT.ply
-  quietly colmap stereo_fusion --workspace_path "$sample" \
-    --input_type geometric --output_path "$1"
 }
 
 evaluate() {  # evaluate CLOUD.ply OUTPUT.json
@@ -101,38 +103,39 @@ python=python3
 rm -rf "$sample"
 "$python" scripts/sample_scene.py unpack data/sample "$sample"
 touch "$marker"
-echo "$sample: 8 views of a room with the depth maps of COLMAP 3.10"
-
-if ((from_images)); then
-  step "Stereo, in place of COLMAP's"
+echo "$sample: 8 views of a room"
+if [[ $stereo == tsar ]]; then
+  step "Stereo"
+  # In place of COLMAP's maps, which come with the scene.
   "$program" tsar_stereo --workspace_path "$sample" --overwrite 1
 fi
 
 step "Fusion of the maps before refinement"
-fuse "$sample/before.ply"
+quietly "$program" tsar_fuse --workspace_path "$sample" \
+  --output_path "$sample/before.ply"
 echo "$sample/before.ply"
 
-step "Refinement"
-"$program" tsar_refine --workspace_path "$sample"
-
-step "Fusion of the refined maps"
-fuse "$sample/after.ply"
-echo "$sample/after.ply"
+step "Refinement, fusion and a page"
+"$program" tsar_reconstruct --workspace_path "$sample" --output_path "$sample" \
+  --stereo 0
 
 step "Result, measured against the scene's laser scans"
 evaluate "$sample/before.ply" "$sample/before.json"
-evaluate "$sample/after.ply" "$sample/after.json"
+evaluate "$sample/fused.ply" "$sample/after.json"
 "$python" scripts/compare_scores.py "$sample/before.json" "$sample/after.json"
-"$program" tsar_report --workspace_path "$sample" --overwrite 1
 
 cat <<END
 
 Open $sample/report/index.html in a browser: depth and normals of each image,
-before and after. $sample/before.ply and after.ply are for a viewer of point
+before and after. $sample/before.ply and fused.ply are for a viewer of point
 clouds.
 
-With a dense workspace of your own, after colmap patch_match_stereo (or, without
-an NVIDIA card, $program tsar_stereo):
+With a dense workspace of your own, as colmap image_undistorter makes it, one
+command does the same, and its cloud is DENSE/reconstruction/fused.ply:
+
+  $PWD/$program tsar_reconstruct --workspace_path DENSE
+
+With depth maps of COLMAP's in it, from patch_match_stereo:
 
   $PWD/$program tsar_refine --workspace_path DENSE
   colmap stereo_fusion --workspace_path DENSE --output_path DENSE/fused.ply

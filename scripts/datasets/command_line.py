@@ -11,18 +11,17 @@ from files import DatasetError
 from programs import Programs
 
 STEREO_HELP = """\
-where the depth maps come from: colmap, its patch_match_stereo (with a COLMAP that
-has CUDA and an NVIDIA GPU); tsar, tsar_stereo of this project; none, nowhere: put
-the maps into {}/dense/stereo yourself. auto (the default): colmap where
-it can run, else tsar"""
+where the depth maps come from: tsar (the default), tsar_stereo of this project;
+colmap, its patch_match_stereo (with a COLMAP that has CUDA and an NVIDIA GPU); none,
+nowhere: put the maps into {}/dense/stereo yourself"""
 PRESETS = ("default", "paper")
-# The preset of tsar_fuse for the refined maps; None: stereo_fusion fuses them.
-FUSIONS = {"colmap": None, "paper": "paper", "tsar": "default"}
+# The preset of tsar_fuse; None: stereo_fusion fuses.
+FUSIONS = {"tsar": "default", "paper": "paper", "colmap": None}
 FUSION_HELP = """\
-what fuses the refined maps: colmap (the default), stereo_fusion; tsar, tsar_fuse,
+what fuses the maps, before and after refinement alike: tsar (the default), tsar_fuse,
 which weights depths by their precision and confidence; paper, tsar_fuse as the paper
 fuses: depths within 1 %%, normals within 30 degrees, pixels within 2, the mean of
-what agrees. The maps before refinement are always fused by stereo_fusion"""
+what agrees; colmap, stereo_fusion"""
 
 PRIORS = {"gp": "tsar", "mp": "acm", "colmap": "colmap"}  # Where the maps come from.
 GP_OPTIONS = {"TsarStereo.geom_consistency": 0}
@@ -80,17 +79,17 @@ def at_paper_size(args, longer_side, fraction):
 
 def add_options(parser, scene_folder):
     """The options from the workspace to the clouds."""
-    parser.add_argument("--stereo", choices=("auto", "colmap", "tsar", "none"),
-                        default="auto", help=STEREO_HELP.format(scene_folder))
+    parser.add_argument("--stereo", choices=("tsar", "colmap", "none"),
+                        help=STEREO_HELP.format(scene_folder))
     parser.add_argument("--max_image_size", type=int, default=3200, metavar="PIXELS",
                         help="longer side of the depth maps; larger images are reduced "
                         "(default: 3200)")
     parser.add_argument("--preset", choices=PRESETS, default=PRESETS[0],
                         help="preset of tsar_refine (default: default)")
-    parser.add_argument("--fusion", choices=tuple(FUSIONS), default="colmap", help=FUSION_HELP)
+    parser.add_argument("--fusion", choices=tuple(FUSIONS), default="tsar", help=FUSION_HELP)
     parser.add_argument("--min_num_pixels", type=int, metavar="N",
                         help="views that must see a point of either cloud, the reference view "
-                        "among them (default: 5 for stereo_fusion, 2 for tsar_fuse)")
+                        "among them (default: 2 for tsar_fuse, 5 for stereo_fusion)")
     parser.add_argument("--colmap", metavar="PATH", help="COLMAP (default: the one on the path)")
     parser.add_argument("--colmap_tsar", metavar="PATH", help="this project's program "
                         "(default: build/bin/colmap_tsar, or the one on the path)")
@@ -133,22 +132,19 @@ def dense_commands(args):
     """The commands from the workspace to the clouds that take options from the
     command line."""
     stereo = {"colmap": ["patch_match_stereo"], "tsar": ["tsar_stereo"]}.get(args.stereo, [])
-    own_fusion = ["tsar_fuse"] if FUSIONS[args.fusion] else []
-    return [*stereo, "stereo_fusion", "tsar_refine", *own_fusion]
+    fusion = "tsar_fuse" if FUSIONS[args.fusion] else "stereo_fusion"
+    return [*stereo, "tsar_refine", fusion]
 
 
 def choose_stereo(args, programs):
     """Where the maps come from, by --stereo or --prior."""
     prior = getattr(args, "prior", None)
-    if prior and args.stereo != "auto":
+    if prior and args.stereo:
         raise DatasetError(f"--prior {prior} and --stereo {args.stereo}: both say where the maps "
                            "come from; give one of them")
     if getattr(args, "maps_path", None) and prior != "mp":
         raise DatasetError("--maps_path: is for --prior mp")
-    if prior:
-        args.stereo = PRIORS[prior]
-    elif args.stereo == "auto":
-        args.stereo = "colmap" if programs.colmap_has_stereo else "tsar"
+    args.stereo = PRIORS[prior] if prior else args.stereo or "tsar"
     if args.stereo == "colmap" and not programs.colmap_has_stereo:
         raise DatasetError(f"{f'--prior {prior}' if prior else '--stereo colmap'}: "
                            f"{programs.colmap} has no CUDA, or there is no NVIDIA GPU; use "

@@ -121,9 +121,9 @@ def make_maps(scene, args, programs, masks):
                    "stereo": args.stereo, "options": options, **programs.versions})
 
 
-def fusion_command(args, masks, preset):
-    """The command that fuses, and its options, name by value. preset: that of
-    tsar_fuse; None: COLMAP fuses."""
+def fusion_command(args, masks):
+    """The command that fuses, and its options, name by value."""
+    preset = FUSIONS[args.fusion]
     if preset is None:
         command, options = "stereo_fusion", {}
         if args.min_num_pixels is not None:
@@ -152,10 +152,9 @@ def fuse_into(step, program, command, options, workspace, input_type, cloud):
     os.replace(part, cloud)
 
 
-def fuse(scene, args, programs, name, workspace, input_type, cloud, masks, preset=None, inputs=(),
-         **key):
-    command, options = fusion_command(args, masks, preset)
-    program, of_program = ((programs.colmap, "colmap") if preset is None
+def fuse(scene, args, programs, name, workspace, input_type, cloud, masks, inputs=(), **key):
+    command, options = fusion_command(args, masks)
+    program, of_program = ((programs.colmap, "colmap") if command == "stereo_fusion"
                            else (programs.tsar, "colmap_tsar"))
 
     scene.step(name, lambda step: fuse_into(
@@ -196,7 +195,7 @@ def reconstruct(scene, args, programs, masks=None, priors=None):
     fuse(scene, args, programs, "fusion_before", dense, input_type, "before.ply", masks, **origin)
     refine(scene, args, programs, input_type, masks, priors, **origin)
     fuse(scene, args, programs, "fusion_after", scene.folder / REFINED, input_type, "after.ply",
-         masks, FUSIONS[args.fusion], after=["refinement"])
+         masks, after=["refinement"])
 
 
 def evaluate(step, programs, cloud, project, output, options):

@@ -29,8 +29,8 @@ with the same options; what was made before is not made again"""
 
 DESCRIPTION = """\
 Reconstructs scenes of ETH3D's high-resolution multi-view benchmark: a COLMAP dense
-workspace, depth maps (by COLMAP or tsar_stereo), tsar_refine, stereo_fusion or
-tsar_fuse. Makes a submission of them, and scores the scenes that come with laser
+workspace, depth maps (by tsar_stereo or COLMAP), tsar_refine, tsar_fuse or
+stereo_fusion. Makes a submission of them, and scores the scenes that come with laser
 scans before and after refinement.
 
 Unpack the archives SCENE_dslr_undistorted.7z, and for training scenes

@@ -87,8 +87,7 @@ def measure_variant(scene, args, programs, name, experiment, measures, truth):
     if experiment:
         option, value = experiment.split("=")
         refine[f"TsarRefine.{option}"] = value
-    command, fusion = dense.fusion_command(
-        args, None, dense.FUSIONS[args.fusion] if experiment is not None else None)
+    command, fusion = dense.fusion_command(args, None)
     fuser = programs.tsar if command == "tsar_fuse" else programs.colmap
 
     def action(step):

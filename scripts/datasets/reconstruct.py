@@ -35,12 +35,12 @@ PNG). The steps:
   sparse              camera poses (mapper); of several models the largest
   workspace           images without lens distortion (image_undistorter)
   masks               the same of the masks, with --mask_path
-  stereo              a depth map of each image (patch_match_stereo, or tsar_stereo
-                      where COLMAP has no CUDA or there is no NVIDIA GPU)
-  fusion_before       the cloud of these maps (stereo_fusion), to compare with
+  stereo              a depth map of each image (tsar_stereo, or patch_match_stereo
+                      with --stereo colmap)
+  fusion_before       the cloud of these maps (tsar_fuse, or stereo_fusion with
+                      --fusion colmap), to compare with
   refinement          tsar_refine: wrong depths go, bare surfaces are filled
-  fusion_after        the cloud of the refined maps (stereo_fusion, or tsar_fuse with
-                      --fusion tsar)
+  fusion_after        the cloud of the refined maps
   report              a page to look at (tsar_report)
   mesh, texture       if asked for: poisson_mesher or delaunay_mesher, and
                       mesh_texturer, which puts the photos on the mesh
@@ -77,7 +77,7 @@ With other options, the steps that depend on them are done again, and no others.
     scripts/reconstruct.sh photos out --mask_path masks
 
   less, but surer points; and planes that are found in each image on its own
-    scripts/reconstruct.sh photos out --StereoFusion.min_num_pixels 8 \\
+    scripts/reconstruct.sh photos out --TsarFuse.min_num_views 4 \\
         --TsarRefine.scene_planes 0
 
 Options with a dot go to the command that has them (colmap COMMAND -h, colmap_tsar

@@ -27,8 +27,8 @@ TOLERANCES = "0.01,0.02,0.05,0.1"  # Units of the data, which are meters.
 DESCRIPTION = """\
 Reconstructs scenes of Strecha's multi-view stereo data (fountain-P11, Herz-Jesu-P8
 and others): points are triangulated by COLMAP with the given cameras held fixed,
-then come depth maps (by COLMAP or tsar_stereo), tsar_refine, and stereo_fusion or
-tsar_fuse.
+then come depth maps (by tsar_stereo or COLMAP), tsar_refine, and tsar_fuse or
+stereo_fusion.
 
 A scene is a folder with images and their cameras, in any subfolders: to the image
 0000.jpg belongs 0000.jpg.camera, which holds

@@ -20,8 +20,8 @@ from triangulation import to_text, triangulate
 
 DESCRIPTION = f"""\
 Reconstructs scenes of Tanks and Temples: camera poses (by COLMAP from the images,
-or the data set's own), depth maps (by COLMAP or tsar_stereo), tsar_refine,
-stereo_fusion or tsar_fuse. Makes a submission of them, and scores the scenes that
+or the data set's own), depth maps (by tsar_stereo or COLMAP), tsar_refine,
+tsar_fuse or stereo_fusion. Makes a submission of them, and scores the scenes that
 come with ground truth before and after refinement.
 
   SCENE/images/*.jpg        or SCENE/*.jpg, the image set

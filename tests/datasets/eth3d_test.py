@@ -106,9 +106,9 @@ class Eth3dTest(DatasetTest):
         logs = copy / "room" / "logs"
         self.assertIn("--TsarRefine.preset paper",
                       (logs / "refinement.log").read_text())
-        self.assertIn("--StereoFusion.min_num_pixels 2", (logs / "fusion_before.log").read_text())
-        self.assertIn("--TsarFuse.preset paper --TsarFuse.min_num_views 2",
-                      (logs / "fusion_after.log").read_text())
+        for name in ("before", "after"):
+            self.assertIn("--TsarFuse.preset paper --TsarFuse.min_num_views 2",
+                          (logs / f"fusion_{name}.log").read_text())
         for name in ("before.ply", "after.ply"):
             self.assertGreater(vertex_count(copy / "room" / name), vertex_count(scene / name))
 

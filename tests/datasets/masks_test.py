@@ -38,16 +38,18 @@ class MasksTest(StandInTest):
         masks = self.output / "masks"
         for command in ("tsar_stereo", "tsar_refine", "export"):
             self.assertIn(f" --mask_path {masks}", call(command)[0])
-        for fusion in call("stereo_fusion"):
-            self.assertIn(f"--StereoFusion.mask_path {masks}", fusion)
+        for fusion in call("tsar_fuse"):
+            self.assertIn(f" --mask_path {masks}", fusion)
         self.assertEqual(sorted(p.relative_to(masks).as_posix() for p in masks.rglob("*.png")),
                          ["a.jpg.png.png", "left/c d.png.png"])
         self.assertEqual(list(self.output.glob("*.part")), [])
 
-    def test_tsar_fuse_gets_them(self):
-        _, calls = self.run_well(*self.options, "--fusion", "tsar")
-        (fusion,) = [c for c in calls if c.startswith("tsar_fuse")]
-        self.assertIn(f" --mask_path {self.output / 'masks'}", fusion)
+    def test_stereo_fusion_gets_them(self):
+        _, calls = self.run_well(*self.options, "--fusion", "colmap")
+        fusions = [c for c in calls if c.startswith("stereo_fusion")]
+        self.assertEqual(len(fusions), 2)
+        for fusion in fusions:
+            self.assertIn(f"--StereoFusion.mask_path {self.output / 'masks'}", fusion)
 
     def test_masks_are_inputs(self):
         self.run_well(*self.options)
@@ -62,7 +64,8 @@ class MasksTest(StandInTest):
         self.assertEqual(self.commands(), COMMANDS)  # Without them.
 
     def test_options_of_the_programs_come_first(self):
-        _, calls = self.run_well(*self.options, "--StereoFusion.mask_path", "others")
+        _, calls = self.run_well(*self.options, "--fusion", "colmap", "--StereoFusion.mask_path",
+                                 "others")
         for fusion in (c for c in calls if c.startswith("stereo_fusion")):
             self.assertIn("--StereoFusion.mask_path others", fusion)
             self.assertNotIn(str(self.output / "masks"), fusion)

@@ -36,8 +36,7 @@ class ReconstructTest(StandInTest):
         options = []
         after = lambda command: COMMANDS[COMMANDS.index(command):]
         for option, expected in (
-                ("--StereoFusion.min_num_pixels=3",
-                 ["stereo_fusion", "stereo_fusion"]),
+                ("--TsarFuse.min_num_views=3", ["tsar_fuse", "tsar_fuse"]),
                 ("--TsarRefine.scene_planes=0", after("tsar_refine")),
                 ("--preset=paper", after("tsar_refine")),
                 ("--TsarStereo.num_levels=2", after("tsar_stereo")),
@@ -53,8 +52,8 @@ class ReconstructTest(StandInTest):
 
     def test_options_reach_their_command(self):
         mask = self.write("masks/a.png", "1")
-        options = ("--StereoFusion.mask_path", mask.parent, "--StereoFusion.min_num_pixels=3",
-                   "--min_num_pixels", 7, "--undistorted_size", 99, "--max_image_size", 88)
+        options = ("--fusion", "colmap", "--StereoFusion.mask_path", mask.parent,
+                   "--StereoFusion.min_num_pixels=3", "--min_num_pixels", 7, "--undistorted_size", 99, "--max_image_size", 88)
         _, calls = self.run_well(*options)
         (undistorter,) = [c for c in calls if c.startswith("image_undistorter")]
         self.assertTrue(undistorter.endswith("--max_image_size 99"), undistorter)
@@ -81,7 +80,7 @@ class ReconstructTest(StandInTest):
         options = ("--prior_path", prior.parent, "--prior_type", "metric")
         _, calls = self.run_well(*options)
         self.assertEqual([c.split()[0] for c in calls],
-                         ["tsar_refine", "stereo_fusion", "tsar_report"])
+                         ["tsar_refine", "tsar_fuse", "tsar_report"])
         self.assertIn(f"--prior_path {prior.parent} --prior_type metric", calls[0])
         self.assertEqual(self.commands(*options), [])
         prior.write_text("22")  # The priors are inputs.
@@ -91,27 +90,25 @@ class ReconstructTest(StandInTest):
         self.refuses("no such folder", "--prior_path", prior)
         self.refuses("give --prior_path as well", "--prior_type", "metric")
 
-    def test_fusion_of_the_refined_maps(self):
-        self.run_well("--mesh")
-        before = (self.output / "before.ply").stat()
+    def test_one_fusion_before_and_after(self):
+        self.run_well("--mesh", "--fusion", "colmap")
         for fusion, preset in (("tsar", "default"), ("paper", "paper")):
             _, calls = self.run_well("--mesh", "--fusion", fusion)
             self.assertEqual([c.split()[0] for c in calls],
-                             ["tsar_fuse", "poisson_mesher"])
-            self.assertIn(f"--workspace_path {self.output}/refined --input_type geometric",
-                          calls[0])
-            self.assertTrue(calls[0].endswith(f"--TsarFuse.preset {preset}"), calls[0])
+                             ["tsar_fuse", "tsar_fuse", "poisson_mesher"])
+            for call, workspace in zip(calls, ("dense", "refined")):
+                self.assertIn(f"--workspace_path {self.output}/{workspace} --input_type geometric",
+                              call)
+                self.assertTrue(call.endswith(f"--TsarFuse.preset {preset}"), call)
             self.assertEqual(self.commands("--mesh", "--fusion", fusion), [])
-        self.assertEqual((self.output / "before.ply").stat(), before)
         self.assertEqual((self.output / "after.ply.vis").read_text(), "vis")
         self.assertEqual(list(self.output.glob("part.*")), [])
-        _, calls = self.run_well("--fusion", "tsar", "--min_num_pixels", 4,
-                                 "--TsarFuse.max_normal_error", 20)
-        self.assertTrue(calls[0].endswith("--StereoFusion.min_num_pixels 4"), calls[0])
-        self.assertTrue(calls[1].endswith("--TsarFuse.min_num_views 4 "
-                                          "--TsarFuse.max_normal_error 20"), calls[1])
+        _, calls = self.run_well("--min_num_pixels", 4, "--TsarFuse.max_normal_error", 20)
+        for call in calls[:2]:
+            self.assertTrue(call.endswith("--TsarFuse.min_num_views 4 "
+                                          "--TsarFuse.max_normal_error 20"), call)
         self.refuses("--TsarFuse.max_normal_error: none of the commands of this run",
-                     "--TsarFuse.max_normal_error", 20)
+                     "--fusion", "colmap", "--TsarFuse.max_normal_error", 20)
 
     def test_what_a_stopped_fusion_left(self):
         for fusion, command in (("tsar", "tsar_fuse"), ("colmap", "stereo_fusion"),
@@ -157,13 +154,14 @@ class ReconstructTest(StandInTest):
         self.assertNotIn("may take hours", text)  # It was asked for.
         self.assertNotIn("on the CPU", text)  # It is done.
 
-    def test_colmap_makes_the_maps_where_it_can(self):
+    def test_colmap_makes_the_maps_where_told_to(self):
+        self.refuses("--stereo colmap: ", stereo="colmap")
         gpu = self.write("bin/nvidia-smi", "#!/bin/sh\necho 'GPU 0: stand-in'\n")
         gpu.chmod(0o755)
         self.write("cuda", "1")
         path = f"{gpu.parent}{os.pathsep}{os.environ['PATH']}"
         with mock.patch.dict(os.environ, {"PATH": path}):
-            _, calls = self.run_well("--max_image_size", 77, stereo="auto")
+            _, calls = self.run_well("--max_image_size", 77, stereo="colmap")
         self.assertEqual([c for c in calls if c.startswith("tsar_stereo")], [])
         (stereo,) = [c for c in calls if c.startswith("patch_match_stereo")]
         self.assertTrue(stereo.endswith("--PatchMatchStereo.max_image_size 77"), stereo)
@@ -205,20 +203,19 @@ class ReconstructTest(StandInTest):
         self.assertEqual(text.count("done before"), 6)
         self.assertIn("step 7 of 9: refinement goes on", text)
         self.assertEqual([c.split()[0] for c in calls],
-                         ["tsar_refine", "stereo_fusion", "tsar_report"])
+                         ["tsar_refine", "tsar_fuse", "tsar_report"])
 
     def test_largest_of_several_models(self):
         self.write("models", "2 4 3")
-        text, _ = self.run_well()
+        text, calls = self.run_well()
+        self.assertTrue(calls[-2].endswith("--TsarFuse.preset default"), calls)
         self.assertIn("--Mapper.min_model_size 3", (self.output / "logs/sparse.log").read_text())
         self.assertIn("3 models that no photos connect, of 4, 3, 2 images", text)
         self.assertIn("4 of 6 photos have a pose; left out: left/b.PNG, left/c d.png", text)
         self.assertEqual(len((self.output / "dense/stereo/fusion.cfg").read_text().split("\n")), 5)
         # Fewer images than stereo_fusion wants views.
-        self.assertIn("min_num_pixels 4", (self.output / "logs/fusion_after.log").read_text())
-        _, calls = self.run_well("--fusion", "tsar")
-        self.assertTrue(calls[0].endswith("--TsarFuse.preset default"), calls[0])
-        text, _ = self.run_well()  # Told each time.
+        text, calls = self.run_well("--fusion", "colmap")
+        self.assertTrue(calls[0].endswith("--StereoFusion.min_num_pixels 4"), calls[0])
         self.assertIn("4 of 6 photos", text)
         self.assertNotIn("sharp photos", text)
 

@@ -11,7 +11,7 @@ STAND_IN = REPOSITORY / "tests" / "datasets" / "stand_ins.py"
 STEPS = ["features", "matches", "sparse", "workspace", "stereo", "fusion_before", "refinement",
          "fusion_after", "report"]
 COMMANDS = ["feature_extractor", "exhaustive_matcher", "mapper", "model_converter",
-            "image_undistorter", "tsar_stereo", "stereo_fusion", "tsar_refine", "stereo_fusion",
+            "image_undistorter", "tsar_stereo", "tsar_fuse", "tsar_refine", "tsar_fuse",
             "tsar_report"]
 # Its header says 16 x 12; it has no pixels, but an end.
 PHOTO = (b"\x89PNG\r\n\x1a\n" + b"\0\0\0\rIHDR" + b"\0\0\0\x10\0\0\0\x0c" + bytes(9)

@@ -113,7 +113,7 @@ class SubmissionTest(FolderTest):
         args = make_parser("x", "", "", {"set": ()}, "").parse_args([*words, "--fusion", "paper"])
         args.stereo = PRIORS["gp"]
         self.assertEqual(dense_commands(args),
-                         ["tsar_stereo", "stereo_fusion", "tsar_refine", "tsar_fuse"])
+                         ["tsar_stereo", "tsar_refine", "tsar_fuse"])
 
 
 if __name__ == "__main__":
