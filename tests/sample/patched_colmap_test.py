@@ -68,7 +68,8 @@ check(
     "colmap's project files have write_cost_maps, off",
 )
 result = call(args.colmap, "automatic_reconstructor", "-h")
-check("--tsar " in result.stdout + result.stderr, "automatic_reconstructor lists --tsar")
+for option in ("--tsar ", "--tsar_stereo "):
+    check(option in result.stdout + result.stderr, f"automatic_reconstructor lists {option}")
 result = call(args.colmap, "patch_match_stereo", "-h")
 stereo_help = result.stdout + result.stderr
 if "requires CUDA" not in stereo_help:  # Without it, this command has no help.
