@@ -112,6 +112,9 @@ template <typename Summary>
 py::str TextOf(const Summary& summary) {
   TextStream text;
   PrintSummary(summary, text);
+  if constexpr (requires { PrintNext(summary, text); }) {
+    PrintNext(summary, text);
+  }
   return ToText(text.str());
 }
 

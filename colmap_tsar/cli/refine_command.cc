@@ -109,14 +109,6 @@ void AddRunOptions(RefineCommand* command, OptionSet* options) {
        RefinePass::kMerge},
       "What to do of it: observe each shard, then model once, "
       "compose each shard, and merge once.");
-  // Before TsarRefine.seed, which overrides it: in COLMAP's project files
-  // random_seed=0 is at the top.
-  options
-      ->Add("random_seed",
-            &command->refine.seed,
-            "The name that COLMAP's commands have for --TsarRefine.seed.",
-            {0, std::numeric_limits<int>::max()})
-      .is_advanced = true;
 }
 
 // The members of RefineOptions. Most are for experiments: we know their values
@@ -202,6 +194,14 @@ int RunTsarRefine(int argc, char** argv) {
   RefineCommand command;
   OptionSet options(
       "tsar_refine", kSummary, "tsar_refine --workspace_path dense");
+  // Before TsarRefine.seed, which overrides it: in COLMAP's project files
+  // random_seed=0 is at the top.
+  options
+      .Add("random_seed",
+           &command.refine.seed,
+           "The name that COLMAP's commands have for --TsarRefine.seed.",
+           {0, std::numeric_limits<int>::max()})
+      .is_advanced = true;
   command.AddTo(&options);
   if (!options.Parse(argc, argv)) {
     return 0;

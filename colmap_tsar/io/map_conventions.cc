@@ -280,7 +280,7 @@ std::string NoDepthRemark(float no_depth) {
   char number[32];
   std::snprintf(number, sizeof(number), "%.6g", no_depth);
   return "many depths are " + std::string(number) +
-         ", far beyond all others, and are taken for \"no depth\"";
+         ", far beyond what the scene has, and are taken for \"no depth\"";
 }
 
 void ImageRemarks::Add(const std::vector<std::string>& remarks,
