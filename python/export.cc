@@ -50,6 +50,7 @@ class ExportSource {
         lock_(root, WorkspaceLock::Mode::kShared) {
     RequireOutsideInputs(root, output_path, "output_path");
     WarnOfChangedResults(workspace_);
+    WarnOfConventions(workspace_, FindImagesWithMaps(workspace_));
   }
 
   const Workspace& GetWorkspace() const { return workspace_; }

@@ -114,7 +114,14 @@ FuseSummary FuseCommand::Run(Progress& progress,
   if (!bounding_box_path.empty()) {
     parsed.bounding_box = ReadBoundingBox(bounding_box_path);
   }
-  const Workspace workspace = OpenWorkspaceWithMaps(workspace_path, input_type);
+  CheckOutput();
+  return FuseWorkspace(OpenWorkspaceWithMaps(workspace_path, input_type),
+                       parsed,
+                       progress,
+                       should_stop);
+}
+
+void FuseCommand::CheckOutput() const {
   std::filesystem::path visibility_path = options.output_path;
   visibility_path += ".vis";
   for (const auto& [path, kind, is_of_kind] :
@@ -123,7 +130,6 @@ FuseSummary FuseCommand::Run(Progress& progress,
             visibility_path, "list of a cloud's images", &IsVisibility)}) {
     RequireWritableOutput(workspace_path, path, kind, is_of_kind, overwrite);
   }
-  return FuseWorkspace(workspace, parsed, progress, should_stop);
 }
 
 void FuseCommand::Print(const FuseSummary& summary) const {

@@ -30,6 +30,9 @@ struct FuseCommand {
   // override these, and have to be set again afterwards.
   void UsePreset();
 
+  // Throws what RequireWritableOutput throws for the cloud and its visibility.
+  void CheckOutput() const;
+
   // Throws kBadOption, and what RequireWritableOutput, OpenWorkspaceWithMaps,
   // ReadBoundingBox and FuseWorkspace throw.
   FuseSummary Run(Progress& progress,

@@ -28,8 +28,9 @@ constexpr const char* kSummary =
     "image_undistorter leaves it: tsar_stereo, tsar_refine and tsar_fuse in "
     "one command, on NVIDIA GPUs and also without any, and tsar_report's page "
     "that shows what was done. It can be interrupted at any time: the same "
-    "command goes on where it stopped, and what is done is not done again. "
-    "The options of the three commands are taken, too.";
+    "command goes on where it stopped; maps that are done are not made again, "
+    "the cloud and the page are. It takes the options with a dot of the three "
+    "commands, such as --TsarRefine.seed.";
 
 struct ReconstructCommand {
   std::filesystem::path output_path;
@@ -124,6 +125,9 @@ int ReconstructCommand::Run(Progress& progress,
   // Before hours are spent.
   RequireOutsideInputs(
       match.workspace_path, output_path, OptionName("output_path"));
+  if (std::filesystem::is_directory(output_path)) {
+    fuse.CheckOutput();
+  }
   if (stereo) {
     progress.SetPart("Stereo. ");
     PrintSummary(match.Run(progress, should_stop), std::cout);

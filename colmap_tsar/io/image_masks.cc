@@ -149,14 +149,17 @@ std::vector<fs::path> FindImageMasks(
 
 void WarnOfStrayMasks(const fs::path& folder,
                       const std::vector<fs::path>& masks) {
-  const std::set<fs::path> known(masks.begin(), masks.end());
+  std::set<fs::path> known;
+  for (const fs::path& mask : masks) {
+    known.insert(mask.lexically_normal());
+  }
   std::vector<fs::path> strays;
   for (const FolderEntry& entry : ListTree({folder, {}})) {
     const fs::path path = entry.path.Path().lexically_normal();
     const std::string extension = FoldedCase(path.extension().string());
     const bool is_picture =
         extension == ".png" || extension == ".jpg" || extension == ".jpeg";
-    if (is_picture && !entry.is_folder && !known.contains(entry.path)) {
+    if (is_picture && !entry.is_folder && !known.contains(path)) {
       strays.push_back(path);
     }
   }

@@ -63,7 +63,7 @@ double ExpectedDepth(const MapSample& sample,
 
 bool IsNoDepth(const std::vector<float>& depths,
                const MapSample& sample,
-               const SparseModel& model,
+               const SparseModel* model,
                int image,
                float extreme,
                bool is_far) {
@@ -82,7 +82,9 @@ bool IsNoDepth(const std::vector<float>& depths,
   if (num_same * kMinShare < depths.size() || num_near * kMaxNear > num_same) {
     return false;
   }
-  const double expected = ExpectedDepth(sample, model, image, extreme, is_far);
+  const double expected =
+      model == nullptr ? 0.0
+                       : ExpectedDepth(sample, *model, image, extreme, is_far);
   if (expected == 0.0) {
     return num_same < depths.size() && gap > kMinGapWithoutPoints;
   }
@@ -117,7 +119,7 @@ MapSample::MapSample(const Image<float>& whole_depth,
 }
 
 float FindNoDepth(const MapSample& sample,
-                  const SparseModel& model,
+                  const SparseModel* model,
                   int image) {
   std::vector<float> depths;
   std::ranges::copy_if(sample.depth,
@@ -231,16 +233,22 @@ NormalVerdict NormalEvidence::Judge(NormalFrame usual) const {
   const std::string what =
       verdict.frame == NormalFrame::kOpenGl  ? "are in the frame of OpenGL"
       : verdict.frame == NormalFrame::kWorld ? "are in the frame of the world"
-      : verdict.face_away                    ? "point away from the camera"
-                                             : "";
+      : verdict.frame != usual
+          ? "are in the frame of the camera, not the world,"
+          : "point away from the camera";
+  const bool is_other =
+      verdict.frame != usual ||
+      (verdict.frame == NormalFrame::kCamera && verdict.face_away);
+  if (is_other) {
+    verdict.remark = "the normals " + what + " and are read so";
+  }
   if (num_depths_ > 0 && num_normals_ == 0) {
     verdict.remark = std::string("no depth has a normal") + kAdvice;
   } else if (num_surfaces_ >= kMinSurfaces &&
              num_upright_[best] * 100 < kMinUprightPercent * num_surfaces_) {
-    verdict.remark = std::string("the normals contradict the depths") + kAdvice;
-  } else if (verdict.frame != usual ||
-             (verdict.frame == NormalFrame::kCamera && verdict.face_away)) {
-    verdict.remark = "the normals " + what + " and are turned";
+    verdict.remark =
+        (is_other ? verdict.remark + ", and " : std::string("the normals ")) +
+        "contradict the depths" + kAdvice;
   }
   return verdict;
 }
@@ -258,7 +266,7 @@ MapConventions FindConventions(const MapSample& sample,
                                const SparseModel& model,
                                int image) {
   MapConventions conventions;
-  conventions.no_depth = FindNoDepth(sample, model, image);
+  conventions.no_depth = FindNoDepth(sample, &model, image);
   if (conventions.no_depth != 0.f) {
     conventions.remarks.push_back(NoDepthRemark(conventions.no_depth));
   }

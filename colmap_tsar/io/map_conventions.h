@@ -29,9 +29,9 @@ struct MapSample {
   MapSample(const Image<float>& depth, const Image<Vec3f>& normal);
 
   int height = 0;         // Of the map.
-  std::vector<int> rows;  // By row of the images below.
-  Image<float> depth;     // 0 = none.
-  Image<Vec3f> normal;    // (0, 0, 0) = none.
+  std::vector<int> rows;  // Of the map, by row of the images below.
+  Image<float> depth;     // In the map's own units; 0 = none.
+  Image<Vec3f> normal;    // As in the file; (0, 0, 0) = none.
 };
 
 // Calls function(column, row, z) for each sparse point that the image sees and
@@ -64,8 +64,10 @@ void ForEachSparsePoint(const SparseModel& model,
 // lies by half beyond nearly all others, and by half beyond the sparse points
 // in those pixels, or beyond all of the image where hardly any lies there.
 // Where the image sees no points, it lies a hundred times beyond all others.
-// Depths may be in units of their own.
-float FindNoDepth(const MapSample& sample, const SparseModel& model, int image);
+// Depths may be in units of their own. model: null for values that need not be
+// proportional to depths, such as inverse ones, which no points are compared
+// to.
+float FindNoDepth(const MapSample& sample, const SparseModel* model, int image);
 
 // Sets these depths to 0; no_depth: may be 0.
 void ClearNoDepth(float no_depth, std::span<float> depths);
@@ -76,6 +78,7 @@ enum class NormalFrame : uint8_t {
   kOpenGl = 1,  // x right, y up, z backward.
   kWorld = 2,
 };
+// Turns normals from a frame into the camera's.
 Eigen::Matrix3d ToCameraFrame(NormalFrame frame, const Camera& camera);
 
 struct NormalVerdict {
@@ -115,9 +118,11 @@ struct MapConventions {
   void Apply(std::span<float> depths) const { ClearNoDepth(no_depth, depths); }
   void Apply(std::span<Vec3f> normals) const;
 };
+// Judges the maps of one image on their own.
 MapConventions FindConventions(const MapSample& sample,
                                const SparseModel& model,
                                int image);
+// What to tell users of a number that FindNoDepth() has found.
 std::string NoDepthRemark(float no_depth);
 
 // What is remarkable about images, by remark.

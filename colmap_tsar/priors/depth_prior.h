@@ -26,7 +26,7 @@ struct DepthPrior {
   PriorType type = PriorType::kAuto;
   // The values of the file; 0, negative or not finite: none. May be empty.
   Image<float> values;
-  // The number that stood for "none" in the file; 0: only those above.
+  // The number that stood for "none", by FindNoDepth() of the values; 0: none.
   float no_depth = 0.f;
   // Unit vectors in the camera's frame, towards the camera; (0, 0, 0): none.
   // May be empty, or of another size than `values`.

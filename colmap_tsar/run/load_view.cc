@@ -184,7 +184,7 @@ void HypothesisReader::FillFromOtherType(size_t first_pixel,
   const bool needs_evidence = other_is_filtered_ && other_costs_;
   for (size_t i = 0; i < count; ++i) {
     if (piece.is_to_refine[i] != 0 || IsMasked(first_pixel + i) ||
-        // The other type was not measured here: a planar prior filled it.
+        // No image says anything about this depth of the other type.
         (needs_evidence && min_cost_[i] == kUndefinedCost)) {
       continue;
     }

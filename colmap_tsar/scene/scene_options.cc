@@ -18,7 +18,7 @@ namespace {
 constexpr double kMinTolerance = 0.7;
 constexpr double kMaxTolerance = 2.0;
 
-// The superpixel size for which the lengths of BorderOptions hold.
+// The superpixel size for which LabelOptions::crease_reach holds.
 constexpr double kDefaultSuperpixelSize = 400.0;
 
 }  // namespace

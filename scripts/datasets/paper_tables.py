@@ -156,14 +156,16 @@ def depth_truth(scene, path):
     return folder
 
 
-def check_sizes(scene, args):
+def check_sizes(scene, args, cameras):
     """That imported maps have the size that is asked for."""
-    for path in maps_of(scene.folder / dense.WORKSPACE) if args.stereo == "acm" else ():
-        size = max(map_size(path))
-        if abs(size - args.max_image_size) > 1:
-            raise DatasetError(f"{dense.given_maps(args, scene.name)}: has maps of {size} pixels, and "
-                               f"those of this table have {args.max_image_size}; make them of that "
-                               f"size, or give --max_image_size {size}")
+    if args.stereo != "acm":
+        return
+    wanted = min(args.max_image_size, max(max(c.width, c.height) for c in cameras.values()))
+    size = max(max(map_size(path)) for path in maps_of(scene.folder / dense.WORKSPACE))
+    if abs(size - wanted) > 1:
+        raise DatasetError(f"{dense.given_maps(args, scene.name)}: has maps of {size} pixels, and "
+                           f"those of this table have {wanted}; make them of that size, or give "
+                           f"--max_image_size {size}")
 
 
 def run_eth3d(path, args, programs):
@@ -172,7 +174,7 @@ def run_eth3d(path, args, programs):
     scene = eth3d.open_workspace(path, args)
     options = eth3d.scene_options(path, args)
     dense.make_maps(scene, options, programs, None)
-    check_sizes(scene, options)
+    check_sizes(scene, options, read_cameras(path / eth3d.CALIBRATION / "cameras.txt"))
     truth = {"cloud": {"ground_truth_path": path / eth3d.SCANS, "tolerances": TOLERANCES}}
     if "ablation" in args.tables:
         truth["fused_pixels"] = {"ground_truth_path": depth_truth(scene, path),
@@ -185,7 +187,7 @@ def run_strecha(path, args, programs, truth):
     scene, cameras, poses = strecha.open_workspace(path, args, programs)
     options = strecha.scene_options(cameras, args)
     dense.make_maps(scene, options, programs, None)
-    check_sizes(scene, options)
+    check_sizes(scene, options, cameras)
     project, options = strecha.prepare_truth(scene, truth, cameras, poses)
     truth = {"cloud": {"ground_truth_path": project, **options, "tolerances": TOLERANCES}}
     return {name: measure_seeds(scene, args, programs, name, experiment, {"cloud"}, truth)
@@ -314,6 +316,8 @@ def run(args, programs):
         raise DatasetError("--strecha: needs --ground_truth")
     if args.seeds < 1:
         raise DatasetError(f"--seeds {args.seeds}: is below 1")
+    if args.seeds > 1 and "TsarRefine.seed" in args.passed.get("tsar_refine", {}):
+        raise DatasetError("--seeds and --TsarRefine.seed: both name seeds; give one of them")
     args.paper_size = args.max_image_size is None
     args.output_path = pathlib.Path(args.output_path) / args.prior
     eth3d_scenes = read_eth3d(args) if args.eth3d else []
@@ -329,7 +333,7 @@ def run(args, programs):
     clouds = [(path.name, run_strecha(path, args, programs, truth)) for path, truth in strecha_scenes]
     tables = Tables()
     print(f"\n{programs.versions['colmap_tsar']}, preset {args.preset}, fusion {args.fusion}, "
-          f"{args.seeds} seeds")
+          f"{args.seeds} seed{'s' if args.seeds > 1 else ''}")
     if results:
         show_eth3d(tables, args, results)
     for name, scores in clouds:

@@ -156,11 +156,6 @@ TEST(PackFlags, KeepTrustAndConfirmation) {
       EXPECT_EQ(MeasurementFlags::IsConfirmed(packed), x % 3 > 0) << x;
       EXPECT_EQ(MeasurementFlags::IsConfirmedDistinctly(packed), x % 3 == 2)
           << x;
-      const uint8_t distrusted = MeasurementFlags::WithoutTrust(packed);
-      EXPECT_FALSE(MeasurementFlags::IsTrusted(distrusted));
-      EXPECT_EQ(MeasurementFlags::IsConfirmed(distrusted), x % 3 > 0);
-      EXPECT_EQ(MeasurementFlags::IsConfirmedDistinctly(distrusted),
-                x % 3 == 2);
     }
   }
   for (const uint8_t flags : pack({})) {

@@ -163,7 +163,7 @@ class Eth3dTest(DatasetTest):
         hall = self.folder / "test" / "hall"
         none = ("--output_path", self.output, "--stereo", "none")
         self.fails(hall, *none, text="has no depth maps")
-        # Without the costs, what the planar prior filled would count as measured.
+        # Without the costs, depths without evidence would count as measured.
         for kind in ("depth_maps", "normal_maps", "cost_maps"):
             shutil.copytree(self.output / "room" / "dense" / "stereo" / kind,
                             self.output / "hall" / "dense" / "stereo" / kind,

@@ -52,9 +52,10 @@ class MapConventionsTest : public testing::Test {
     std::fill_n(depth_.Data(), kWidth * kHeight / 3, value);
   }
   float NoDepth() const {
-    return FindNoDepth(MapSample(depth_, normal_), model_, 0);
+    return FindNoDepth(MapSample(depth_, normal_), &model_, 0);
   }
-  MapConventions Find(const std::function<Vec3f(const Vec3f&)>& change) const {
+  MapConventions Find(const std::function<Vec3f(const Vec3f&)>& change,
+                      bool is_turned) const {
     Image<Vec3f> normal = normal_;
     for (Vec3f& n : normal) {
       n = change(n);
@@ -63,9 +64,8 @@ class MapConventionsTest : public testing::Test {
         FindConventions(MapSample(depth_, normal), model_, 0);
     conventions.Apply(normal);
     for (size_t i = 0; i < normal.NumPixels(); ++i) {
-      const Vec3f expected = conventions.turn.isIdentity()
-                                 ? change(normal_.Data()[i])
-                                 : normal_.Data()[i];
+      const Vec3f expected =
+          is_turned ? normal_.Data()[i] : change(normal_.Data()[i]);
       EXPECT_LT(Norm(normal.Data()[i] - expected), 1e-6f);
     }
     return conventions;
@@ -138,23 +138,33 @@ TEST_F(MapConventionsTest, NormalsOfOtherFramesAreTurned) {
   for (const auto& [remark, change] :
        std::vector<std::pair<std::string, Change>>{
            {"{}", [](const Vec3f& n) { return n; }},
-           {"point away from the camera and are turned",
+           {"point away from the camera and are read so",
             [](const Vec3f& n) { return -n; }},
-           {"of OpenGL and are turned",
+           {"of OpenGL and are read so",
             [](const Vec3f& n) {
               return Vec3f{n.x, -n.y, -n.z};
             }},
-           {"of the world and are turned", in_world},
-           {"of the world and are turned",
+           {"of the world and are read so", in_world},
+           {"of the world and are read so",
             [&](const Vec3f& n) { return -in_world(n); }},
            {"contradict the depths",
             [](const Vec3f&) {
               return Normalized(Vec3f{0.6f, -0.6f, -1.f});
             }},
            {"no depth has a normal", [](const Vec3f&) { return Vec3f{}; }}}) {
-    EXPECT_THAT(testing::PrintToString(Find(change).remarks),
+    const bool is_turned = remark.find("read so") != std::string::npos;
+    EXPECT_THAT(testing::PrintToString(Find(change, is_turned).remarks),
                 testing::HasSubstr(remark));
   }
+}
+
+TEST_F(MapConventionsTest, NormalsInTheCamerasFrameWhereTheWorldsIsUsual) {
+  NormalEvidence evidence;
+  evidence.Add(MapSample(depth_, normal_), model_.images[0].camera);
+  const NormalVerdict verdict = evidence.Judge(NormalFrame::kWorld);
+  EXPECT_EQ(verdict.frame, NormalFrame::kCamera);
+  EXPECT_THAT(verdict.remark,
+              testing::HasSubstr("of the camera, not the world"));
 }
 
 TEST(MapSampleTest, MapsOfAnySizeHaveOne) {

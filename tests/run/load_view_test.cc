@@ -58,7 +58,7 @@ TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
   EXPECT_GT(num_of_other, 100);
 }
 
-// As tsar_stereo writes costs where a depth follows from its planar prior.
+// Costs of depths about which no image says anything.
 TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
   const ViewData before = Load(MapType::kGeometric);
   const size_t num_pixels = before.depth.NumPixels();
@@ -79,7 +79,7 @@ TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
   EXPECT_GT(num_of_other, 100);
 }
 
-// Those of tsar_stereo's geometric maps that a planar prior filled.
+// Those of depths about which no image says anything.
 TEST_F(LoadViewTest, DepthsWithoutEvidenceFillNoPhotometricMap) {
   // A photometric map with a hole in its upper half.
   const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kPhotometric);

@@ -273,7 +273,7 @@ TEST_F(RefineWorkspaceTest, MapsOfOtherConventionsAreReadAsColmapsAre) {
           testing::HasSubstr(
               "v0.png, geometric maps and 7 more: the normals point away"),
           testing::HasSubstr(
-              "v0.png, geometric maps and 3 more: many depths are 1e+06")));
+              "v0.png, geometric maps and 7 more: many depths are 1e+06")));
   for (const auto& [name, content] : MapsOf(root_)) {
     EXPECT_TRUE(name.ends_with(".photometric.bin") ||
                 content == expected.at(name))

@@ -35,11 +35,21 @@ Image<uint8_t> MaskOf(const Workspace& workspace,
   return workspace.ReadMask(image, {depth.Width(), depth.Height()});
 }
 
+// Those of another program; maps of this one are as they should be.
+MapConventions ConventionsOf(const Workspace& workspace, int image) {
+  const MapType type = workspace.Type();
+  return Exists(workspace.Paths(image, type).provenance) ||
+                 !workspace.HasMaps(image, type)
+             ? MapConventions()
+             : workspace.OpenOriginalMaps(image, type).conventions;
+}
+
 // Reads a depth map including masked pixels.
 Image<float> ReadWholeDepth(const Workspace& workspace, int image) {
   const ContainedPath path = workspace.Paths(image, workspace.Type()).depth;
   Image<float> depth = ReadDepthMap(path);
   workspace.RequireShapeOfImage(image, path, {depth.Width(), depth.Height()});
+  ConventionsOf(workspace, image).Apply(depth);
   return depth;
 }
 
@@ -48,7 +58,10 @@ Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
                              int image,
                              const Image<float>& depth) {
   const ContainedPath path = workspace.Paths(image, workspace.Type()).normal;
-  return RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
+  Image<Vec3f> normal =
+      RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
+  ConventionsOf(workspace, image).Apply(normal);
+  return normal;
 }
 
 int NumThreadsFor(const Workspace& workspace,
@@ -121,11 +134,7 @@ void WarnOfConventions(const Workspace& workspace,
                        const std::vector<int>& images) {
   ImageRemarks remarks;
   for (const int image : images) {
-    if (!Exists(workspace.Paths(image, workspace.Type()).provenance)) {
-      remarks.Add(workspace.OpenOriginalMaps(image, workspace.Type())
-                      .conventions.remarks,
-                  workspace.Name(image));
-    }
+    remarks.Add(ConventionsOf(workspace, image).remarks, workspace.Name(image));
   }
   std::ranges::for_each(remarks.Lines(), &Warn);
 }
@@ -153,13 +162,6 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
   maps.sigma = ReadIfThere(maps.depth, paths.sigma, &ReadSigmaMap);
   maps.provenance = ReadIfThere(maps.depth, paths.provenance, &ReadGrayPng);
   maps.planes = ReadIfThere(maps.depth, paths.planes, &ReadGray16Png);
-  if (maps.provenance.Empty()) {
-    // Not of this program.
-    const MapConventions conventions = FindConventions(
-        MapSample(maps.depth, maps.normal), workspace.Model(), image);
-    conventions.Apply(maps.depth);
-    conventions.Apply(maps.normal);
-  }
   ClearMaskedPixels(MaskOf(workspace, image, maps.depth), &maps);
   return maps;
 }

@@ -234,7 +234,10 @@ std::shared_ptr<DepthPrior> Workspace::ReadPrior(int image) const {
   auto prior = std::make_shared<DepthPrior>(tsar::ReadPrior(
       priors_.FilesOf(image), priors_.Type(), SizeOfImage(image)));
   if (!prior->values.Empty()) {
-    prior->no_depth = FindNoDepth(MapSample(prior->values, {}), model_, image);
+    const bool are_depths = priors_.Type() == PriorType::kMetric ||
+                            priors_.Type() == PriorType::kRelative;
+    prior->no_depth = FindNoDepth(
+        MapSample(prior->values, {}), are_depths ? &model_ : nullptr, image);
     ClearNoDepth(prior->no_depth, prior->values);
   }
   return prior;
@@ -318,6 +321,10 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
           HasMaps(image, MapType::kGeometric)) {
         maps.conventions.no_depth =
             OpenOriginalMaps(image, MapType::kGeometric).conventions.no_depth;
+        if (maps.conventions.no_depth != 0.f) {
+          maps.conventions.remarks.push_back(
+              NoDepthRemark(maps.conventions.no_depth));
+        }
       }
       return maps;
     } catch (const Error&) {

@@ -31,9 +31,6 @@ struct MeasurementFlags {
     return (flags & BitsOf(Confirmation::kDistinct)) ==
            BitsOf(Confirmation::kDistinct);
   }
-  TSAR_HD static uint8_t WithoutTrust(uint8_t flags) {
-    return static_cast<uint8_t>(flags & ~kTrusted);
-  }
 
  private:
   TSAR_HD static int BitsOf(Confirmation confirmation) {

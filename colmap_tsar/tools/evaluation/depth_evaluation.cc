@@ -17,6 +17,7 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/evaluation/tolerances.h"
@@ -304,6 +305,7 @@ FusedPixelEvaluation EvaluateFusedPixels(
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   WarnOfChangedResults(workspace);
   const FusionPlan plan = PlanFusion(workspace, {}, fusion.check_num_images);
+  WarnOfConventions(workspace, plan.order);
   const std::vector<fs::path> truths = FindTruths(
       workspace,
       plan,

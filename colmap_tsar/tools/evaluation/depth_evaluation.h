@@ -69,9 +69,10 @@ struct FusedPixelEvaluation {
 
 // The evaluation of the ablation in the TSAR-MVS paper (section 6.3.1): for
 // each point of the cloud that the maps of the workspace's type and its masks
-// give by these options (the paper's are a preset), the map's depth in the pixel
-// that became the point is compared with the ground truth. Where map and ground
-// truth differ in size, the ground truth is looked up at the map's pixels.
+// give by these options (the paper's are a preset), the map's depth in the
+// pixel that became the point is compared with the ground truth. Where map and
+// ground truth differ in size, the ground truth is looked up at the map's
+// pixels.
 //
 // Throws Error: kNotFound (no image has maps, or no fused image has ground
 // truth), kMismatch (a ground truth is not of the shape of the map), kBadOption

@@ -141,6 +141,7 @@ class Importer {
     const SparseModel::ModelImage& image;
     double scale = 1.0;
     SparseComparison sparse{};
+    float no_depth = 0.f;  // See FindNoDepth().
   };
 
   // Whether the format has normals in the world's frame.
@@ -206,9 +207,10 @@ class Importer {
 
   // Drops the number that stands for "no depth" in this map, and looks at the
   // normals of the others.
-  void DropNoDepth(const Map& map, ExternalMaps* external) {
+  void DropNoDepth(Map& map, ExternalMaps* external) {
     MapSample sample(external->depth, external->normal);
-    const float no_depth = FindNoDepth(sample, model_, map.files.image);
+    const float no_depth = FindNoDepth(sample, &model_, map.files.image);
+    map.no_depth = no_depth;
     if (no_depth != 0.f) {
       no_depths_.insert(no_depth);
       remarks_.Add({NoDepthRemark(no_depth)}, map.files.depth.string());
@@ -290,8 +292,11 @@ class Importer {
       ThrowIfStopped();
       ExternalMaps external =
           ReadExternalMaps(map.files, options_.match.format);
-      for (const float no_depth : no_depths_) {
-        ClearNoDepth(no_depth, external.depth);
+      ClearNoDepth(map.no_depth, external.depth);
+      // A map that holds nothing else tells of nothing that is too far.
+      const auto [least, most] = std::ranges::minmax(external.depth);
+      if (least == most && no_depths_.contains(most)) {
+        ClearNoDepth(most, external.depth);
       }
       const ImportedMaps maps =
           ConvertMaps(external, map.image.camera, map.scale, frame_);

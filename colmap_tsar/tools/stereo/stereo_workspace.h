@@ -58,11 +58,11 @@ struct StereoSummary {
 // nothing is changed.
 //
 // Throws Error: kUnsupported (there are such maps and overwrite is false, or
-// the workspace has been refined and maps are to be made), kNotFound (no image has sources; an image
-// without sparse points needs options.depth_min and depth_max), kInterrupted
-// once should_stop returned true, and those of the workspace, its lock, the
-// devices, writing and Workspace::UseMasks. Completed images are kept; the same
-// call resumes the run.
+// the workspace has been refined and maps are to be made), kNotFound (no image
+// has sources; an image without sparse points needs options.depth_min and
+// depth_max), kInterrupted once should_stop returned true, and those of the
+// workspace, its lock, the devices, writing and Workspace::UseMasks. Completed
+// images are kept; the same call resumes the run.
 StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const DeviceOptions& device_options,
                              const StereoOptions& options,
