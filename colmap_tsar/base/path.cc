@@ -51,8 +51,14 @@ std::string FoldedCase(const std::string& name) {
 }
 
 std::string AdviceForMissing(const fs::path& path, const std::string& advice) {
-  const std::string wanted = FoldedCase(path.filename().string());
   std::error_code error;
+  const fs::path target = fs::read_symlink(path, error);
+  if (!error) {
+    return "it is a link to " + target.string() +
+           ", which is not there: put that back, or make the link anew";
+  }
+  const std::string wanted = FoldedCase(path.filename().string());
+  error.clear();
   for (fs::directory_iterator entry(path.parent_path(), error), end;
        !error && entry != end;
        entry.increment(error)) {

@@ -19,9 +19,9 @@ bool IsFile(const std::filesystem::path& path);
 // In lower case, as far as it is ASCII.
 std::string FoldedCase(const std::string& name);
 
-// What to do about a file that is missing: the advice, or, where its folder has
-// a file of the same name but for upper and lower case (.JPG and .jpg), to
-// rename that.
+// What to do about a file that is missing: the advice or, where the path is a
+// dangling link, to mend that or, where its folder has a file of the same name
+// but for upper and lower case (.JPG and .jpg), to rename that.
 std::string AdviceForMissing(const std::filesystem::path& path,
                              const std::string& advice);
 

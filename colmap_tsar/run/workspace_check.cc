@@ -59,7 +59,8 @@ std::optional<RasterSize> CheckMaps(const Workspace& workspace,
         (has_depth ? paths.normal : paths.depth).string(),
         has_depth ? "there is a depth map of this name, but no normal map"
                   : "there is a normal map of this name, but no depth map",
-        "run patch_match_stereo again for this image");
+        AdviceForMissing(has_depth ? paths.normal : paths.depth,
+                         "run patch_match_stereo again for this image"));
   }
   if (!has_depth) {
     return std::nullopt;

@@ -62,6 +62,10 @@ TEST(Path, TellsWhatIsThere) {
     EXPECT_FALSE(IsFile(folder.Path() / name)) << name;
     EXPECT_EQ(fs::exists(SymlinkStatus(folder.Path() / name)),
               name == "dangling");
+    EXPECT_EQ(AdviceForMissing(folder.Path() / name, "advice"),
+              name == "dangling" ? "it is a link to nowhere, which is not "
+                                   "there: put that back, or make the link anew"
+                                 : "advice");
   }
 }
 

@@ -29,7 +29,7 @@ void RequireFolder(const std::filesystem::path& folder,
     throw Error::File(ErrorCode::kNotFound,
                       folder.string(),
                       "no such folder, so this is not a dense workspace",
-                      advice);
+                      AdviceForMissing(folder, advice));
   }
 }
 
