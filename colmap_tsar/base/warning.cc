@@ -11,6 +11,11 @@ namespace tsar {
 
 void Warn(const std::string& message) { LOG(WARNING) << Printable(message); }
 
+std::string AndMore(const std::string& first, size_t count) {
+  return count > 1 ? first + " and " + std::to_string(count - 1) + " more"
+                   : first;
+}
+
 void PrepareWarnings(const char* program) {
   if (!google::IsGoogleLoggingInitialized()) {
     FLAGS_logtostderr = true;

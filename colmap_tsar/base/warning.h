@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace tsar {
@@ -10,6 +11,9 @@ namespace tsar {
 // Logs a warning for the user as one line, by way of Printable(). This is the
 // only function that writes to the log; it is thread-safe.
 void Warn(const std::string& message);
+
+// "FIRST", or "FIRST and 2 more" of three.
+std::string AndMore(const std::string& first, size_t count);
 
 // Sends warnings to standard error, without time or location. Must be called
 // once, before the first; does nothing if the process uses glog already, as a

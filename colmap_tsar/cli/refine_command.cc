@@ -6,6 +6,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
@@ -150,14 +151,10 @@ int RestoreWorkspace(const RefineCommand& command) {
   const RestoreResult result = Restore(given.workspace_path);
   PrintSummary(result, std::cout);
   if (!result.lost.empty()) {
-    const size_t num_others = result.lost.size() - 1;
-    throw Error(
-        ErrorCode::kMismatch,
-        result.lost.front().string() +
-            (num_others == 0 ? std::string()
-                             : " and " + std::to_string(num_others) + " more") +
-            ": this map has been refined, and its original is gone; "
-            "run patch_match_stereo again for this image");
+    throw Error(ErrorCode::kMismatch,
+                AndMore(result.lost.front().string(), result.lost.size()) +
+                    ": this map has been refined, and its original is gone; "
+                    "run patch_match_stereo again for this image");
   }
   return 0;
 }

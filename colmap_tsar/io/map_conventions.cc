@@ -4,6 +4,7 @@
 #include "colmap_tsar/io/map_conventions.h"
 
 #include "colmap_tsar/base/median.h"
+#include "colmap_tsar/base/warning.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -301,11 +302,7 @@ void ImageRemarks::Add(const std::vector<std::string>& remarks,
 std::vector<std::string> ImageRemarks::Lines() const {
   std::vector<std::string> lines;
   for (const auto& [remark, names] : images) {
-    lines.push_back(names.front() +
-                    (names.size() > 1
-                         ? " and " + std::to_string(names.size() - 1) + " more"
-                         : std::string()) +
-                    ": " + remark);
+    lines.push_back(AndMore(names.front(), names.size()) + ": " + remark);
   }
   return lines;
 }

@@ -458,10 +458,7 @@ std::vector<Eigen::Vector3d> ReadPoints(const Path& path, Images* images) {
   }
   if (num_left_out > 0) {
     Warn(path.string() + ": the position of point " +
-         std::to_string(first_left_out) +
-         (num_left_out > 1
-              ? " and " + std::to_string(num_left_out - 1) + " more"
-              : std::string()) +
+         AndMore(std::to_string(first_left_out), num_left_out) +
          " is not a number; left out");
   }
   return positions;

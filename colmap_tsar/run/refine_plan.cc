@@ -149,9 +149,7 @@ void RefinePlan::WarnOfChanges() const {
   } else if (reason.empty()) {
     reason = "some of what was written for them is missing or has changed";
   }
-  Warn(first +
-       (num_again > 1 ? " and " + std::to_string(num_again - 1) + " more"
-                      : std::string()) +
+  Warn(AndMore(first, static_cast<size_t>(num_again)) +
        ": refined again, since " + reason);
 }
 

@@ -11,12 +11,12 @@ from sample_testing import check
 SOURCES = (".cc", ".cu", ".cuh", ".h", ".js", ".html", ".css")
 SCRIPTS = (".py", ".sh")
 BUDGETS = (
-    ("colmap_tsar/base", SOURCES, 2770),
+    ("colmap_tsar/base", SOURCES, 2790),
     ("colmap_tsar/cli", SOURCES, 3240),
     ("colmap_tsar/compose", SOURCES, 2180),
     ("colmap_tsar/device", SOURCES, 1610),
     ("colmap_tsar/fusion", SOURCES, 1520),
-    ("colmap_tsar/io", SOURCES, 4200),
+    ("colmap_tsar/io", SOURCES, 4190),
     ("colmap_tsar/matching", SOURCES, 1940),
     ("colmap_tsar/priors", SOURCES, 1830),
     ("colmap_tsar/run", SOURCES, 7980),
@@ -27,7 +27,7 @@ BUDGETS = (
     ("colmap_tsar/tools/report", SOURCES, 930),
     ("colmap_tsar/tools/stereo", SOURCES, 1340),
     ("colmap_tsar/view", SOURCES, 7000),
-    ("tests", SOURCES + SCRIPTS, 43730),
+    ("tests", SOURCES + SCRIPTS, 43740),
     ("docs", (".md",), 4300),
 )
 

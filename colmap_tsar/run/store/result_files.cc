@@ -19,10 +19,7 @@ namespace {
 // Gives one warning about these files.
 void WarnOf(const std::vector<std::string>& paths, const std::string& what) {
   if (!paths.empty()) {
-    const size_t num_more = paths.size() - 1;
-    Warn(paths[0] +
-         (num_more > 0 ? " and " + std::to_string(num_more) + " more" : "") +
-         ": " + what);
+    Warn(AndMore(paths[0], paths.size()) + ": " + what);
   }
 }
 
