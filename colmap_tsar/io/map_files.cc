@@ -158,7 +158,7 @@ DepthImage ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
   const bool is_planar = shape.size() == 3 && is_num_channels(shape[0]) &&
                          !is_num_channels(shape[2]);
   if (is_planar) {
-    std::ranges::rotate(shape, shape.begin() + 1);
+    std::rotate(shape.begin(), shape.begin() + 1, shape.end());
   }
   if (shape.size() != 2 && shape.size() != 3) {
     throw Unsupported(name,
