@@ -37,9 +37,11 @@ TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
 
   const Outcome again = Run({});
   EXPECT_EQ(again.exit_code, 0);
-  EXPECT_THAT(again.out,
-              testing::StartsWith("4 images: nothing to do, 4 done before with "
-                                  "the same options\nNext: "));
+  EXPECT_EQ(again.out,
+            "4 images: nothing to do, 4 done before with the same options\n"
+            "Next: colmap stereo_fusion --workspace_path " +
+                root_.string() + " --input_type geometric --output_path " +
+                (root_ / "fused.ply").string() + "\n");
   EXPECT_EQ(again.err, "");
 
   const Outcome restored = Run({"--restore", "1"});

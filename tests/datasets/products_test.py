@@ -120,6 +120,7 @@ class PhotosTest(DatasetTest):
             [str(part) for part in (
                 REPOSITORY / "scripts" / "reconstruct.sh", photos, output, "--colmap", COLMAP,
                 "--colmap_tsar", PROGRAM, "--max_image_size", 64, "--ImageReader.single_camera", 1,
+                "--fusion", "colmap", "--StereoFusion.min_num_pixels", 3,
                 "--mask_path", self.folder / "masks",
                 "--PoissonMeshing.depth", 6, "--mesh")],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -127,7 +128,7 @@ class PhotosTest(DatasetTest):
         self.check_workspace(output / "dense")
         self.check_workspace(output / "refined")
         before, after = (vertex_count(output / f"{name}.ply") for name in ("before", "after"))
-        self.assertGreater(min(before, after), 300)  # Of so small maps, either may be the larger.
+        self.assertGreater(after, before)
         self.assertIn(f"{before} → {after}", result.stdout)
         self.assertGreater(ply.count(output / "mesh_poisson.ply", "face"), 0)
         self.assertTrue((output / "report" / "index.html").is_file())
