@@ -45,22 +45,25 @@ MapConventions ConventionsOf(const Workspace& workspace, int image) {
 }
 
 // Reads a depth map including masked pixels.
-Image<float> ReadWholeDepth(const Workspace& workspace, int image) {
+Image<float> ReadWholeDepth(const Workspace& workspace,
+                            int image,
+                            const MapConventions& conventions) {
   const ContainedPath path = workspace.Paths(image, workspace.Type()).depth;
   Image<float> depth = ReadDepthMap(path);
   workspace.RequireShapeOfImage(image, path, {depth.Width(), depth.Height()});
-  ConventionsOf(workspace, image).Apply(depth);
+  conventions.Apply(depth);
   return depth;
 }
 
 // Reads a normal map including masked pixels.
 Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
                              int image,
-                             const Image<float>& depth) {
+                             const Image<float>& depth,
+                             const MapConventions& conventions) {
   const ContainedPath path = workspace.Paths(image, workspace.Type()).normal;
   Image<Vec3f> normal =
       RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
-  ConventionsOf(workspace, image).Apply(normal);
+  conventions.Apply(normal);
   return normal;
 }
 
@@ -140,7 +143,8 @@ void WarnOfConventions(const Workspace& workspace,
 }
 
 Image<float> ReadImageDepth(const Workspace& workspace, int image) {
-  Image<float> depth = ReadWholeDepth(workspace, image);
+  Image<float> depth =
+      ReadWholeDepth(workspace, image, ConventionsOf(workspace, image));
   ClearMasked(MaskOf(workspace, image, depth), &depth);
   return depth;
 }
@@ -148,16 +152,18 @@ Image<float> ReadImageDepth(const Workspace& workspace, int image) {
 Image<Vec3f> ReadImageNormal(const Workspace& workspace,
                              int image,
                              const Image<float>& depth) {
-  Image<Vec3f> normal = ReadWholeNormal(workspace, image, depth);
+  Image<Vec3f> normal =
+      ReadWholeNormal(workspace, image, depth, ConventionsOf(workspace, image));
   ClearMasked(MaskOf(workspace, image, depth), &normal);
   return normal;
 }
 
 ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const MapConventions conventions = ConventionsOf(workspace, image);
   ImageMaps maps;
-  maps.depth = ReadWholeDepth(workspace, image);
-  maps.normal = ReadWholeNormal(workspace, image, maps.depth);
+  maps.depth = ReadWholeDepth(workspace, image, conventions);
+  maps.normal = ReadWholeNormal(workspace, image, maps.depth, conventions);
   maps.confidence = ReadIfThere(maps.depth, paths.confidence, &ReadGrayPng);
   maps.sigma = ReadIfThere(maps.depth, paths.sigma, &ReadSigmaMap);
   maps.provenance = ReadIfThere(maps.depth, paths.provenance, &ReadGrayPng);
