@@ -5,27 +5,21 @@
 stand-in for COLMAP's fusion makes, too: that way has F1 1, and is measured
 before the others, which have other clouds."""
 
-import argparse
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
 from programs import run
-from testing import check
+from testing import check, programs_and_fresh_folder
 
 CHAIN = Path(__file__).resolve().parent / "chain"
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    for name in ("program", "maker", "folder"):
-        parser.add_argument("--" + name, required=True)
-    arguments = parser.parse_args()
-    folder = Path(arguments.folder)
-    shutil.rmtree(folder, ignore_errors=True)
+    program, maker, folder = programs_and_fresh_folder("program", "maker")
     scene, scans = folder / "room", folder / "room" / "scans"
-    run([arguments.maker, "--workspace_path", scene, "--width", 160,
+    run([maker, "--workspace_path", scene, "--width", 160,
          "--height", 107, "--num_images", 4, "--num_sources", 3])
     scans.mkdir()
     (scans / "scan_alignment.mlp").write_text(
@@ -35,13 +29,13 @@ def main():
     colmap = folder / "colmap"
     colmap.write_text(f"""#!/bin/sh
 test "$1 $2 $4" = "stereo_fusion --workspace_path --output_path" || exit 3
-exec '{arguments.program}' tsar_fuse --workspace_path "$3" --output_path "$5"
+exec '{program}' tsar_fuse --workspace_path "$3" --output_path "$5"
 """)
     colmap.chmod(0o755)
     run([colmap, "stereo_fusion", "--workspace_path", scene,
          "--output_path", scans / "s.ply"])
 
-    command = [sys.executable, CHAIN, scene, "--program", arguments.program,
+    command = [sys.executable, CHAIN, scene, "--program", program,
                "--colmap", colmap, "--seeds", 2, "--device", "cpu"]
     output = run(command)
     print(output)

@@ -5,7 +5,6 @@
 refining gained, and that what COLMAP's stereo would get is complete. Stand-ins
 take the places of COLMAP and of nvidia-smi."""
 
-import argparse
 import json
 import os
 import shutil
@@ -14,7 +13,7 @@ import sys
 from pathlib import Path
 
 from programs import CommandFailed, own_folder, run
-from testing import check
+from testing import check, programs_and_fresh_folder
 
 NUM_IMAGES = 4
 
@@ -70,10 +69,10 @@ def table(lines, title):
     return rows
 
 
-def run_end_to_end(arguments, folder, *options):
+def run_end_to_end(program, maker, folder, *options):
     output = run([sys.executable,
                   Path(__file__).resolve().parent / "end_to_end",
-                  "--program", arguments.program, "--maker", arguments.maker,
+                  "--program", program, "--maker", maker,
                   "--width", 160, "--height", 107, "--num_images", NUM_IMAGES,
                   "--num_sources", 3, "--repeat", 1, "--device", "cpu",
                   "--folder", folder, *options])
@@ -99,20 +98,14 @@ def check_own_folder(folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    for name in ("program", "maker", "folder"):
-        parser.add_argument("--" + name, required=True)
-    arguments = parser.parse_args()
-    folder = Path(arguments.folder)
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
+    program, maker, folder = programs_and_fresh_folder("program", "maker")
     check_own_folder(folder)
     stereo = folder / "colmap"
     write_stereo(stereo)
     write_nvidia_smi(folder / "nvidia-smi")
     os.environ["PATH"] = f"{folder}{os.pathsep}{os.environ['PATH']}"
 
-    lines = run_end_to_end(arguments, folder, "--keep", "--colmap", stereo)
+    lines = run_end_to_end(program, maker, folder, "--keep", "--colmap", stereo)
     runs = table(lines, "### Whole runs")
     check(list(runs) == ["tsar_refine", "tsar_stereo", "tsar_fuse",
                          "patch_match_stereo, photometric pass",
@@ -132,14 +125,14 @@ def main():
 
     workspaces = Path(lines[-1].removeprefix("workspaces: "))
     truth = workspaces / "room" / "ground_truth" / "depth"
-    before = score(arguments.program, workspaces / "room", truth)
-    after = score(arguments.program, workspaces / "refined", truth)
+    before = score(program, workspaces / "room", truth)
+    after = score(program, workspaces / "refined", truth)
     print("F1 and recall:", before, after)
     check(before[0] > 0.1, "the drawn maps are right in places")
     check(after[0] > before[0] + 0.05 and after[1] > before[1] + 0.05,
           "F1 and recall rise by over 0.05")
 
-    lines = run_end_to_end(arguments, folder / "in_place", "--in_place",
+    lines = run_end_to_end(program, maker, folder / "in_place", "--in_place",
                            "--repeat", 2)
     check("tsar_refine" in table(lines, "### Whole runs"),
           "two runs in place give a table")

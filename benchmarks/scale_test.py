@@ -15,7 +15,7 @@ from pathlib import Path
 from copied_scene import Scene, SceneError, make_copies
 from line_plot import write_line_plot
 from programs import run
-from testing import check, program_and_fresh_folder
+from testing import check, programs_and_fresh_folder
 
 FOLDER = Path(__file__).resolve().parent
 RUNS = ["again, every image done", "--restore 1", "to a second workspace",
@@ -105,7 +105,7 @@ def check_picture(folder):
 
 
 def main():
-    program, folder = program_and_fresh_folder()
+    program, folder = programs_and_fresh_folder("program")
     check_picture(folder)
     check_copies(program, folder)
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from copied_scene import Scene, make_copies
 from programs import run
-from testing import check, program_and_fresh_folder
+from testing import check, programs_and_fresh_folder
 
 FOLDER = Path(__file__).resolve().parent
 
@@ -230,7 +230,7 @@ def check_errors(suite, scene):
 
 
 def main():
-    program, folder = program_and_fresh_folder()
+    program, folder = programs_and_fresh_folder("program")
     scene = make_scene(folder)
     suite = Suite(program, folder)
     check_resumption(suite, scene)

@@ -14,13 +14,14 @@ def check(condition, message):
     print("ok:", message)
 
 
-def program_and_fresh_folder():
-    """What a test is called with: the program, and a folder that it empties."""
+def programs_and_fresh_folder(*names):
+    """What a test is called with: the programs of these names, and last a folder
+    that it empties."""
     parser = argparse.ArgumentParser()
-    for name in ("program", "folder"):
+    for name in (*names, "folder"):
         parser.add_argument("--" + name, required=True)
-    arguments = parser.parse_args()
-    folder = Path(arguments.folder)
+    arguments = vars(parser.parse_args())
+    folder = Path(arguments["folder"])
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
-    return arguments.program, folder
+    return *(arguments[name] for name in names), folder
