@@ -3,16 +3,13 @@
 
 #include "colmap_tsar/cli/fuse_command.h"
 
-#include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
 #include "colmap_tsar/run/store/image_maps.h"
 
-#include <filesystem>
 #include <functional>
-#include <iomanip>
 #include <iostream>
 #include <tuple>
 
@@ -132,22 +129,6 @@ void FuseCommand::CheckOutput() const {
   }
 }
 
-void FuseCommand::Print(const FuseSummary& summary) const {
-  std::cout << "Fused " << Counted(summary.num_images, "image") << " into "
-            << summary.num_points
-            << " points: " << Printable(options.output_path.string()) << "\n";
-  PrintMasks(summary.num_masks, summary.num_images, std::cout);
-  std::cout << "Time: " << std::fixed << std::setprecision(1) << summary.seconds
-            << " s on " << Printable(summary.devices) << "\n";
-  PrintPeakMemory(summary.gpu_memory, std::cout);
-  if (summary.num_points == 0) {
-    std::cout << "No point was kept: see that the maps are geometric ones, the "
-                 "poses right, several images used and the bounding box around "
-                 "them, or lower --TsarFuse.min_num_views\n";
-  }
-  std::cout << std::flush;
-}
-
 int RunTsarFuse(int argc, char** argv) {
   FuseCommand command;
   OptionSet options("tsar_fuse",
@@ -160,7 +141,9 @@ int RunTsarFuse(int argc, char** argv) {
   }
   command.UsePreset();
   options.Parse(argc, argv);
-  command.Print(RunInterruptibly(std::bind_front(&FuseCommand::Run, &command)));
+  PrintSummary(RunInterruptibly(std::bind_front(&FuseCommand::Run, &command)),
+               command.options.output_path,
+               std::cout);
   return 0;
 }
 

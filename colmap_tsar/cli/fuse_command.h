@@ -37,9 +37,6 @@ struct FuseCommand {
   // ReadBoundingBox and FuseWorkspace throw.
   FuseSummary Run(Progress& progress,
                   const std::function<bool()>& should_stop) const;
-
-  // Prints for the user what was done, and the time.
-  void Print(const FuseSummary& summary) const;
 };
 
 }  // namespace tsar

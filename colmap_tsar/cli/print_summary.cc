@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/text_stream.h"
+#include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
@@ -276,6 +277,24 @@ void PrintNext(const StereoSummary& summary, std::ostream& out) {
   out << "Next: tsar_refine --workspace_path " << Quoted(summary.workspace_path)
       << ", or stereo_fusion with --input_type " << ToString(summary.type)
       << "\n";
+}
+
+void PrintSummary(const FuseSummary& summary,
+                  const std::filesystem::path& cloud_path,
+                  std::ostream& out) {
+  out << "Fused " << Counted(summary.num_images, "image") << " into "
+      << summary.num_points << " points: " << Printable(cloud_path.string())
+      << "\n";
+  PrintMasks(summary.num_masks, summary.num_images, out);
+  out << "Time: " << Fixed(summary.seconds, 1) << " s on "
+      << Printable(summary.devices) << "\n";
+  PrintPeakMemory(summary.gpu_memory, out);
+  if (summary.num_points == 0) {
+    out << "No point was kept: see that the maps are geometric ones, the poses "
+           "right, several images used and the bounding box around them, or "
+           "lower --TsarFuse.min_num_views\n";
+  }
+  out << std::flush;
 }
 
 void PrintSummary(const ImportSummary& summary, std::ostream& out) {

@@ -6,6 +6,7 @@
 #include "colmap_tsar/run/run_summary.h"
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -13,6 +14,7 @@
 
 namespace tsar {
 
+struct FuseSummary;
 struct ImportSummary;
 struct RestoreResult;
 struct StereoSummary;
@@ -44,6 +46,11 @@ void PrintSummary(const StereoSummary& summary, std::ostream& out);
 
 // Prints the next command to run.
 void PrintNext(const StereoSummary& summary, std::ostream& out);
+
+// Prints the number of points, the cloud's path and the time.
+void PrintSummary(const FuseSummary& summary,
+                  const std::filesystem::path& cloud_path,
+                  std::ostream& out);
 
 // Prints a few lines for the user, with the next command to run and the first
 // of the warnings.

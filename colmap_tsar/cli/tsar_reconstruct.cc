@@ -138,7 +138,8 @@ int ReconstructCommand::Run(Progress& progress,
   RequireRefined(refined);
   progress.SetPart("");
   CreateFolders(UserPath(output_path));
-  fuse.Print(fuse.Run(progress, should_stop));
+  PrintSummary(
+      fuse.Run(progress, should_stop), fuse.options.output_path, std::cout);
   progress.SetPart("Page:");
   const ReportSummary page = report.Run(progress, should_stop);
   std::cout << "Open " << Printable(page.page_path.string()) << " in a browser"
