@@ -56,8 +56,7 @@ double ExpectedDepth(const MapSample& sample,
     return unit * UpperMedian(&there);
   }
   // Some points are wrong.
-  const auto last =
-      all.end() - 1 - static_cast<std::ptrdiff_t>(all.size() / 50);
+  const auto last = all.end() - 1 - std::ssize(all) / 50;
   std::nth_element(all.begin(), last, all.end());
   return unit * std::abs(*last);
 }
@@ -163,6 +162,10 @@ void NormalEvidence::Add(const MapSample& sample, const Camera& camera) {
   const Image<float>& depth = sample.depth;
   const Intrinsics intrinsics =
       camera.Resized(depth.Width(), sample.height).GetIntrinsics();
+  std::array<Eigen::Matrix3d, kNumFrames> turns;
+  for (size_t i = 0; i < kNumFrames; ++i) {
+    turns[i] = ToCameraFrame(static_cast<NormalFrame>(i), camera);
+  }
   const auto point_at = [&](int x, int row) {
     const Vec3f point =
         depth(x, row) * intrinsics.Ray(static_cast<float>(x),
@@ -191,19 +194,19 @@ void NormalEvidence::Add(const MapSample& sample, const Camera& camera) {
           is_upper && is_near(x + num_apart, row) && is_near(x, row + 1);
       ++num_normals_;
       num_surfaces_ += has_surface ? 1 : 0;
+      std::array<Eigen::Vector3d, 2> along;  // The surface.
+      if (has_surface) {
+        along = {(point_at(x + num_apart, row) - point).normalized(),
+                 (point_at(x, row + 1) - point).normalized()};
+      }
       for (size_t i = 0; i < kNumFrames; ++i) {
-        const Eigen::Vector3d turned =
-            ToCameraFrame(static_cast<NormalFrame>(i), camera) * normal;
-        const auto is_upright = [&](const Eigen::Vector3d& other) {
-          return std::abs(turned.dot((other - point).normalized())) <
-                 kMaxCosine;
-        };
+        const Eigen::Vector3d turned = turns[i] * normal;
         num_facing_[i] += turned.dot(point) < 0.0 ? 1 : 0;
-        num_upright_[i] += has_surface &&
-                                   is_upright(point_at(x + num_apart, row)) &&
-                                   is_upright(point_at(x, row + 1))
-                               ? 1
-                               : 0;
+        const auto lies_along = [&](const Eigen::Vector3d& side) {
+          return std::abs(turned.dot(side)) < kMaxCosine;
+        };
+        num_upright_[i] +=
+            has_surface && std::ranges::all_of(along, lies_along) ? 1 : 0;
       }
     }
   }
