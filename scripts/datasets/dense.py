@@ -17,6 +17,14 @@ from workspace import (WORKSPACE, image_names, make_map_folders, maps_of,
 REFINED = "refined"
 # The steps that lead from the workspace to the refined cloud.
 TIMED_STEPS = ("stereo", "refinement", "fusion_after")
+# Of tsar_stereo, per megapixel of maps on one core; for remarks only.
+STEREO_MINUTES = 5
+
+
+def megapixels(width, height, max_image_size):
+    """Of the maps of an image of this size."""
+    return width * height * min(1.0, max_image_size / max(width, height))**2 / 1e6
+
 
 def open_scene(args, name):
     """The outputs of a scene; nothing else may be at work there."""

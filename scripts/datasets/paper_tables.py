@@ -27,7 +27,8 @@ ABLATION = {"w/o JHF": "filter=0", "w/o DD": "filter_discontinuity=0",
 TABLES = ("clouds", "ablation", "parameters")
 # For an estimate only, per megapixel of maps: seconds of a GPU or of one core, and
 # megabytes of the maps of an image and of one refinement.
-STEREO_SECONDS, REFINE_SECONDS = {True: 0.2, False: 300}, {True: 0.03, False: 12}
+STEREO_SECONDS = {True: 0.2, False: 60 * dense.STEREO_MINUTES}
+REFINE_SECONDS = {True: 0.03, False: 12}
 MEGABYTES = 115
 
 DESCRIPTION = """\
@@ -351,14 +352,14 @@ def tell_effort(args, programs, scenes):
         size = eth3d.scene_options(path, args).max_image_size
         cameras = read_cameras(path / eth3d.CALIBRATION / "cameras.txt")
         megapixels.append(sum(
-            camera.width * camera.height * min(1, size / max(camera.width, camera.height))**2 / 1e6
+            dense.megapixels(camera.width, camera.height, size)
             for camera in (cameras[image.camera_id]
                            for image in read_images(path / eth3d.CALIBRATION / "images.txt"))))
     if not megapixels:
         return
     experiments = [experiment for experiment, _ in variants(args.tables).values()]
     num_runs = args.seeds * sum(experiment is not None for experiment in experiments)
-    on_gpu = programs.has_gpu and "with CUDA" in programs.versions["colmap_tsar"]
+    on_gpu = programs.tsar_uses_gpu
     seconds = num_runs * REFINE_SECONDS[on_gpu] + (STEREO_SECONDS[on_gpu] if args.stereo == "tsar" else 0)
     hours = sum(megapixels) * seconds / 3600 / (1 if on_gpu else os.cpu_count() or 1)
     print(f"ETH3D: {num_runs} refinements of each scene, {sum(megapixels):.0f} megapixels of maps: some "

@@ -77,6 +77,10 @@ class Programs:
         return bool(shutil.which("nvidia-smi")) and "GPU 0" in output_of("nvidia-smi", "-L")
 
     @functools.cached_property
+    def tsar_uses_gpu(self):
+        return self.has_gpu and "with CUDA" in self.versions["colmap_tsar"]
+
+    @functools.cached_property
     def colmap_has_stereo(self):
         """Whether patch_match_stereo can run here."""
         return "PatchMatchStereo.max_image_size" in self.colmap_help("patch_match_stereo") \

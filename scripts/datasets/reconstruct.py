@@ -18,8 +18,6 @@ from structure_from_motion import ADVICE, find_poses, undistort
 
 MIN_PHOTOS = 3
 MAX_EXHAUSTIVE = 200  # Photos of which all pairs are compared without a remark.
-# Of tsar_stereo, per megapixel of maps on one core; for a remark only.
-STEREO_MINUTES = 5
 LONG_STEREO = 20  # Minutes.
 HEIC_ENDINGS = (".heic", ".heif")
 HEIC_ADVICE = ("convert them by heif-convert a.heic a.jpg (package libheif-examples), or let the "
@@ -138,14 +136,11 @@ def check_matcher(args, programs, num_photos, say):
 
 def warn_of_long_stereo(scene, args, programs, photos, names):
     """tsar_stereo on a CPU takes hours for photos as large as cameras make them."""
-    uses_gpu = programs.has_gpu and "with CUDA" in programs.versions["colmap_tsar"]
-    if args.stereo != "tsar" or uses_gpu:
+    if args.stereo != "tsar" or programs.tsar_uses_gpu:
         return
-    pixels = 0
-    for name in names:
-        width, height = image_size(photos / name)
-        pixels += width * height * min(1.0, args.max_image_size / max(width, height))**2
-    minutes = pixels / 1e6 * STEREO_MINUTES / (os.cpu_count() or 1)
+    megapixels = sum(dense.megapixels(*image_size(photos / name), args.max_image_size)
+                     for name in names)
+    minutes = megapixels * dense.STEREO_MINUTES / (os.cpu_count() or 1)
     if minutes > LONG_STEREO and scene.record("stereo")["state"] != "done":
         advice = ("480 is enough for a first look" if args.max_image_size > 480
                   else "fewer photos take less")
