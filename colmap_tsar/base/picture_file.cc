@@ -49,14 +49,21 @@ cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode) {
                        static_cast<int>(bytes.size()),
                        CV_8UC1,
                        const_cast<uint8_t*>(bytes.data()));
+  cv::Mat pixels;
   try {
-    return cv::imdecode(buffer, mode);
+    pixels = cv::imdecode(buffer, mode);
   } catch (const cv::Exception& exception) {
     if (exception.code == cv::Error::StsNoMem) {
       throw std::bad_alloc();
     }
-    return {};
   }
+  if (pixels.empty()) {
+    // Decoders fail alike for damaged data and for want of memory, which the
+    // system tells: it is asked for more than malloc keeps to itself.
+    constexpr size_t kMoreThanKept = size_t{64} << 20;
+    ::operator delete(::operator new(kMoreThanKept));
+  }
+  return pixels;
 }
 
 }  // namespace tsar
