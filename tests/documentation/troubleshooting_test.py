@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Provokes every error that docs/troubleshooting.md quotes after a command, and
-looks up in the sources what it quotes without one (those need a GPU, a full
+"""Provokes every situation of situations.py, whose errors docs/troubleshooting.md
+quotes, and looks up in the sources what else it quotes (that needs a GPU, a full
 disk or patience)."""
 import os
 import re
 import shutil
-import sys
 import tempfile
 
 from sample_testing import call, check, parse_arguments, unpack
@@ -25,25 +24,9 @@ def one_line(lines):
 
 
 def quotations():
-    """(heading, command or None, text) of each indented block of the page. A
-    line that begins with "$" is a command; long lines are broken."""
+    """The messages of the page's tables: the first cell of each row."""
     with open(os.path.join(args.repository, "docs", "troubleshooting.md"), encoding="utf-8") as file:
-        lines = file.read().split("\n")
-    heading, block = None, []
-    for line in lines + ["end"]:
-        if line.startswith("    "):
-            block.append(line.strip())
-            continue
-        if block:
-            text = one_line(block)
-            if text.startswith("$ "):
-                command, text = text[2:].split(" ERROR: ", 1)
-                yield heading, command, "ERROR: " + text
-            else:
-                yield heading, None, text
-            block = []
-        if line.startswith("#"):
-            heading = line.lstrip("#").strip()
+        return re.findall(r"^\| `([^`]+)` \| .* \|$", file.read(), re.MULTILINE)
 
 
 def literals():
@@ -61,45 +44,45 @@ def literals():
     return texts
 
 
-def provoke(heading, command, quoted, work):
+def provoke(situation, work):
+    """What the program says in it."""
     folder, base = os.path.join(work, "situation"), os.path.join(work, "sample")
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     shutil.copytree(base, os.path.join(folder, "dense"), copy_function=os.link)
     os.chdir(folder)
+    command, spoil = SITUATIONS[situation]
     # Kept: a lock lasts as long as its file is open.
-    state = SITUATIONS[heading]()
-    words = command.split()
-    check(words[0] == "colmap_tsar", f"{heading}: the command is colmap_tsar")
-    result = call(args.program, *words[1:])
+    state = spoil()
+    result = call(args.program, *command.split())
     del state
     told = result.stderr.splitlines()[-1] if result.stderr else ""
     told = one_line([told.replace(os.path.realpath(folder), HOME)])
-    check(result.returncode == 1 and told == quoted,
-          f"{heading}\n  told:   {told}\n  quoted: {quoted}")
+    check(result.returncode == 1 and told.startswith("ERROR: "), f"{situation}: {told}")
+    return told.removeprefix("ERROR: ")
 
 
-def look_up(heading, quoted, texts):
+def look_up(quoted, texts):
     parts = [part.strip() for part in quoted.split(ANYTHING)]
-    check(any(parts), f"{heading}: a quotation has words")
+    check(any(parts), f"a quotation has words: {quoted}")
     for part in parts:
-        check(any(part in text for text in texts), f"{heading}: '{part}' is in the sources")
+        check(any(part in text for text in texts), f"'{part}' is in the sources")
 
 
 args.program, args.repository = map(os.path.abspath, (args.program, args.repository))
 os.environ["COLMAP_TSAR"] = args.program  # For situations that come of a run.
 sources = literals()
-found = list(quotations())
-provoked = [heading for heading, command, _ in found if command]
-if sorted(provoked) != sorted(SITUATIONS):
-    sys.exit("FAILED: the page has commands under other headings than situations.py: "
-             f"{sorted(set(provoked) ^ set(SITUATIONS))}")
+quoted = quotations()
+check(len(quoted) == len(set(quoted)), "the page quotes every message once")
+provoked = set()
 with tempfile.TemporaryDirectory() as work_folder:
     unpack(args.repository, os.path.join(work_folder, "sample"))
-    for heading, command, text in found:
-        if command:
-            provoke(heading, command, text, work_folder)
-        else:
-            look_up(heading, text, sources)
+    for name in SITUATIONS:
+        message = provoke(name, work_folder)
+        check(message in quoted, f"{name}\n  told: {message}")
+        provoked.add(message)
     os.chdir(args.repository)
-check(len(found) > len(provoked) > 20, f"{len(found)} quotations")
+for text in quoted:
+    if text not in provoked:
+        look_up(text, sources)
+check(len(quoted) > len(provoked) > 20, f"{len(quoted)} quotations, {len(provoked)} provoked")
