@@ -1,7 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""What goes wrong in docs/troubleshooting.md, made for real: a command and a
-function that first spoils "dense", a fresh copy of the sample scene's
+"""What goes wrong in docs/troubleshooting.md, made for real: commands, each with
+a function that first spoils "dense", a fresh copy of the sample scene's
 workspace, in the current folder. Its files are hard links: they are replaced,
 never written into."""
 import contextlib
@@ -115,87 +115,51 @@ def depth_in_other_units():
 
 
 REFINE = "tsar_refine --workspace_path dense"
+MASKS = REFINE + " --mask_path masks"
+PRIORS = REFINE + " --prior_path priors"
+STEREO = "tsar_stereo --workspace_path dense"
 FUSE = "tsar_fuse --workspace_path dense --output_path "
+REPORT = "tsar_report --workspace_path dense"
 IMPORT = "tsar_import --format depth --input_path depth --workspace_path dense --output_path imported"
+PROVENANCE = "dense/stereo/provenance_maps/v000.jpg.geometric.png"
 
-# What it is, the arguments of the program, and how it comes to it.
-SITUATIONS = {
-    "The folder is not a dense workspace": (
-        "tsar_refine --workspace_path project",
-        lambda: (os.mkdir("project"), os.rename("dense/sparse", "project/sparse"))),
-    "The sparse model lies elsewhere": (
-        REFINE,
-        lambda: (os.rename("dense/sparse", "model"), os.mkdir("dense/sparse"),
-                 os.rename("model", "dense/sparse/1"))),
-    "The sparse model is not complete": (REFINE, lambda: os.remove("dense/sparse/points3D.txt")),
-    "The images are panoramas": (
-        REFINE,
-        lambda: edit("dense/sparse/cameras.txt", "PINHOLE 640 480 ", "EQUIRECTANGULAR 640 480 ")),
-    "An image has an impossible name": (
-        REFINE,
-        lambda: edit("dense/sparse/images.txt", "v000.jpg", "v\x1b[2J000.jpg")),
-    "The images were changed": (REFINE, enlarge_the_camera_of_an_image),
-    "There are no maps yet": (REFINE, lambda: remove_maps("geometric", "photometric")),
-    "The maps are of the other type": (
-        REFINE + " --input_type geometric",
-        lambda: remove_maps("geometric")),
-    "No image has maps to fuse": (
-        FUSE + "fused.ply",
-        lambda: remove_maps("geometric", "photometric")),
-    "A map is cut off": (REFINE, lambda: spoil(MAP, lambda content: content[:len(content) // 2])),
-    "A map is of another shape": (
-        REFINE,
-        lambda: spoil(MAP, lambda content: content.replace(b"480&360&", b"360&480&", 1))),
-    "An image is damaged": (
-        REFINE,
-        lambda: spoil("dense/images/v003.jpg", lambda content: content[:len(content) // 10])),
-    "Another program works there": (REFINE, lock),
-    "A file may not become as large": (REFINE, lambda: SmallFiles(1000)),
-    "A value was forgotten": (REFINE + " --output_path --TsarRefine.device cpu", lambda: None),
-    "The list of images names an unknown one": (
-        REFINE + " --image_list_path list.txt",
-        lambda: write("list.txt", "v000.jpg\nv001.png\n")),
-    "The bounding box is not complete": (
-        FUSE + "fused.ply --bounding_box_path box.txt",
-        lambda: write("box.txt", "-1 -1 0\n1 1\n")),
-    "The folder of masks holds none": (
-        REFINE + " --mask_path masks",
-        lambda: write("masks/v000.png", png(8, 640, 480))),
-    "A mask is of another size": (
-        REFINE + " --mask_path masks",
-        lambda: write("masks/v000.jpg.png", png(8, 100, 80))),
-    "A mask is no mask": (
-        REFINE + " --mask_path masks",
-        lambda: write("masks/v000.jpg.png", "GIF89a")),
-    "The folder of depth priors holds none": (
-        REFINE + " --prior_path priors",
-        lambda: write("priors/v000.jpg", "")),
-    "A depth prior is of another shape": (
-        REFINE + " --prior_path priors",
-        lambda: write("priors/v000.pfm", b"Pf\n6 8\n-1\n" + struct.pack("<48f", *[1.0] * 48))),
-    "A depth prior is a picture": (
-        REFINE + " --prior_path priors",
-        lambda: write("priors/v000.png", png(8, 640, 480))),
-    "The originals are gone": (
-        REFINE,
-        lambda: write("dense/stereo/provenance_maps/v000.jpg.geometric.png", "of a refinement")),
-    "The report comes before the refinement": ("tsar_report --workspace_path dense", lambda: None),
-    "The planes come before the refinement": (
-        "tsar_planes --workspace_path dense --output_path planes.json",
-        lambda: None),
-    "Something goes into the workspace's own folders": (
-        "tsar_report --workspace_path dense --report_path dense/images/report",
-        lambda: None),
-    "There is a cloud already": (
-        FUSE + "dense/fused.ply",
-        lambda: write("dense/fused.ply", "ply\nproperty float nx\n")),
-    "tsar_stereo finds maps of COLMAP": ("tsar_stereo --workspace_path dense", lambda: None),
-    "An image changed after tsar_stereo": (
-        "tsar_stereo --workspace_path dense",
-        photo_after_stereo),
-    "The depth images are pictures": (IMPORT, lambda: write("depth/v000.png", png(8, 480, 360))),
-    "The depth images have other names": (
-        IMPORT,
-        lambda: write("depth/frame-17.png", png(16, 480, 360))),
-    "The depth is in other units": (IMPORT, depth_in_other_units),
-}
+# The arguments of the program, and what is wrong before it is called with them.
+SITUATIONS = (
+    ("tsar_refine --workspace_path project",
+     lambda: (os.mkdir("project"), os.rename("dense/sparse", "project/sparse"))),
+    (REFINE, lambda: (os.rename("dense/sparse", "model"), os.mkdir("dense/sparse"),
+                      os.rename("model", "dense/sparse/1"))),
+    (REFINE, lambda: os.remove("dense/sparse/points3D.txt")),
+    (REFINE, lambda: edit("dense/sparse/cameras.txt", "PINHOLE 640 480 ",
+                          "EQUIRECTANGULAR 640 480 ")),
+    (REFINE, lambda: edit("dense/sparse/images.txt", "v000.jpg", "v\x1b[2J000.jpg")),
+    (REFINE, enlarge_the_camera_of_an_image),
+    (REFINE, lambda: remove_maps("geometric", "photometric")),
+    (REFINE + " --input_type geometric", lambda: remove_maps("geometric")),
+    (FUSE + "fused.ply", lambda: remove_maps("geometric", "photometric")),
+    (REFINE, lambda: spoil(MAP, lambda content: content[:len(content) // 2])),
+    (REFINE, lambda: spoil(MAP, lambda content: content.replace(b"480&360&", b"360&480&", 1))),
+    (REFINE, lambda: spoil("dense/images/v003.jpg", lambda content: content[:len(content) // 10])),
+    (REFINE, lock),
+    (REFINE, lambda: SmallFiles(1000)),
+    (REFINE + " --output_path --TsarRefine.device cpu", lambda: None),
+    (REFINE + " --image_list_path list.txt", lambda: write("list.txt", "v000.jpg\nv001.png\n")),
+    (FUSE + "fused.ply --bounding_box_path box.txt", lambda: write("box.txt", "-1 -1 0\n1 1\n")),
+    (MASKS, lambda: write("masks/v000.png", png(8, 640, 480))),
+    (MASKS, lambda: write("masks/v000.jpg.png", png(8, 100, 80))),
+    (MASKS, lambda: write("masks/v000.jpg.png", "GIF89a")),
+    (PRIORS, lambda: write("priors/v000.jpg", "")),
+    (PRIORS, lambda: write("priors/v000.pfm",
+                           b"Pf\n6 8\n-1\n" + struct.pack("<48f", *[1.0] * 48))),
+    (PRIORS, lambda: write("priors/v000.png", png(8, 640, 480))),
+    (REFINE, lambda: write(PROVENANCE, "of a refinement")),
+    (REPORT, lambda: None),
+    ("tsar_planes --workspace_path dense --output_path planes.json", lambda: None),
+    (REPORT + " --report_path dense/images/report", lambda: None),
+    (FUSE + "dense/fused.ply", lambda: write("dense/fused.ply", "ply\nproperty float nx\n")),
+    (STEREO, lambda: None),
+    (STEREO, photo_after_stereo),
+    (IMPORT, lambda: write("depth/v000.png", png(8, 480, 360))),
+    (IMPORT, lambda: write("depth/frame-17.png", png(16, 480, 360))),
+    (IMPORT, depth_in_other_units),
+)

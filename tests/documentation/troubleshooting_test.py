@@ -44,27 +44,26 @@ def literals():
     return texts
 
 
-def provoke(situation, work):
-    """What the program says in it."""
+def provoke(command, spoil, work):
+    """What the program says of what the function has spoiled."""
     folder, base = os.path.join(work, "situation"), os.path.join(work, "sample")
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     shutil.copytree(base, os.path.join(folder, "dense"), copy_function=os.link)
     os.chdir(folder)
-    command, spoil = SITUATIONS[situation]
     # Kept: a lock lasts as long as its file is open.
     state = spoil()
     result = call(args.program, *command.split())
     del state
     told = result.stderr.splitlines()[-1] if result.stderr else ""
     told = one_line([told.replace(os.path.realpath(folder), HOME)])
-    check(result.returncode == 1 and told.startswith("ERROR: "), f"{situation}: {told}")
+    check(result.returncode == 1 and told.startswith("ERROR: "), f"{command}: {told}")
     return told.removeprefix("ERROR: ")
 
 
 def look_up(quoted, texts):
-    parts = [part.strip() for part in quoted.split(ANYTHING)]
-    check(any(parts), f"a quotation has words: {quoted}")
+    parts = [part.strip() for part in quoted.split(ANYTHING) if part.strip()]
+    check(parts, f"a quotation has words: {quoted}")
     for part in parts:
         check(any(part in text for text in texts), f"'{part}' is in the sources")
 
@@ -77,9 +76,9 @@ check(len(quoted) == len(set(quoted)), "the page quotes every message once")
 provoked = set()
 with tempfile.TemporaryDirectory() as work_folder:
     unpack(args.repository, os.path.join(work_folder, "sample"))
-    for name in SITUATIONS:
-        message = provoke(name, work_folder)
-        check(message in quoted, f"{name}\n  told: {message}")
+    for arguments, make in SITUATIONS:
+        message = provoke(arguments, make, work_folder)
+        check(message in quoted, f"the page has the message of {arguments}")
         provoked.add(message)
     os.chdir(args.repository)
 for text in quoted:
