@@ -13,7 +13,7 @@ from sample_testing import check
 SOURCES = (".cc", ".cu", ".cuh", ".h", ".js", ".html", ".css")
 SCRIPTS = (".py", ".sh")
 BUDGETS = (
-    ("colmap_tsar/base", SOURCES, 2790),
+    ("colmap_tsar/base", SOURCES, 2795),
     ("colmap_tsar/cli", SOURCES, 3240),
     ("colmap_tsar/compose", SOURCES, 2180),
     ("colmap_tsar/device", SOURCES, 1610),
@@ -29,7 +29,7 @@ BUDGETS = (
     ("colmap_tsar/tools/report", SOURCES, 930),
     ("colmap_tsar/tools/stereo", SOURCES, 1340),
     ("colmap_tsar/view", SOURCES, 7000),
-    ("tests", SOURCES + SCRIPTS, 43740),
+    ("tests", SOURCES + SCRIPTS, 43760),
     ("docs", (".md",), 3500),
 )
 PAGES = {

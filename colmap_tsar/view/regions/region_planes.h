@@ -29,7 +29,7 @@ struct RegionPlaneOptions {
   int min_samples = 50;
   // Samples of the core support a plane if they are this many times denser
   // around it than beside it; noise has the same density everywhere.
-  float min_core_contrast = 3.f;
+  float min_core_contrast = 1.5f;
   // Samples of the rim support a plane if this share of them lies on it.
   float min_rim_share = 0.3f;
   // Further planes of a region need at least this share of the first one's

@@ -67,15 +67,17 @@ class RegionPlanesTest : public testing::Test {
   }
   // Frames around the region stand this share of the depth in front of the
   // wall and give 70 % of the rim's samples. Inside there are a few samples of
-  // the wall, half a tolerance noisy, and a few wrong ones.
-  Plane DrawFrames(float height) {
+  // the wall, with the noise that is made of a number in [-0.5, 0.5), and a few
+  // wrong ones.
+  template <typename Noise>
+  Plane DrawFrames(float height, const Noise& make_noise) {
     const Plane frames{wall_.normal, (1.f - height) * wall_.offset};
     const Image<float> wall_depth = DrawDepth(wall_, camera_);
     const Image<float> frame_depth = DrawDepth(frames, camera_);
     Philox random(11, 0, 0);
     ForEachPixel(kWidth, kHeight, [&](int x, int y) {
       const float choice = random.NextFloat();
-      const float noise = 6e-3f * (random.NextFloat() - 0.5f);
+      const float noise = make_noise(random.NextFloat() - 0.5f);
       if (!InRegion(x, y)) {
         depth_(x, y) = choice < 0.7f ? frame_depth(x, y) : wall_depth(x, y);
       } else if (choice < 0.1f) {
@@ -158,16 +160,33 @@ TEST_F(RegionPlanesTest, IsNotBelievedFarFromItsSupport) {
   EXPECT_TRUE(Assign(trusting)(80, 45).Valid());
 }
 
-// A wall whose rim is what hangs on it.
+// A wall whose rim is what hangs on it. One tolerance is 0.6 % of the depth.
 TEST_F(RegionPlanesTest, ACoreOnTheWallWinsOverFramesAroundIt) {
   for (const float height : {0.015f, 0.05f}) {
-    const Plane frames = DrawFrames(height);
+    const Plane frames =
+        DrawFrames(height, [](float at) { return 6e-3f * at; });
     const Plane plane = Fit();
     ASSERT_TRUE(plane.Valid());
     // Both share a direction, which the frames tell best.
     EXPECT_LT(AngleBetween(plane.normal, frames.normal), 0.1f) << height;
     EXPECT_NEAR(plane.offset, wall_.offset, 1e-3f * wall_.offset) << height;
   }
+}
+
+// Cauchy's distribution: half of the samples within 1.5 tolerances, 2.3 times
+// denser within one tolerance than between one and three.
+TEST_F(RegionPlanesTest, ANoisyCoreOnTheWallWinsOverFramesAroundIt) {
+  DrawFrames(0.05f, [](float at) { return 9e-3f * std::tan(3.14f * at); });
+  const Plane plane = Fit();
+  ASSERT_TRUE(plane.Valid());
+  EXPECT_NEAR(plane.offset, wall_.offset, 3e-3f * wall_.offset);
+}
+
+TEST_F(RegionPlanesTest, FramesWinOverACoreThatIsEquallyDenseEverywhere) {
+  const Plane frames = DrawFrames(0.05f, [](float at) { return 0.2f * at; });
+  const Plane plane = Fit();
+  ASSERT_TRUE(plane.Valid());
+  EXPECT_NEAR(plane.offset, frames.offset, 1e-3f * wall_.offset);
 }
 
 // Two walls that meet at the column of the principal point, and no edge there.
