@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/scene/discovery/plane_estimator.h"
+#include "colmap_tsar/scene/discovery/score_planes.h"
 #include "colmap_tsar/scene/evidence/superpixel_matches.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
@@ -27,7 +27,7 @@ bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
 // of other views that assign the matches of its superpixels to that one;
 // squared, since two views must confuse them. Returns whether there was any
 // change, which does not depend on the threads.
-bool DropAndMergePlanes(const PlaneEstimator& estimator,
+bool DropAndMergePlanes(const PlaneScorer& scorer,
                         const SuperpixelMatches& matches,
                         double min_gain,
                         std::vector<ScoredPlane>* planes);

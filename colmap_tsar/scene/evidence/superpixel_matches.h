@@ -13,7 +13,7 @@ namespace tsar {
 
 // The superpixels of other views that show the surface observed by a
 // superpixel. Superpixels are indexed across all views, as in
-// SuperpixelObservations.
+// ObservationTable.
 class SuperpixelMatches {
  public:
   // One of a superpixel's observations is projected into each other view. It
