@@ -47,9 +47,9 @@ class LoadedViews {
 // different images come from several threads at once. Result: the data that
 // Compute() passes to Write().
 template <typename Result>
-class ImageTasks {
+class ImagePass {
  public:
-  virtual ~ImageTasks() = default;
+  virtual ~ImagePass() = default;
 
   // Does the work that needs no maps. The outcome is kNotDone where the image
   // is still to be computed.
@@ -78,18 +78,18 @@ class ImageTasks {
 template <typename Result>
 class ImagePipeline {
  public:
-  // All references must outlive this object. images: the tasks' indices of the
-  // images; the outcome is in their order. pass_name: for the user; empty where
+  // All references must outlive this object. images: their indices; the
+  // outcome is in their order. pass_name: for the user; empty where
   // there is one pass only. max_num_views: how many views are kept in memory.
   // should_stop: whether the user wants to end; called from all threads.
-  ImagePipeline(ImageTasks<Result>& tasks,
+  ImagePipeline(ImagePass<Result>& pass,
                 std::vector<size_t> images,
                 std::string pass_name,
                 const ImagesAtWork& at_work,
                 size_t max_num_views,
                 Progress& progress,
                 const std::function<bool()>& should_stop)
-      : tasks_(tasks),
+      : pass_(pass),
         images_(std::move(images)),
         pass_name_(std::move(pass_name)),
         num_threads_(at_work.num_threads),
@@ -140,7 +140,7 @@ class ImagePipeline {
   // Returns false where the user wants to end.
   bool Load(size_t index, LoadedViews* views);
 
-  ImageTasks<Result>& tasks_;
+  ImagePass<Result>& pass_;
   const std::vector<size_t> images_;
   const std::string pass_name_;
   const int num_threads_;
@@ -203,7 +203,7 @@ void ImagePipeline<Result>::WorkOnImages() {
 
 template <typename Result>
 void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
-  *report = tasks_.Begin(index);
+  *report = pass_.Begin(index);
   if (report->outcome != ImageReport::Outcome::kNotDone) {
     return;
   }
@@ -213,26 +213,26 @@ void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
     return;
   }
   report->seconds["read"] += reading.Seconds();
-  tasks_.Prepare(index, views);
+  pass_.Prepare(index, views);
   Result result;
   {
     const Loan loan(*this);
     if (should_stop_()) {
       return;
     }
-    result = tasks_.Compute(index, loan.Worker(), &views, report);
+    result = pass_.Compute(index, loan.Worker(), &views, report);
   }
   views = {};
-  if (!should_stop_() || tasks_.WritesAfterStop()) {
-    tasks_.Write(index, std::move(result), report);
+  if (!should_stop_() || pass_.WritesAfterStop()) {
+    pass_.Write(index, std::move(result), report);
   }
 }
 
 template <typename Result>
 bool ImagePipeline<Result>::Load(size_t index, LoadedViews* views) {
-  const std::vector<int> images = tasks_.Views(index);
+  const std::vector<int> images = pass_.Views(index);
   auto loaded = cache_.GetAll(
-      images, [&](int image) { return tasks_.Load(image); }, should_stop_);
+      images, [&](int image) { return pass_.Load(image); }, should_stop_);
   for (size_t i = 0; i < images.size(); ++i) {
     if (!loaded[i]) {
       return false;

@@ -5,9 +5,9 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/run/evidence_store.h"
+#include "colmap_tsar/run/image_selection.h"
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/refine_devices.h"
-#include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/run/workspace_check.h"
@@ -33,13 +33,13 @@ struct RefineRun {
   const std::vector<size_t>& images;  // Of the shard, as in Problems().
   const RefineDevices& devices;
   const InputFingerprints& inputs;
-  const RefinePlan& plan;
+  const ImageSelection& selection;
   EvidenceStore& evidence;
 
   // Whether some image of the run has yet to be refined and can be.
   bool IsAnyNeeded() const {
     return std::ranges::any_of(
-        images, [&](size_t index) { return plan.IsToBeRefined(index); });
+        images, [&](size_t index) { return selection.IsToBeRefined(index); });
   }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
   // Whether the planes of the scene, with the labels of all views, are those of

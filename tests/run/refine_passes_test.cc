@@ -70,7 +70,7 @@ class RefinePassesTest : public testing::Test {
     const InputFingerprints inputs(workspace);
     EvidenceStore evidence(workspace, HashRefineOptions(options), 4);
     const std::vector<bool> all(4, true);
-    const RefinePlan plan(
+    const ImageSelection selection(
         workspace, inputs, all, all, CurrentRecord(workspace, options, inputs));
     const WorkspaceRefineOptions workspace_options;
     const std::vector<size_t> images = {0, 1, 2, 3};
@@ -86,7 +86,7 @@ class RefinePassesTest : public testing::Test {
                            images,
                            devices,
                            inputs,
-                           plan,
+                           selection,
                            evidence};
     std::vector<StageSeconds> seconds(4);
     if (scene_planes) {
@@ -100,13 +100,13 @@ class RefinePassesTest : public testing::Test {
       EXPECT_TRUE(run.HasCurrentPlanes() || ModelWorkspace(run));
     }
     ComposePass compose(run, seconds);
-    for (size_t index = 0; index < plan.NumImages(); ++index) {
-      composed_views_[plan.Reference(index)] = compose.Views(index);
+    for (size_t index = 0; index < selection.NumImages(); ++index) {
+      composed_views_[selection.Reference(index)] = compose.Views(index);
     }
     RunPipeline(compose, run);
     num_allocations_ = counter.NumAllocations();
   }
-  void RunPipeline(ImageTasks<RefineResult>& pass, const RefineRun& run) {
+  void RunPipeline(ImagePass<RefineResult>& pass, const RefineRun& run) {
     PipelineOutcome outcome = ImagePipeline<RefineResult>(pass,
                                                           run.images,
                                                           "",

@@ -36,17 +36,17 @@ ImageRecord CurrentRecord(const Workspace& workspace,
 // refined. Images of the sparse model, which may also be sources alone, are
 // called `image` and given by their indices there. Reads records and the states
 // of files, no pixels. Can be used from several threads.
-class RefinePlan {
+class ImageSelection {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
   // is_listed: the images that are to be refined; the others stay as they are
   // and serve as sources alone. expected: see CurrentRecord; images with other
   // records are refined again. Throws what ReadRecord throws.
-  RefinePlan(const Workspace& workspace,
-             const InputFingerprints& inputs,
-             std::vector<bool> has_maps,
-             std::vector<bool> is_listed,
-             const ImageRecord& expected);
+  ImageSelection(const Workspace& workspace,
+                 const InputFingerprints& inputs,
+                 std::vector<bool> has_maps,
+                 std::vector<bool> is_listed,
+                 const ImageRecord& expected);
 
   size_t NumImages() const { return workspace_.Problems().size(); }
   const StereoProblem& Problem(size_t index) const {

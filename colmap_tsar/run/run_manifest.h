@@ -14,12 +14,12 @@ namespace tsar {
 // user and later runs its state. Shards leave none before they are merged.
 
 // Called before any image is changed.
-void BeginAccount(const RefineRun& run);
+void BeginManifest(const RefineRun& run);
 
 // Called when the last pass has ended or had to stop: then throws the failure
 // of an image, or kInterrupted. When all images are done, the files that only
 // an unfinished run needs are removed.
-void EndAccount(const RefineRun& run, const PipelineOutcome& outcome);
+void FinishManifest(const RefineRun& run, const PipelineOutcome& outcome);
 
 // What a summary tells of the inputs. references: of the images of the run.
 RunSummary SummarizeInputs(const Workspace& workspace,
