@@ -53,10 +53,10 @@ DepthKind KindAt(const PlaneView& refined,
   if (source == Provenance::kMeasured) {
     return refined.planes(x, y) > 0 ? DepthKind::kMoved : DepthKind::kStanding;
   }
-  switch (view.found.labels.evidence[view.SuperpixelAt(x, y)]) {
-    case LabelEvidence::kMeasured:
+  switch (view.found.labels.origins[view.SuperpixelAt(x, y)]) {
+    case LabelOrigin::kMeasured:
       return DepthKind::kFilled;
-    case LabelEvidence::kCarried:
+    case LabelOrigin::kCarried:
       return DepthKind::kCarried;
     default:
       return DepthKind::kGuessed;
@@ -67,7 +67,7 @@ void CollectView(const ModeledImage& view,
                  const PlaneView& refined,
                  Device& device,
                  std::vector<Sample>* samples) {
-  const Image<ViewVotes> votes = view.CountVotes(refined.depth, device);
+  const Image<OcclusionVotes> votes = view.CountVotes(refined.depth, device);
   for (int y = 0; y < refined.depth.Height(); ++y) {
     for (int x = 0; x < refined.depth.Width(); ++x) {
       const float depth = refined.depth(x, y);

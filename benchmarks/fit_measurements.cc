@@ -62,8 +62,8 @@ void CollectView(const ModeledImage& view,
                  Device& device,
                  std::vector<Sample>* samples) {
   const Image<float> rivals = DepthsOfPlanes(view);
-  const Image<ViewVotes> votes = view.CountVotes(view.depth, device);
-  const Image<ViewVotes> rival_votes = view.CountVotes(rivals, device);
+  const Image<OcclusionVotes> votes = view.CountVotes(view.depth, device);
+  const Image<OcclusionVotes> rival_votes = view.CountVotes(rivals, device);
   for (int y = 0; y < rivals.Height(); ++y) {
     for (int x = 0; x < rivals.Width(); ++x) {
       const float own = view.depth(x, y);

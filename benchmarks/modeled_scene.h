@@ -14,7 +14,7 @@
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
-#include "colmap_tsar/view/view_votes.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 
 #include <filesystem>
 #include <map>
@@ -67,16 +67,19 @@ struct ModeledImage {
             quality.uncertainty.Value(),
             quality.margin.Value()};
   }
-  MeasurementSupport SupportAt(int x, int y, const ViewVotes& votes) const {
+  MeasurementSupport SupportAt(int x,
+                               int y,
+                               const OcclusionVotes& votes) const {
     return {votes,
             AtSamePlace(texture, x, y, depth),
             MeasurementFlags::IsTrusted(flags(x, y))};
   }
-  Image<ViewVotes> CountVotes(const Image<float>& map, Device& device) const {
-    return CountViewVotes({views, found.planes_of_sources},
-                          intrinsics,
-                          {DeviceImage<float>(device, map).View()},
-                          device)[0]
+  Image<OcclusionVotes> CountVotes(const Image<float>& map,
+                                   Device& device) const {
+    return CountOcclusionVotes({views, found.planes_of_sources},
+                               intrinsics,
+                               {DeviceImage<float>(device, map).View()},
+                               device)[0]
         .ToHost();
   }
 };

@@ -14,8 +14,8 @@
 #include "colmap_tsar/scene/scene_options.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 #include "colmap_tsar/view/stage_timer.h"
-#include "colmap_tsar/view/view_votes.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -34,11 +34,11 @@ DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
 std::vector<ComposedSuperpixel> DescribeSuperpixels(
     const FoundScene& found, const std::vector<Vec3f>& prior_normals) {
   std::vector<ComposedSuperpixel> result;
-  for (size_t k = 0; k < found.labels.evidence.size(); ++k) {
+  for (size_t k = 0; k < found.labels.origins.size(); ++k) {
     const int label = found.labels.planes[k];
     const LabelQuality& quality = found.labels.qualities[k];
     result.push_back(
-        {found.labels.evidence[k],
+        {found.labels.origins[k],
          {quality.strength.Value(),
           quality.confirmed.Value(),
           quality.uncertainty.Value(),

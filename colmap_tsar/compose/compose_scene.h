@@ -13,9 +13,9 @@
 #include "colmap_tsar/scene/evidence/label_view.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/depth_confidence.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 #include "colmap_tsar/view/planes/group_planes.h"
 #include "colmap_tsar/view/superpixels/samples.h"
-#include "colmap_tsar/view/view_votes.h"
 
 #include <cstdint>
 
@@ -34,9 +34,9 @@ struct ComposeSceneOptions {
   float min_log_odds = -1.25f;
 };
 
-// The label of a superpixel, with its evidence and error.
+// The label of a superpixel, with its origin and error.
 struct ComposedSuperpixel {
-  LabelEvidence evidence = LabelEvidence::kNone;
+  LabelOrigin origin = LabelOrigin::kNone;
   LabelMeasures label;
   InverseDepthError error{};  // Error of its plane.
   Vec3f prior_normal{};       // See AlignedPrior; (0, 0, 0): none.

@@ -628,8 +628,7 @@ CylinderEvidence TestCylinder(const ObservedView& view,
       result.through += measured > at.depth + gap ? 1 : 0;
       const size_t superpixel = evidence.superpixels(x, y);
       const int label = labels.planes[superpixel];
-      if (label >= 0 &&
-          labels.evidence[superpixel] == LabelEvidence::kMeasured) {
+      if (label >= 0 && labels.origins[superpixel] == LabelOrigin::kMeasured) {
         const float depth =
             ToCameraPlane(planes[label].plane, view.camera).Depth(ray);
         result.on_planes += std::abs(depth - at.depth) > gap ? 1 : 0;

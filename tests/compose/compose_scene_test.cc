@@ -65,8 +65,8 @@ class ComposeSceneTest : public testing::Test {
   static Image<Plane> PlanesAt(float depth) {
     return Image<Plane>(kWidth, kHeight, PlaneAt(depth));
   }
-  void SetAllEvidence(LabelEvidence evidence) {
-    of_superpixel_.assign(of_superpixel_.size(), {evidence, kLabel});
+  void SetAllOrigins(LabelOrigin origin) {
+    of_superpixel_.assign(of_superpixel_.size(), {origin, kLabel});
   }
 
   void Measure(int x, int y, float depth) {
@@ -174,8 +174,8 @@ class ComposeSceneTest : public testing::Test {
   Image<Plane> scene_{kWidth, kHeight};
   // Each pixel is one.
   Image<uint16_t> superpixels_{kWidth, kHeight};
-  std::vector<ComposedSuperpixel> of_superpixel_{
-      kWidth * kHeight, {LabelEvidence::kNone, kLabel}};
+  std::vector<ComposedSuperpixel> of_superpixel_{kWidth * kHeight,
+                                                 {LabelOrigin::kNone, kLabel}};
   Image<float> texture_{kWidth, kHeight, 10.f};
   Image<float> prior_depth_;  // None.
   Image<float> prior_sigma_;
@@ -187,7 +187,7 @@ class ComposeSceneTest : public testing::Test {
 TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   for (int x = 0; x < 4; ++x) {
     scene_(x, 0) = PlaneAt(kScene);
-    of_superpixel_[x] = {static_cast<LabelEvidence>(x), {.margin = 0.1f * x}};
+    of_superpixel_[x] = {static_cast<LabelOrigin>(x), {.margin = 0.1f * x}};
   }
   // As good as on the plane, and not trusted.
   Measure(3, 0, 5.03f);
@@ -206,15 +206,15 @@ TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   expect(2, Provenance::kOtherViews, DepthKind::kCarried);
   expect(3, Provenance::kMeasured, DepthKind::kMoved);
   Expect(result, 4, 0, 0.f, {}, Provenance::kNone, 0.f);
-  ASSERT_EQ(static_cast<int>(LabelEvidence::kGuessed), 1);
-  ASSERT_EQ(static_cast<int>(LabelEvidence::kCarried), 2);
+  ASSERT_EQ(static_cast<int>(LabelOrigin::kGuessed), 1);
+  ASSERT_EQ(static_cast<int>(LabelOrigin::kCarried), 2);
 }
 
-// What the views say decides between two surfaces: see ViewVotesTest for how
-// they are asked, MeasurementSupportTest for how their answers are weighed.
+// What the views say decides between two surfaces: see OcclusionVotesTest for
+// how they are asked, MeasurementSupportTest for how their answers are weighed.
 TEST_F(ComposeSceneTest, ADepthOffItsPlaneStandsOrGivesWayByItsLogOdds) {
   scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kCarried);
+  SetAllOrigins(LabelOrigin::kCarried);
   Measure(2, 2, kOff);
   MeasureWithoutTrust(4, 2, kOff, Confirmation::kWeak);
   MeasureWithoutTrust(6, 2, kOff);
@@ -285,7 +285,7 @@ TEST_F(ComposeSceneTest, InterpolatedDepthsAndCylindersHaveTheirConfidences) {
 
 TEST_F(ComposeSceneTest, WhatWasNotMeasuredMustBeLikely) {
   scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kGuessed);
+  SetAllOrigins(LabelOrigin::kGuessed);
   Measure(2, 2, kScene);
   Measure(4, 2, kOff);
   options_.min_log_odds = -100.f;
@@ -302,7 +302,7 @@ TEST_F(ComposeSceneTest, WhatWasNotMeasuredMustBeLikely) {
 
 TEST_F(ComposeSceneTest, APriorFillsWhereThereIsNoPlane) {
   scene_(1, 2) = PlaneAt(kScene);
-  SetAllEvidence(LabelEvidence::kMeasured);
+  SetAllOrigins(LabelOrigin::kMeasured);
   SetPrior(6.f, 0.005f);
   prior_depth_(10, 2) = 0.f;
   MeasureWithoutTrust(5, 2, kOff);
@@ -362,7 +362,7 @@ TEST_F(ComposeSceneTest, WithoutAPlaneAMeasurementGivesWayToACertainPrior) {
 
 TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
   scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kMeasured);
+  SetAllOrigins(LabelOrigin::kMeasured);
   Measure(2, 2, kOff);
   const float log_odds = LogOddsAgainst(
       {{}, GapInPixels(kOff, kScene, scale_), kLabel.margin}, {{}, 10.f, true});
@@ -389,8 +389,9 @@ TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
 TEST(DepthConfidenceTest, ValuesAreProbabilities) {
   for (int kind = 0; kind < kNumDepthKinds; ++kind) {
     for (const float value : {0.f, 1.f}) {
-      for (const ViewVotes& votes :
-           {ViewVotes{}, ViewVotes{20, 0, 0}, ViewVotes{0, 20, 20}}) {
+      for (const OcclusionVotes& votes : {OcclusionVotes{},
+                                          OcclusionVotes{20, 0, 0},
+                                          OcclusionVotes{0, 20, 20}}) {
         const float confidence = ConfidenceOf({static_cast<DepthKind>(kind),
                                                {votes, 100.f * value, true},
                                                {value, value, value, value},
@@ -405,7 +406,7 @@ TEST(DepthConfidenceTest, ValuesAreProbabilities) {
 
 TEST(DepthConfidenceTest, ViewsThatAgreeRaiseItForEveryKind) {
   for (int kind = 0; kind < kNumDepthKinds; ++kind) {
-    const auto with = [&](const ViewVotes& votes) {
+    const auto with = [&](const OcclusionVotes& votes) {
       return ConfidenceOf({static_cast<DepthKind>(kind),
                            {votes, 5.f, false},
                            kLabel,

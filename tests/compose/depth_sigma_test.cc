@@ -39,10 +39,10 @@ class DepthSigmaTest : public testing::Test {
   void Set(int x,
            float depth,
            Provenance provenance,
-           LabelEvidence evidence = LabelEvidence::kMeasured) {
+           LabelOrigin origin = LabelOrigin::kMeasured) {
     depth_(x, 0) = depth;
     provenance_(x, 0) = static_cast<uint8_t>(provenance);
-    of_superpixel_[x].evidence = evidence;
+    of_superpixel_[x].origin = origin;
   }
   // In shares of the depth.
   std::vector<float> Compute(bool is_of_scene = true) {
@@ -107,8 +107,8 @@ class DepthSigmaTest : public testing::Test {
 TEST_F(DepthSigmaTest, TellsKindsOfDepthsApart) {
   Set(1, kScene, Provenance::kMeasured);
   Set(2, kScene, Provenance::kRegionPlane);
-  Set(3, kScene, Provenance::kOtherViews, LabelEvidence::kCarried);
-  Set(4, kScene, Provenance::kGuessed, LabelEvidence::kGuessed);
+  Set(3, kScene, Provenance::kOtherViews, LabelOrigin::kCarried);
+  Set(4, kScene, Provenance::kGuessed, LabelOrigin::kGuessed);
   Set(5, kOff, Provenance::kMeasured);
   Set(6, kOff, Provenance::kInterpolated);
   const std::vector<float> sigma = Compute();

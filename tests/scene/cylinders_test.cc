@@ -24,7 +24,7 @@ std::vector<ModelPlane> WallBehind() {
 
 // Superpixels that nobody measured.
 const ViewLabels kUnlabeled = {
-    {-1}, {LabelEvidence::kNone}, std::vector<LabelQuality>(1)};
+    {-1}, {LabelOrigin::kNone}, std::vector<LabelQuality>(1)};
 
 std::vector<ModelCylinder> Find(
     const DrawnViews& drawn,
@@ -195,9 +195,9 @@ TEST(CylindersTest, DropsWhatIsSeenThrough) {
 TEST(CylindersTest, DropsWhatWasMeasuredOnAPlane) {
   const DrawnViews drawn(DrawnColumn(), 7);
   ViewLabels labels = {
-      {0}, {LabelEvidence::kMeasured}, std::vector<LabelQuality>(1)};
+      {0}, {LabelOrigin::kMeasured}, std::vector<LabelQuality>(1)};
   EXPECT_TRUE(Find(drawn, {kUpright}, labels).empty());
-  labels.evidence = {LabelEvidence::kCarried};
+  labels.origins = {LabelOrigin::kCarried};
   EXPECT_EQ(Find(drawn, {kUpright}, labels).size(), 1u);
 }
 

@@ -95,8 +95,8 @@ struct LabelOptions {
   float crease_reach = 10.f;
 };
 
-// The evidence for the plane of a superpixel.
-enum class LabelEvidence : uint8_t {
+// What a label is based on.
+enum class LabelOrigin : uint8_t {
   kNone = 0,      // There is no plane.
   kGuessed = 1,   // Only the neighbors in the image support it.
   kCarried = 2,   // Other views measured the plane there.
@@ -106,7 +106,7 @@ enum class LabelEvidence : uint8_t {
 // The label of each superpixel of a view.
 struct ViewLabels {
   std::vector<int> planes;  // Indices of planes; -1: none.
-  std::vector<LabelEvidence> evidence;
+  std::vector<LabelOrigin> origins;
   // All 0 where there is no plane.
   std::vector<LabelQuality> qualities;
   // How strongly the superpixel's measurements support its plane, from 0 to 1

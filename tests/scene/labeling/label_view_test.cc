@@ -190,8 +190,8 @@ TEST_F(LabelViewTest, ObservationsThatFitNoPlaneGetNone) {
   const ViewLabels view = Label({WallAt(5.f), WallAt(5.5f)});
   for (int s = 0; s < kNumSuperpixels; ++s) {
     EXPECT_EQ(view.planes[s], s == noisy ? -1 : 0);
-    EXPECT_EQ(view.evidence[s],
-              s == noisy ? LabelEvidence::kNone : LabelEvidence::kMeasured);
+    EXPECT_EQ(view.origins[s],
+              s == noisy ? LabelOrigin::kNone : LabelOrigin::kMeasured);
   }
   options_.cost_of_unexplained = 2.f;
   EXPECT_NE(Label({WallAt(5.f), WallAt(5.5f)}).planes[noisy], -1);
@@ -279,14 +279,14 @@ TEST_F(LabelViewTest, TellsHowEachSuperpixelCameByItsPlane) {
   const ViewLabels view = Label({WallAt(3.f)});
   ExpectColumns(view, {0, 0, 0, 0, 0, 0, -1, -1});
   ExpectEvidence(view,
-                 {LabelEvidence::kMeasured,
-                  LabelEvidence::kMeasured,
-                  LabelEvidence::kMeasured,
-                  LabelEvidence::kCarried,
-                  LabelEvidence::kGuessed,
-                  LabelEvidence::kGuessed,
-                  LabelEvidence::kNone,
-                  LabelEvidence::kNone});
+                 {LabelOrigin::kMeasured,
+                  LabelOrigin::kMeasured,
+                  LabelOrigin::kMeasured,
+                  LabelOrigin::kCarried,
+                  LabelOrigin::kGuessed,
+                  LabelOrigin::kGuessed,
+                  LabelOrigin::kNone,
+                  LabelOrigin::kNone});
 }
 
 TEST_F(LabelViewTest, PlanesFarFromAllDepthsAreImpossible) {
@@ -314,7 +314,7 @@ TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
   camera_.translation = {1e5, -2e5, 300.0};
   const ViewLabels view = Label({WallAt(3.f)});
   EXPECT_EQ(view.planes, expected.planes);
-  EXPECT_EQ(view.evidence, expected.evidence);
+  EXPECT_EQ(view.origins, expected.origins);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace tsar {
 // The numbers of source views that see a surface at the depth of a pixel, in
 // front of it on the reference's ray, which would occlude it, and behind it on
 // their own rays, which it would occlude. Beside them, how well its color fits.
-struct ViewVotes {
+struct OcclusionVotes {
   static constexpr uint8_t kNoColor = 255;
 
   uint8_t agreeing = 0;
@@ -46,7 +46,7 @@ struct ViewSurfaces {
 
 // The votes of all sources on the depths of some maps of the reference, which
 // have one size and these intrinsics; no votes where a depth is 0.
-std::vector<DeviceImage<ViewVotes>> CountViewVotes(
+std::vector<DeviceImage<OcclusionVotes>> CountOcclusionVotes(
     const ViewSurfaces& surfaces,
     const Intrinsics& intrinsics,
     const std::vector<ImageView<const float>>& depths,
