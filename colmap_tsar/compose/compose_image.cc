@@ -7,7 +7,7 @@
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/compose/depth_sigma.h"
 #include "colmap_tsar/compose/photometric_detail.h"
-#include "colmap_tsar/compose/transfer_flags.h"
+#include "colmap_tsar/compose/upsample_depth_flags.h"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
@@ -81,7 +81,7 @@ RefineResult ComposeImage(
   result.prior = evidence.prior.assessment;
   DeviceReference view(reference, device);
   const DeviceImage<uint8_t> flags =
-      TransferFlags(evidence, reference, view, device);
+      UpsampleDepthFlags(evidence, reference, view, device);
   const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
   const DeviceImage<Plane> scene_planes =
       PlanesOfLabels(superpixels.View(),

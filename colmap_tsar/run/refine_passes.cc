@@ -106,7 +106,7 @@ auto NamePlaceOfErrors(const RefineRun& run,
   }
 }
 
-// RefineImage, or MeasureImage.
+// RefineImage, or ObserveImage.
 using SingleViewStages =
     RefineResult (*)(const ViewData& reference,
                      std::vector<UploadedViews::Pointer> sources,
@@ -220,7 +220,7 @@ RefineResult ObservePass::Compute(size_t index,
     return {};
   }
   return RunSingleView(
-      run_, index, run_.devices.workers[worker], views, MeasureImage);
+      run_, index, run_.devices.workers[worker], views, ObserveImage);
 }
 
 void ObservePass::Write(size_t index,

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/view/square_hypothesis.h"
+#include "colmap_tsar/view/block_depth.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <cstddef>
@@ -29,13 +29,13 @@ int FactorBetween(int width, int height, int reduced_width, int reduced_height);
 // The camera of the reduced view.
 Camera ReduceCamera(const Camera& camera, int factor);
 
-// The view with one pixel for each square of factor x factor pixels, those at
+// The view with one pixel for each block of factor x factor pixels, those at
 // the right and bottom being cut off by the border: ceil(width / factor) x
-// ceil(height / factor) pixels. Rays go through the centers of full squares.
+// ceil(height / factor) pixels. Rays go through the centers of full blocks.
 // The color is the mean. The hypothesis is never an average, which would lie on
-// no surface where a square shows two: it is that of the pixel with the (lower)
+// no surface where a block shows two: it is that of the pixel with the (lower)
 // median depth among those from the map to refine, if at least 7 of 8 pixels of
-// the square (all of four) have such depths within 0.5 % of its plane, which
+// the block (all of four) have such depths within 0.5 % of its plane, which
 // noise does not meet by chance. Otherwise it is chosen among those from the
 // other type under the same condition, or is none. It is moved along its plane
 // to the new ray. The exported costs are those of that pixel.
@@ -47,7 +47,7 @@ class ViewReducer {
   // camera: that of the full view. has_costs: whether it has exported costs.
   ViewReducer(const Camera& camera, int factor, bool has_costs);
 
-  // Adds the next rows of the view's maps, without colors: full squares, except
+  // Adds the next rows of the view's maps, without colors: full blocks, except
   // at the view's end.
   void Add(const ViewData& rows);
 
@@ -56,9 +56,9 @@ class ViewReducer {
   ViewData Finish(const Image<Rgb>& color);
 
  private:
-  // Sets the hypothesis of a square to that of a pixel of the rows.
+  // Sets the hypothesis of a block to that of a pixel of the rows.
   void Set(const ViewData& rows,
-           const SquareHypothesis& squares,
+           const BlockDepth& blocks,
            ptrdiff_t pixel,
            int x,
            int y);

@@ -84,7 +84,7 @@ TEST_F(ComposeImageTest, LargeMapsAreJudgedAtASmallerSize) {
   EXPECT_GT(num_measured, 0.7 * num_with_depth);
 }
 
-// The squares of three pixels reach beyond the map's end, and their middle is
+// The blocks of three pixels reach beyond the map's end, and their middle is
 // off the corner from which pixels count.
 TEST_F(ComposeImageTest, ComposesWithTheCameraThatObserved) {
   const SyntheticViews whole = DrawReduced(193, 145, 3);

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "tests/support/find_scene_in.h"
-#include "tests/support/observe_image.h"
+#include "tests/support/image_evidence.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -49,11 +49,11 @@ class SyntheticViewsTest : public testing::Test {
           sources.push_back(&view);
         }
       }
-      RefineResult result = ObserveImage(drawn_.views[i],
-                                         UploadViews(sources, *device_),
-                                         static_cast<uint32_t>(i),
-                                         options,
-                                         *device_);
+      RefineResult result = MakeImageEvidence(drawn_.views[i],
+                                              UploadViews(sources, *device_),
+                                              static_cast<uint32_t>(i),
+                                              options,
+                                              *device_);
       EXPECT_TRUE(result.maps.depth.Empty());
       evidence.push_back(std::move(result.evidence));
     }
