@@ -58,8 +58,9 @@ cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode) {
     }
   }
   if (pixels.empty()) {
-    // Decoders fail alike for damaged data and for want of memory, which the
-    // system tells: it is asked for more than malloc keeps to itself.
+    // Decoders fail alike for damaged data and exhausted memory. The latter is
+    // the case if the system refuses an allocation too large for malloc's own
+    // reserve.
     constexpr size_t kMoreThanKept = size_t{64} << 20;
     ::operator delete(::operator new(kMoreThanKept));
   }

@@ -8,7 +8,7 @@
 
 namespace tsar {
 
-// Logs a warning for the user as one line, by way of Printable(). This is the
+// Logs a warning for the user as one line, filtered by Printable(). This is the
 // only function that writes to the log; it is thread-safe.
 void Warn(const std::string& message);
 

@@ -62,10 +62,10 @@ TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
 }
 
 // Composes one map from the planes of the scene and the view's own
-// measurements. Where a measurement and the plane of its superpixel are two
-// surfaces, the one that the image and the other views support is kept; where
-// the scene has no plane, measurements are kept.
-// own: the measured hypotheses, whose memory the result takes over.
+// measurements. Where a measurement and the plane of its superpixel are
+// different surfaces, the one supported by the image and the other views is
+// kept; where the scene has no plane, measurements are kept. own: the measured
+// hypotheses, whose memory the result takes over.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
                          const ViewSurfaces& surfaces,

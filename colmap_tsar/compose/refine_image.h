@@ -42,7 +42,7 @@ struct RefineResult {
   std::unique_ptr<ViewEvidence> evidence;
 };
 
-// The reason to keep an image's maps where no refined depth is left.
+// The reason to keep an image's maps if no refined depth is left.
 inline constexpr const char* kNothingReliable =
     "none of its depths is reliable";
 
@@ -67,8 +67,8 @@ RefineResult RefineImage(
 // of a single view, with the arguments of RefineImage, and keeps the
 // measurements. MakeEvidence replaces these by the evidence, from which the
 // steps of find_scene.h make the planes of the scene, with which the last step
-// (compose_image.h) composes the map. It has little work for a GPU: with many
-// images, it runs on a CPU while the GPU measures the next one.
+// (compose_image.h) composes the map. MakeEvidence has little work for a GPU:
+// with many images, it runs on a CPU while the GPU observes the next one.
 RefineResult ObserveImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,

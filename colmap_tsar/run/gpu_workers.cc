@@ -16,7 +16,7 @@
 namespace tsar {
 namespace {
 
-// Memory beside the stages' buffers: the kernels, which the driver loads when
+// Memory besides the stages' buffers: the kernels, which the driver loads when
 // they are first used.
 constexpr int64_t kDriverBytes = int64_t{64} << 20;
 

@@ -51,8 +51,8 @@ class ImagePass {
  public:
   virtual ~ImagePass() = default;
 
-  // Does the work that needs no maps. The outcome is kNotDone where the image
-  // is still to be computed.
+  // Runs before any map is read. The outcome is kNotDone if Compute() is still
+  // needed.
   virtual ImageReport Begin(size_t index) = 0;
   // The views that Compute() needs, as images of the sparse model.
   virtual std::vector<int> Views(size_t index) const = 0;
@@ -73,15 +73,15 @@ class ImagePass {
 };
 
 // Reads, computes and writes images, concurrently for different images: each
-// thread takes an image through all of it, and waits for one of the workers to
-// compute. Images are begun in their order.
+// thread takes one image at a time through all steps, and waits for a free
+// worker to compute. Images are begun in their order.
 template <typename Result>
 class ImagePipeline {
  public:
-  // All references must outlive this object. images: their indices; the
-  // outcome is in their order. pass_name: for the user; empty where
-  // there is one pass only. max_num_views: how many views are kept in memory.
-  // should_stop: whether the user wants to end; called from all threads.
+  // All references must outlive this object. images: their indices; the outcome
+  // is in their order. pass_name: for the user; empty if there is only one
+  // pass. max_num_views: how many views are kept in memory. should_stop:
+  // whether the user asked to stop; called from all threads.
   ImagePipeline(ImagePass<Result>& pass,
                 std::vector<size_t> images,
                 std::string pass_name,
@@ -135,9 +135,9 @@ class ImagePipeline {
   };
 
   void WorkOnImages();
-  // Where the outcome is still kNotDone, the user wants to end.
+  // If the outcome is still kNotDone, the user asked to stop.
   void WorkOn(size_t index, ImageReport* report);
-  // Returns false where the user wants to end.
+  // Returns false if the user asked to stop.
   bool Load(size_t index, LoadedViews* views);
 
   ImagePass<Result>& pass_;
@@ -168,7 +168,7 @@ PipelineOutcome ImagePipeline<Result>::Run() {
         threads.push_back(StartThread([this] { WorkOnImages(); }));
       }
     } catch (...) {
-      // The system provides no more threads: the running ones are to end.
+      // The system provides no more threads: stop the running ones.
       has_failed_ = true;
       throw;
     }

@@ -31,9 +31,9 @@ struct ImageScene {
 using StageSeconds = std::map<std::string, double>;
 
 // Pass 1 of 3: writes the evidence of each image to the store. Unless
-// everything is to be done anew, it leaves out images with current evidence,
-// and images that nobody needs: where the planes of the scene are known, only
-// those that are to be refined and their sources are needed.
+// everything is recomputed, it skips images with current evidence and those
+// that are not needed: if the planes of the scene are known, only images to be
+// refined and their sources are needed.
 class ObservePass : public ImagePass<RefineResult> {
  public:
   // Both must outlive this object. seconds: by image of the run, receives the

@@ -428,7 +428,8 @@ struct OutlineView {
 };
 
 // A rough test of whether two pairs may show the same circle: the radii that
-// follow from their widths, where the rays amid the pairs meet, are similar.
+// follow from their widths, where the rays through their middles meet, are
+// similar.
 bool MayShowOneCircle(const Support& a, const Support& b) {
   // Outlines of narrow objects are known to a tenth of the width.
   constexpr double kMaxGap = 0.4;

@@ -29,9 +29,9 @@ struct Rival {
   // Difference of the two depths, in relative depths of one pixel of disparity.
   float gap = 0.f;
   float margin = 0.f;  // LabelQuality::margin.
-  // By how much the colors of other views fit it worse than the measurement,
-  // from -1 to 1. Of what is thin, the windows of matching see less than of the
-  // plane behind it.
+  // How much worse the colors of other views fit it than the measurement, from
+  // -1 to 1. Matching windows show less of thin objects than of the plane
+  // behind them.
   float misfit = 0.f;
 };
 
@@ -105,7 +105,7 @@ TSAR_HD inline float WeighedSum(const float (&weights)[kCount],
   return sum;
 }
 
-// The log-odds that the measurement is nearer to the truth than its rival.
+// The log-odds that the measurement is closer to the true depth than its rival.
 TSAR_HD inline float LogOddsAgainst(const Rival& rival,
                                     const MeasurementSupport& support) {
   constexpr float kSupport[] = {0.31f, 0.34f, 0.58f, -2.25f, -1.63f};

@@ -70,8 +70,8 @@ struct SingleViewStages {
           CountAgreeingSources(views.Reference(), views.Sources(), device);
       if (options.confirmed_depths) {
         const ImageView<const float> gray = views.Reference().gray;
-        // Depths that COLMAP's consistency check rejected are no candidates,
-        // lest they be confirmed by chance.
+        // Depths that COLMAP's consistency check rejected are no candidates:
+        // chance could confirm them.
         const DeviceImage<uint8_t> is_to_refine(device, reference.is_to_refine);
         result.confirmations = ConfirmDepths(gray,
                                              agreement.View(),

@@ -284,7 +284,7 @@ LazyGreedySelection::Choice LazyGreedySelection::Next(
     const std::vector<float>& best) {
   // Gains never grow, computed ones included, since rounding is monotonic: once
   // a gain exceeds the old ones of all remaining candidates, these need not be
-  // computed anew.
+  // recomputed.
   best_.Upload(best.data());
   std::sort(order_.begin(), order_.end(), [&](int a, int b) {
     return gains_[a] != gains_[b] ? gains_[a] > gains_[b] : a < b;

@@ -49,9 +49,9 @@ struct ScoredPlane {
 // The scale of Cauchy's loss in fits of planes, as a share of the tolerance.
 inline constexpr double kCauchyShare = 0.5;
 
-// Fits planes to observations of superpixels, and scores them for all
-// superpixels on a device, by the score of DiscoverPlanes. Planes are in the
-// frame of the first camera. Keeps references to the arguments.
+// Scores planes for all superpixels on a device, by the score of
+// DiscoverPlanes, and fits them to observations of superpixels. Planes are in
+// the frame of the first camera. Keeps references to the arguments.
 class PlaneScorer {
  public:
   // tolerance: see DiscoverPlanesOptions.
@@ -91,8 +91,7 @@ class PlaneScorer {
 
 // Greedy choice among candidate planes: finds the one that raises the best
 // scores of the superpixels most. Lazy evaluation: a candidate's gain never
-// grows, so that an old gain is an upper bound, and most are never computed
-// anew.
+// grows, so that an old gain is an upper bound, and most are never recomputed.
 class LazyGreedySelection {
  public:
   struct Choice {

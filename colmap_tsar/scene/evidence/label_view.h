@@ -55,7 +55,7 @@ struct LabelOptions {
   // a higher cost is not chosen, unless the pairwise costs outweigh that.
   float cost_of_unexplained = 0.6f;
   // The cost of an outlier depth that other views confirm and the view did not
-  // trust: most of these are wrong on bare surfaces, but many together
+  // trust: most of these are wrong on textureless surfaces, but many together
   // distinguish a chest from the wall behind it.
   float confirmed_weight = 0.2f;
   // The share of measured pixels at which ViewLabels::strengths is half of its

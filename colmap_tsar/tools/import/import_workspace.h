@@ -37,7 +37,7 @@ struct ImportSummary {
 };
 
 struct ImportOptions {
-  // Of it, images/ and sparse/ are read, and nothing is changed.
+  // Only its images/ and sparse/ are read, and nothing is changed.
   std::filesystem::path workspace_path;
   std::filesystem::path output_path;
   // The files to import; match.type is also the type of the written maps.
