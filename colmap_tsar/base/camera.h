@@ -39,8 +39,7 @@ struct Intrinsics {
 
 // A calibrated image: x_cam = rotation * x_world + translation, in the units of
 // the sparse model; x right, y down, z forward. Double precision is used, since
-// georeferenced models have coordinates with seven digits before the decimal
-// point.
+// georeferenced models have coordinates of seven integer digits.
 struct Camera {
   int width = 0;
   int height = 0;

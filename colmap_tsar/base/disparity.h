@@ -38,8 +38,7 @@ struct DisparityScale : DepthResolution {
 
 // The scale for a reference camera of the map's size. The baseline is the mean
 // of the four shortest ones to the sources, ignoring sources with the same
-// center, such as the faces of a panorama; the factor is 0 if no others are
-// left.
+// center, such as faces of a panorama; the factor is 0 if there are no others.
 DisparityScale ComputeDisparityScale(const Camera& reference,
                                      const std::vector<Camera>& sources);
 

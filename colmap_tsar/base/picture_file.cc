@@ -58,9 +58,8 @@ cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode) {
     }
   }
   if (pixels.empty()) {
-    // Decoders fail alike for damaged data and exhausted memory. The latter is
-    // the case if the system refuses an allocation too large for malloc's own
-    // reserve.
+    // Decoders fail alike for damaged data and exhausted memory. An allocation
+    // beyond malloc's own reserve tells them apart.
     constexpr size_t kMoreThanKept = size_t{64} << 20;
     ::operator delete(::operator new(kMoreThanKept));
   }

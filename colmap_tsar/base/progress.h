@@ -13,8 +13,7 @@ namespace tsar {
 // Reports the progress of a loop over images: "[12/500] 3 min left". On a
 // terminal it keeps one line up to date; elsewhere, as in a log file, it writes
 // a line every ten seconds and one at the end. Can be advanced from several
-// threads at once. Images that need no work are reported only if they take
-// long.
+// threads. Images that need no work are reported only if they take long.
 class Progress {
  public:
   // A clock in seconds since a fixed moment.

@@ -16,8 +16,7 @@
 namespace tsar {
 
 // Finds the pixel whose hypothesis represents a block of pixels of a map (see
-// ReduceView()). Uses no buffer and no sorting, which suits a GPU thread:
-// blocks are small.
+// ReduceView()), for GPU threads without a buffer or sorting: blocks are small.
 struct BlockDepth {
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;

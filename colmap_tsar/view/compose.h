@@ -75,8 +75,8 @@ void DropDoubtful(float min_confidence,
 
 // R2: fills small holes by the filter F_B, and marks them as interpolated.
 // color, intrinsics: those of the map. num_iterations: the window doubles from
-// round to round, and each round reads the result of the previous one. Does
-// nothing if the options disable it.
+// round to round, each reading the result of the previous one. Does nothing if
+// the options disable it.
 void FillHoles(ImageView<const Rgb> color,
                const Intrinsics& intrinsics,
                const RefineOptions& options,

@@ -29,8 +29,7 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
 // Relabels nonnegative labels so that segments are 4-connected and have at
 // least min_size pixels: in each round, every smaller segment is merged into
 // its largest adjacent one, among equals the one whose first pixel comes first.
-// Labels become 0 ... count - 1 in the order of their first pixel. Returns the
-// count.
+// Labels become 0 ... count - 1 in the order of first pixels. Returns count.
 int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device);
 
 }  // namespace tsar

@@ -40,8 +40,8 @@ struct TrustGate {
 // the estimate (Eq. 9). The estimate is the plane of the superpixel, or the
 // trusted pixel's own if there is none, filtered by F_A. own: 0 = no depth;
 // planes: on the map's pixels; filter: null for none, its min_support is
-// ignored; estimate: working memory; all of the map's size. Changes trusted to
-// 1 or 0.
+// ignored; estimate: working memory; all of the map's size. Sets trusted to 1
+// or 0.
 void GateRound(const DepthNormalViews& own,
                const PlaneRaster& planes,
                ImageView<const Rgb> color,
