@@ -26,7 +26,7 @@ constexpr Vec3f kOwnNormal{0.f, 0.6f, -0.8f};
 constexpr Vec3f kPlaneNormal{0.f, 0.f, -1.f};
 constexpr float kScene = 5.f;
 
-// Off all planes by far.
+// Far off all planes.
 constexpr float kOff = 4.f;
 // Of every superpixel.
 constexpr LabelMeasures kLabel = {
@@ -47,8 +47,8 @@ struct Result {
   Image<float> confidence;
 };
 
-// Starts with a raster of the size of the map, planes that face the camera, and
-// nothing measured. On a plane is what is less than 1 % off. No other view.
+// Starts with a raster of the size of the map, planes that face the camera, no
+// measurements and no other views. Depths within 1 % are on a plane.
 class ComposeSceneTest : public testing::Test {
  protected:
   ComposeSceneTest() {
@@ -100,7 +100,7 @@ class ComposeSceneTest : public testing::Test {
              own_.Width(),
              own_.Height()}};
   }
-  // Everywhere.
+  // The same prior in every pixel.
   void SetPrior(float depth, float sigma) {
     prior_depth_ = Image<float>(kWidth, kHeight, depth);
     prior_sigma_ = Image<float>(kWidth, kHeight, sigma);
@@ -151,7 +151,7 @@ class ComposeSceneTest : public testing::Test {
     EXPECT_EQ(result.provenance(x, y), static_cast<uint8_t>(provenance));
     EXPECT_FLOAT_EQ(result.confidence(x, y), confidence);
   }
-  // Its confidence is its own.
+  // It keeps the confidence of the measurement.
   static void ExpectMeasured(const Result& result, int x, int y, float depth) {
     Expect(result,
            x,
@@ -172,7 +172,7 @@ class ComposeSceneTest : public testing::Test {
   Image<float> own_{kWidth, kHeight};
   Image<uint8_t> ratings_{kWidth, kHeight};
   Image<Plane> scene_{kWidth, kHeight};
-  // Each pixel is one.
+  // Each pixel is a superpixel.
   Image<uint16_t> superpixels_{kWidth, kHeight};
   std::vector<ComposedSuperpixel> of_superpixel_{kWidth * kHeight,
                                                  {LabelOrigin::kNone, kLabel}};
@@ -210,8 +210,8 @@ TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   ASSERT_EQ(static_cast<int>(LabelOrigin::kCarried), 2);
 }
 
-// What the views say decides between two surfaces: see OcclusionVotesTest for
-// how they are asked, MeasurementSupportTest for how their answers are weighed.
+// The views decide between two surfaces: OcclusionVotesTest tests their votes,
+// MeasurementSupportTest how these are weighted.
 TEST_F(ComposeSceneTest, ADepthOffItsPlaneStandsOrGivesWayByItsLogOdds) {
   scene_ = PlanesAt(kScene);
   SetAllOrigins(LabelOrigin::kCarried);
@@ -237,7 +237,7 @@ TEST_F(ComposeSceneTest, ADepthOffItsPlaneStandsOrGivesWayByItsLogOdds) {
   }
 }
 
-// As if it had been measured on the plane, which it was but for noise.
+// Like a measurement on the plane, from which only noise separates it.
 TEST_F(ComposeSceneTest, ADepthThatGivesWayToAPlaneNearbyMovesOntoIt) {
   options_.on_plane = 0.5f;
   options_.min_log_odds = 100.f;
@@ -321,15 +321,14 @@ TEST_F(ComposeSceneTest, APriorFillsWhereThereIsNoPlane) {
 
 TEST_F(ComposeSceneTest, ConfidenceOfAPriorIsThatOfItsSigma) {
   min_fill_confidence_ = 0.3f;
-  // Within one per cent is what is off by two standard deviations, by one, and
-  // by a third of one.
+  // One percent is two standard deviations, one, and a third of one.
   SetPrior(6.f, 0.005f);
   EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.954f, 0.01f);
   SetPrior(6.f, 0.01f);
   EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.683f, 0.01f);
   SetPrior(6.f, 0.03f);
   EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.261f, 0.01f);
-  // Of this one not a third is within three per cent: it is as good as none.
+  // Less than a third of its depths are within three percent: not used.
   SetPrior(6.f, 0.1f);
   EXPECT_EQ(Compose().confidence(3, 3), 0.f);
   outlier_share_ = 0.5f;
@@ -348,10 +347,10 @@ TEST_F(ComposeSceneTest, WithoutAPlaneAMeasurementGivesWayToACertainPrior) {
   EXPECT_FLOAT_EQ(result.depth(2, 2), 6.f);
   EXPECT_EQ(result.provenance(2, 2), static_cast<uint8_t>(Provenance::kPrior));
   ExpectMeasured(result, 4, 2, 6.02f);
-  // A prior that agrees needs no odds.
+  // With a prior that agrees, the odds do not matter.
   options_.min_log_odds = 100.f;
   ExpectMeasured(Compose(), 4, 2, 6.02f);
-  // One that is as often wrong as right says less against others.
+  // A prior that is wrong half of the time is weaker evidence against others.
   options_.min_log_odds = -2.f;
   texture_(2, 2) = 10.f;
   Measure(2, 2, kOff);
@@ -380,7 +379,7 @@ TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
   SetPrior(kScene, 0.005f);
   EXPECT_EQ(depth_with(log_odds - kMost - 0.1f), kOff);
   EXPECT_FLOAT_EQ(depth_with(log_odds - kMost + 0.1f), kScene);
-  // Of a third surface it says nothing.
+  // A prior on a third surface is no evidence.
   SetPrior(10.f, 0.005f);
   EXPECT_EQ(depth_with(log_odds - 0.1f), kOff);
   EXPECT_FLOAT_EQ(depth_with(log_odds + 0.1f), kScene);

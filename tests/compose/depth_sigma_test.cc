@@ -18,7 +18,7 @@ namespace {
 constexpr float kScene = 5.f;
 constexpr float kOff = 4.f;
 constexpr float kNoise = 0.5f;
-// Each constant is another one.
+// All constants are different.
 constexpr SceneSigmaOptions kOptions = {.moved = 1.f,
                                         .filled_measured = 2.f,
                                         .filled_carried = 3.f,
@@ -129,7 +129,7 @@ TEST_F(DepthSigmaTest, TellsKindsOfDepthsApart) {
 TEST_F(DepthSigmaTest, AddsTheErrorOfThePlane) {
   for (const int x : {0, 5}) {
     Set(x, kScene, Provenance::kMeasured);
-    // Of 1/z: 0.006 on the axis, more beside it.
+    // Of 1/z: 0.006 on the axis, more off it.
     of_superpixel_[x].error.zz = 0.006f * 0.006f;
     of_superpixel_[x].error.xx = 0.01f * 0.01f;
   }

@@ -21,7 +21,7 @@ namespace tsar {
 namespace {
 
 constexpr int kFactor = 3;
-// u(z) is at its lower bound, so that 0.3 % is what counts.
+// u(z) is at its lower bound, so that the tolerance is 0.3 %.
 const DepthResolution kFine = {1e-6f};
 
 class UpsampleDepthFlagsTest : public testing::Test {
@@ -74,7 +74,7 @@ TEST_F(UpsampleDepthFlagsTest, PixelsOfAPlaneTakeTheirBlocksFlags) {
 TEST_F(UpsampleDepthFlagsTest,
        PixelsOfABlockAcrossAnEdgeTakeTheirNeighborsFlags) {
   // A nearer surface over the right third of column 4 of the blocks and what
-  // lies right of it: no depth stands for the blocks of column 4.
+  // lies right of it: no depth represents the blocks of column 4.
   ForEachPixel(
       14, view_.depth.Width(), 0, view_.depth.Height(), [&](int x, int y) {
         view_.depth(x, y) *= 0.8f;
@@ -82,7 +82,7 @@ TEST_F(UpsampleDepthFlagsTest,
   Reduce();
   ASSERT_EQ(reduced_.depth(4, 3), 0.f);
   const Image<uint8_t> transferred = Transfer();
-  // The nearest of the column beside is the one in the same row.
+  // The nearest in the adjacent column is the one in the same row.
   for (const int y : {9, 10, 11}) {
     EXPECT_EQ(transferred(12, y), FlagsOf(3, 3));
     EXPECT_EQ(transferred(13, y), FlagsOf(3, 3));
@@ -108,7 +108,7 @@ TEST_F(UpsampleDepthFlagsTest, TheToleranceIsHalfOfWhatMatchingCanTell) {
   view_.depth = depth;
   view_.depth(13, 10) *= 1.0035f;
   EXPECT_EQ(Transfer()(13, 10), 0);
-  // u(z) = 0.008 and more: as precise as that.
+  // u(z) is 0.008 and more, so the tolerance is half of that.
   EXPECT_EQ(Transfer({0.01f / view_.depth(13, 10)})(13, 10), FlagsOf(4, 3));
 }
 

@@ -74,7 +74,7 @@ class OcclusionVotesTest : public testing::Test {
 TEST_F(OcclusionVotesTest, ViewsAgreeWithASurfaceAndContradictOthersBothWays) {
   Expect(VotesOn(kWall), 3, 0, 0);
   Expect(VotesOn(1.01f * kWall), 3, 0, 0);
-  // Neither one surface nor clearly two.
+  // Neither the same surface nor clearly two.
   Expect(VotesOn(1.03f * kWall), 0, 0, 0);
   Expect(VotesOn(1.1f * kWall), 0, 3, 0);
   Expect(VotesOn(0.9f * kWall), 0, 0, 3);
@@ -119,7 +119,7 @@ TEST(MeasurementSupportTest, WhatSpeaksForADepthRaisesItsOdds) {
     less.votes = votes;
     EXPECT_LT(LogOddsAgainst(plane, less), odds);
   }
-  // What speaks for the plane speaks against it.
+  // Evidence for the plane is evidence against the measurement.
   Rival better = plane;
   better.votes = {6, 0, 0};
   EXPECT_LT(LogOddsAgainst(better, support), odds);
