@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Finds the weights of ConfidenceOf() (view/depth_confidence.h) by logistic
-// regression of "the depth is right to 1 %" on all that is known of it, with
-// equal weight for each scene. Of each scene it prints by how much the weights
-// that the others give miss there: the mean difference, over ten classes of the
+// regression of "the depth is right to 1 %" on all known terms, with equal
+// weight for each scene. For each scene it prints the calibration error of the
+// weights fitted to the others: the mean difference, over ten classes of the
 // confidence, between it and the share of depths that are right.
 //
 //   fit_confidence MODELED=REFINED [MODELED=REFINED ...]

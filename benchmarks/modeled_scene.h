@@ -102,7 +102,7 @@ class ModeledScene {
   const SceneModel& Model() const { return model_; }
   Device& GetDevice() const { return *device_; }
 
-  // As ComposeTask does it, with all other views as sources.
+  // As ComposePass does it, with all other views as sources.
   ModeledImage Load(int image) const {
     ModeledImage result;
     std::vector<ObservedView>& views = result.views;
@@ -152,9 +152,9 @@ class ModeledScene {
   std::map<int, ViewEvidence> evidence_;
 };
 
-// Throws kMismatch for the model of a workspace with columns or pipes: what
-// provenance maps call interpolated is there what outlines determine, which
-// says nothing of interpolated depths.
+// Throws kMismatch for the model of a workspace with columns or pipes: there,
+// depths that provenance maps call interpolated come from outlines, not from
+// interpolation.
 inline void RequireNoCylinders(const SceneModel& model,
                                const std::filesystem::path& root) {
   if (!model.cylinders.empty()) {
