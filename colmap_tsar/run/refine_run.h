@@ -21,8 +21,8 @@
 
 namespace tsar {
 
-// A run over the images of a shard; one over all images is that of shard 0 of
-// 1. All outlive the objects they are passed to.
+// A run over the images of a shard; a run over all images has shard 0 of 1. All
+// references outlive the objects that get them.
 struct RefineRun {
   const WorkspaceRefineOptions& options;
   const RefineOptions& refine_options;

@@ -92,10 +92,10 @@ void FilterMaps(const Workspace& workspace,
   }
   RefineDevices devices = CreateRefineDevices(
       device_options, PlanStereo(overview), static_cast<int>(images.size()));
-  FilterPass task(workspace, devices.workers);
+  FilterPass pass(workspace, devices.workers);
   const PipelineOutcome outcome =
       ImagePipeline<StereoMaps>(
-          task,
+          pass,
           std::move(images),
           "Filtering:",
           devices.at_work,

@@ -304,8 +304,8 @@ void RunPasses(const Workspace& workspace,
   for (int pass = 0; pass < passes.NumPasses(); ++pass) {
     const std::string name =
         std::to_string(pass + 1) + " of " + std::to_string(passes.NumPasses());
-    StereoPass task(workspace, options, passes, pass, devices.workers);
-    PipelineOutcome outcome = ImagePipeline<StereoMaps>(task,
+    StereoPass stereo_pass(workspace, options, passes, pass, devices.workers);
+    PipelineOutcome outcome = ImagePipeline<StereoMaps>(stereo_pass,
                                                         images[pass],
                                                         "Pass " + name + ":",
                                                         devices.at_work,
