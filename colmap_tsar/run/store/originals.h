@@ -14,11 +14,11 @@
 
 namespace tsar {
 
-// Whose map it is that stands under the name of a map:
-// 1. One that the image's record lists is this program's; its original is in
+// The origin of a map file:
+// 1. A file that the image's record lists is this program's; its original is in
 //    stereo/tsar/original.
-// 2. Any other one is the user's or COLMAP's and counts as the original. One
-//    that is kept of an earlier time is put aside (see Supersede), not removed.
+// 2. Any other file is the user's or COLMAP's and counts as the original. An
+//    older kept original is then set aside (see Supersede), not removed.
 // 3. Restoring renames the original back, but never over a map of rule 2.
 enum class MapState {
   kMissing,   // There is no file.
