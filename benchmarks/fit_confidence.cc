@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 // Finds the weights of ConfidenceOf() (view/depth_confidence.h) by logistic
-// regression of "the depth is right to 1 %" on all that is known of it, with
-// equal weight for each scene. Of each scene it prints by how much the weights
-// that the others give miss there: the mean difference, over ten classes of the
+// regression of "the depth is right to 1 %" on all known terms, with equal
+// weight for each scene. For each scene it prints the calibration error of the
+// weights fitted to the others: the mean difference, over ten classes of the
 // confidence, between it and the share of depths that are right.
 //
 //   fit_confidence MODELED=REFINED [MODELED=REFINED ...]
@@ -53,10 +53,10 @@ DepthKind KindAt(const PlaneView& refined,
   if (source == Provenance::kMeasured) {
     return refined.planes(x, y) > 0 ? DepthKind::kMoved : DepthKind::kStanding;
   }
-  switch (view.found.labels.evidence[view.SuperpixelAt(x, y)]) {
-    case LabelEvidence::kMeasured:
+  switch (view.found.labels.origins[view.SuperpixelAt(x, y)]) {
+    case LabelOrigin::kMeasured:
       return DepthKind::kFilled;
-    case LabelEvidence::kCarried:
+    case LabelOrigin::kCarried:
       return DepthKind::kCarried;
     default:
       return DepthKind::kGuessed;
@@ -67,7 +67,7 @@ void CollectView(const ModeledImage& view,
                  const PlaneView& refined,
                  Device& device,
                  std::vector<Sample>* samples) {
-  const Image<ViewVotes> votes = view.CountVotes(refined.depth, device);
+  const Image<OcclusionVotes> votes = view.CountVotes(refined.depth, device);
   for (int y = 0; y < refined.depth.Height(); ++y) {
     for (int x = 0; x < refined.depth.Width(); ++x) {
       const float depth = refined.depth(x, y);

@@ -1,12 +1,12 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Finds the weights of view/depth_confidence.h by logistic regression,
-// with equal weight for each scene: when a depth that was measured off the
-// plane of its superpixel is nearer to the truth than the plane. Of each scene
-// it prints what the weights that the others give would do there: the shares of
-// these pixels that are off by 5 %, right to 1 %, and of the measurements that
-// were right to 1 % those that become wrong by over 2.5 %.
+// Finds the weights of view/depth_confidence.h by logistic regression, with
+// equal weight for each scene: when a depth that was measured off the plane of
+// its superpixel is nearer to the truth than the plane. For each scene it
+// prints the effect of the weights fitted to the others: the shares of these
+// pixels that are off by 5 %, right to 1 %, and of the measurements that were
+// right to 1 % those that become wrong by over 2.5 %.
 //
 //   fit_measurements MODELED [MODELED ...]
 //
@@ -62,8 +62,8 @@ void CollectView(const ModeledImage& view,
                  Device& device,
                  std::vector<Sample>* samples) {
   const Image<float> rivals = DepthsOfPlanes(view);
-  const Image<ViewVotes> votes = view.CountVotes(view.depth, device);
-  const Image<ViewVotes> rival_votes = view.CountVotes(rivals, device);
+  const Image<OcclusionVotes> votes = view.CountVotes(view.depth, device);
+  const Image<OcclusionVotes> rival_votes = view.CountVotes(rivals, device);
   for (int y = 0; y < rivals.Height(); ++y) {
     for (int x = 0; x < rivals.Width(); ++x) {
       const float own = view.depth(x, y);
@@ -98,7 +98,7 @@ std::vector<Sample> Collect(const std::string& root) {
 
 using Scenes = std::vector<std::vector<Sample>>;
 
-// A constant, what speaks for the measurement, and what for its rival.
+// A constant, the terms for the measurement, and those for its rival.
 Eigen::VectorXd ContestRow(const Sample& sample) {
   const SupportTerms support(sample.support);
   const RivalTerms rival(sample.rival);
@@ -113,7 +113,7 @@ Eigen::VectorXd ContestRow(const Sample& sample) {
   return row;
 }
 
-// Which of two depths is nearer to the truth, weighed by how much that matters.
+// Which of two depths is nearer to the truth, weighted by the difference.
 Eigen::VectorXd FitContest(const Scenes& scenes) {
   return SolveRegression(scenes, [](const Sample& sample) {
     const float own = std::min(sample.own_error / kFullError, 1.f);

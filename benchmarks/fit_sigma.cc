@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// How well sigma maps hold, and the constants of SceneSigmaOptions
-// (compose/depth_sigma.h) with which they would: of the depths that are right
-// to 1 %, the share whose error is less than one and than two standard
+// How well sigma maps are calibrated, and the constants of SceneSigmaOptions
+// (compose/depth_sigma.h) that would calibrate them: of the depths that are
+// right to 1 %, the share whose error is less than one and than two standard
 // deviations, for each way in which depths come about. It should be 0.68 and
 // 0.95.
 //
@@ -42,7 +42,7 @@ namespace {
 
 constexpr float kRight = 0.01f;  // Of the depth.
 constexpr double kNormalShare = 0.6827;
-// Scenes with fewer depths of a kind say nothing of it.
+// Scenes with fewer depths of a kind do not count for it.
 constexpr size_t kMinSamples = 500;
 
 enum Kind {

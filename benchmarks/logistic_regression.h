@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// One observation: what is known before, and whether the event came about.
+// One observation: the values of the terms, and whether the event occurred.
 struct Case {
   Eigen::VectorXd row;  // A constant 1 first.
   bool outcome = false;

@@ -14,7 +14,7 @@
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
-#include "colmap_tsar/view/view_votes.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 
 #include <filesystem>
 #include <map>
@@ -67,16 +67,19 @@ struct ModeledImage {
             quality.uncertainty.Value(),
             quality.margin.Value()};
   }
-  MeasurementSupport SupportAt(int x, int y, const ViewVotes& votes) const {
+  MeasurementSupport SupportAt(int x,
+                               int y,
+                               const OcclusionVotes& votes) const {
     return {votes,
             AtSamePlace(texture, x, y, depth),
             MeasurementFlags::IsTrusted(flags(x, y))};
   }
-  Image<ViewVotes> CountVotes(const Image<float>& map, Device& device) const {
-    return CountViewVotes({views, found.planes_of_sources},
-                          intrinsics,
-                          {DeviceImage<float>(device, map).View()},
-                          device)[0]
+  Image<OcclusionVotes> CountVotes(const Image<float>& map,
+                                   Device& device) const {
+    return CountOcclusionVotes({views, found.planes_of_sources},
+                               intrinsics,
+                               {DeviceImage<float>(device, map).View()},
+                               device)[0]
         .ToHost();
   }
 };
@@ -99,7 +102,7 @@ class ModeledScene {
   const SceneModel& Model() const { return model_; }
   Device& GetDevice() const { return *device_; }
 
-  // As ComposeTask does it, with all other views as sources.
+  // As ComposePass does it, with all other views as sources.
   ModeledImage Load(int image) const {
     ModeledImage result;
     std::vector<ObservedView>& views = result.views;
@@ -149,9 +152,9 @@ class ModeledScene {
   std::map<int, ViewEvidence> evidence_;
 };
 
-// Throws kMismatch for the model of a workspace with columns or pipes: what
-// provenance maps call interpolated is there what outlines determine, which
-// says nothing of interpolated depths.
+// Throws kMismatch for the model of a workspace with columns or pipes: there,
+// depths that provenance maps call interpolated come from outlines, not from
+// interpolation.
 inline void RequireNoCylinders(const SceneModel& model,
                                const std::filesystem::path& root) {
   if (!model.cylinders.empty()) {

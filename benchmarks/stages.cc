@@ -9,7 +9,7 @@
 // Draws a room, or takes the first image of --workspace_path. Times are those
 // of the wall, from the call until the device is idle. items_per_second and
 // bytes_per_second count what a stage must do at least (the cases in stages/
-// say what that is): a low number says that the stage does more than it must.
+// say what that is): a low number means that the stage does more than it must.
 // Options that begin with --benchmark_ are Google Benchmark's.
 
 #include "colmap_tsar/base/error.h"

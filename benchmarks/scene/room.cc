@@ -21,7 +21,7 @@ constexpr double kFloor = 1.3;
 constexpr double kFront = -3.0;
 constexpr double kBack = 3.0;
 
-// How far pictures and carpet stand proud of what they lie on.
+// How far pictures and carpet protrude from the surface behind them.
 constexpr double kThickness = 0.01;
 
 const Vector3d kLamp(-0.6, -1.2, -0.4);
@@ -38,8 +38,8 @@ constexpr double kFocalShare = 0.8;
 // Nearer hits are the surface that the ray started from.
 constexpr double kMinDistance = 1e-6;
 
-// Rectangles reach this far over their sides, so that no ray slips through
-// where two of them meet.
+// Rectangles extend beyond their sides by this much, so that no ray passes
+// between two that meet.
 constexpr double kOverlap = 1e-9;
 
 // The nearer solution of a t^2 + 2 b t + c = 0, where there is one in front.
@@ -180,7 +180,7 @@ void Room::AddFurniture() {
   // A cupboard of wood and one that is painted white.
   AddBox({2.1, 0.45, 2.65}, {1.1, 1.7, 0.6}, 0.0, wood);
   AddBox({-2.4, 0.65, 1.9}, {0.7, 1.3, 0.9}, 0.0, Bare(226, 226, 222));
-  // A bare table with a crate on it, and a crate on the carpet.
+  // A table without texture with a crate on it, and a crate on the carpet.
   AddBox({0.9, 0.62, 2.3}, {1.0, 0.06, 0.6}, 8.0, Bare(190, 170, 140));
   AddBox({0.8, 0.46, 2.3}, {0.3, 0.26, 0.3}, 30.0, crate);
   AddBox({-1.1, 1.04, 1.5}, {0.5, 0.5, 0.5}, 25.0, crate);

@@ -20,7 +20,7 @@ namespace tsar {
 struct Material {
   Eigen::Vector3d base;
   Eigen::Vector3d accent;  // The color that the texture goes to.
-  double cell = 0.0;       // Width of the coarsest detail in meters; 0: bare.
+  double cell = 0.0;       // Width of the coarsest detail in meters; 0: none.
 
   bool IsBare() const { return cell == 0.0; }
 };
@@ -86,8 +86,8 @@ struct RoomHit {
 };
 
 // A furnished room, in meters; x right, y down, z to the back wall. Walls,
-// ceiling, floor, table and one cupboard are bare; posters, carpet, crates, a
-// globe and a column have texture.
+// ceiling, floor, table and one cupboard have no texture; posters, carpet,
+// crates, a globe and a column have some.
 class Room {
  public:
   explicit Room(uint32_t seed);

@@ -14,7 +14,7 @@ namespace {
 constexpr int64_t kSide = 256;
 constexpr int kMaxOctaves = 8;
 // How much weaker an octave is than the one before. High, because matching
-// lives on fine detail.
+// depends on fine detail.
 constexpr double kPersistence = 0.85;
 constexpr double kGain = 0.7;
 

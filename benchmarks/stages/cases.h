@@ -22,7 +22,7 @@ struct StageCase {
   // caches held everything else.
   double num_bytes = 0.0;
   std::function<void()> run;
-  // Where the run changes its input: makes it anew, outside the measured time.
+  // If the run changes its input: recreates it, outside the measured time.
   std::function<void()> prepare = [] {};
 };
 

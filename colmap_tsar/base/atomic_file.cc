@@ -51,8 +51,8 @@ void LockTemporary(int descriptor, const ContainedPath& path) {
   }
 }
 
-// The sign of a temporary where the user named the file itself, so that
-// anything may stand beside it: the sticky bit, which means nothing for a file.
+// The mark of a temporary file if the user named the file itself, since any
+// file may have that name: the sticky bit, which has no effect on files.
 mode_t SignOf(const ContainedPath& path) {
   return path.Relative().has_parent_path() ? 0 : S_ISVTX;
 }
@@ -85,7 +85,7 @@ void RemoveOldTemporary(const ContainedPath& path) {
   close(descriptor);
 }
 
-// Tells the system's error, which streams do not.
+// Reports the system's error, which streams do not.
 class OutputBuffer : public __gnu_cxx::stdio_filebuf<char> {
  public:
   OutputBuffer(const fs::path& path, int descriptor)
@@ -210,7 +210,7 @@ void AtomicFile::Commit() {
 
 void CreateFolders(const ContainedPath& path) {
   RequireInside(path);
-  // No thread takes a folder of another one for one that is on the disk.
+  // A folder just created by another thread may not be on the disk yet.
   static std::mutex mutex;
   const std::lock_guard<std::mutex> lock(mutex);
   std::error_code error;

@@ -22,13 +22,13 @@ namespace tsar {
 // while another program writes the file.
 class AtomicFile {
  public:
-  // Suffix of the temporary names. A killed program leaves its temporary
-  // behind; the next write of the same file replaces it. Beside a file that the
-  // user named (UserPath), anything else of that name is refused.
+  // Suffix of the temporary names. A killed program leaves its temporary file
+  // behind; the next write of the same file replaces it. For a file that the
+  // user named (UserPath), anything else of that name is an error.
   static constexpr const char* kTemporarySuffix = ".tsar_tmp";
 
-  // The folder must exist, and no folder stand under the file's name or its
-  // temporary one; see folder.h for other errors.
+  // The folder must exist, and neither the file's name nor its temporary name
+  // may be that of a folder; see folder.h for other errors.
   explicit AtomicFile(const ContainedPath& path);
   ~AtomicFile();
   AtomicFile(AtomicFile&&) noexcept;
@@ -71,7 +71,7 @@ void CopyFile(const std::filesystem::path& source,
               bool keeps_time = false);
 
 // Renames a file and flushes the folder. Throws Error kIo. Creates no folder.
-// Between file systems, the file is copied and the former name removed.
+// Across file systems, the file is copied and the old name removed.
 void RenameFile(const ContainedPath& from, const ContainedPath& to);
 
 }  // namespace tsar

@@ -17,9 +17,9 @@ inline Vec3f ToVec3f(const Eigen::Vector3d& vector) {
           static_cast<float>(vector.z())};
 }
 
-// Pinhole intrinsics in pixels. Pixel (col, row) has the ray
-// ((col - cx) / fx, (row - cy) / fy, 1): integer coordinates without a half
-// pixel, which is what COLMAP's dense stage does.
+// Pinhole intrinsics in pixels. Pixel (col, row) has the ray ((col - cx) / fx,
+// (row - cy) / fy, 1): pixel centers have integer coordinates, as in COLMAP's
+// dense stage.
 struct Intrinsics {
   float fx = 1.f;
   float fy = 1.f;
@@ -39,7 +39,7 @@ struct Intrinsics {
 
 // A calibrated image: x_cam = rotation * x_world + translation, in the units of
 // the sparse model; x right, y down, z forward. Double precision is used, since
-// georeferenced models have coordinates with seven digits before the point.
+// georeferenced models have coordinates of seven integer digits.
 struct Camera {
   int width = 0;
   int height = 0;

@@ -13,8 +13,8 @@
 
 namespace tsar {
 
-// The name of the hash function in files that hold hashes: those of another
-// function are not comparable.
+// The name of the hash function, stored in files that hold hashes: hashes of
+// different functions are not comparable.
 inline constexpr const char* kContentHashName = "xxh3";
 
 // A 64-bit hash of a sequence of bytes (XXH3), to recognize files that this

@@ -37,8 +37,8 @@ struct DisparityScale : DepthResolution {
 };
 
 // The scale for a reference camera of the map's size. The baseline is the mean
-// of the four shortest ones to the sources, without views of the same center,
-// such as the faces of a panorama; the factor is 0 if there are none.
+// of the four shortest ones to the sources, ignoring sources with the same
+// center, such as faces of a panorama; the factor is 0 if there are no others.
 DisparityScale ComputeDisparityScale(const Camera& reference,
                                      const std::vector<Camera>& sources);
 

@@ -15,11 +15,11 @@ enum class ErrorCode {
   kNotFound,     // A file, folder or named thing does not exist.
   kCorrupt,      // A file's content breaks its format.
   kMismatch,     // Two inputs contradict each other (sizes, names, counts).
-  kUnsupported,  // Valid, but not something this program can work on.
+  kUnsupported,  // Valid, but not supported by this program.
   kIo,           // Reading or writing failed (permissions, full disk).
   kBadOption,    // A command-line option or its value is wrong.
   kDevice,       // The GPU or its driver failed.
-  kOutOfMemory,  // Host or GPU memory, or threads, did not suffice.
+  kOutOfMemory,  // Not enough host or GPU memory, or threads.
   kInterrupted,  // The user asked to stop.
 };
 
@@ -48,7 +48,7 @@ class Error : public std::runtime_error {
 inline constexpr char kOutOfMemory[] =
     "out of memory; close other programs or work on smaller images";
 
-// Whether an exception, also one of OpenCV, reports exhausted memory.
+// Whether an exception, including those of OpenCV, reports exhausted memory.
 bool IsOutOfMemory(const std::exception_ptr& failure);
 
 // The message of an exception (not null) as one line for the user: an Error's

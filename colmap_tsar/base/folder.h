@@ -30,7 +30,7 @@ std::vector<FolderEntry> ListFolder(const ContainedPath& folder);
 
 // The entries of a folder and of all below it, each folder before its content.
 // Links are not followed. A folder that cannot be listed is an error, since its
-// content would count as missing; the system's "lost+found" is skipped.
+// content would appear to be missing; the system's "lost+found" is skipped.
 std::vector<FolderEntry> ListTree(const ContainedPath& folder);
 
 // The paths, relative to the folder and without the suffix, of the files below
@@ -51,8 +51,8 @@ void FlushToDisk(const std::filesystem::path& path);
                                    const std::string& what,
                                    int error);
 
-// Throws Error kIo where a folder stands under the name of a file to write, to
-// be called before the content is computed. Links to folders can be replaced.
+// Throws Error kIo if the path of a file to write is a folder. To be called
+// before the content is computed. Links to folders can be replaced.
 void RequireNoFolder(const std::filesystem::path& path);
 
 // Removes a file or link if it exists.

@@ -17,9 +17,9 @@ namespace tsar {
 // could hang when opened, and a device has no end.
 //
 // As with std::ifstream, a file that cannot be opened leaves the stream in a
-// failed state; Reason() then says why. A disk that fails while the file is
-// read, and memory that runs out, are exceptions (kIo, std::bad_alloc): streams
-// take both for the end of the file otherwise.
+// failed state; Reason() then says why. A disk error while reading and
+// exhausted memory throw (kIo, std::bad_alloc); other streams would report both
+// as the end of the file.
 class InputFile : public std::istream {
  public:
   // Links are followed.
@@ -53,7 +53,7 @@ class InputFile : public std::istream {
   bool is_no_file_ = false;
 };
 
-// Reads the next line of a text that other programs or hands wrote, without a
+// Reads the next line of a text from other programs or people, without a
 // carriage return at its end, and without a byte order mark if it is the first.
 bool ReadLine(std::istream& text, bool is_first, std::string* line);
 

@@ -12,9 +12,9 @@
 
 namespace tsar {
 
-// The number that a whole text is, whatever the locale. Nullopt for any other
-// text, such as an empty one, one with blanks, a plus sign or anything behind
-// the number, and for numbers that the type does not hold.
+// Parses a text that consists of one number, independently of the locale.
+// Returns nullopt for any other text, such as an empty one, one with blanks, a
+// plus sign or trailing characters, and for numbers out of the type's range.
 template <typename T>
 std::optional<T> ParseNumber(std::string_view text) {
   T number{};

@@ -16,16 +16,16 @@ bool Exists(const std::filesystem::path& path);
 // Whether a path is a regular file; links and errors as Exists().
 bool IsFile(const std::filesystem::path& path);
 
-// In lower case, as far as it is ASCII.
+// The name with its ASCII letters in lower case.
 std::string FoldedCase(const std::string& name);
 
-// What to do about a file that is missing: the advice or, where the path is a
-// dangling link, to mend that or, where its folder has a file of the same name
-// but for upper and lower case (.JPG and .jpg), to rename that.
+// What to do about a missing file: repair the link if the path is a dangling
+// one; rename a file in its folder whose name differs only in case (.JPG and
+// .jpg), if there is one; otherwise the given advice.
 std::string AdviceForMissing(const std::filesystem::path& path,
                              const std::string& advice);
 
-// What stands under this name itself, be it a link; errors as Exists().
+// The status of the path itself, without following a link; errors as Exists().
 std::filesystem::file_status SymlinkStatus(const std::filesystem::path& path);
 
 // Whether a path is this folder or lies in it; compares names only.

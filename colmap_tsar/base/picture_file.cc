@@ -58,8 +58,8 @@ cv::Mat DecodePicture(std::span<const uint8_t> bytes, int mode) {
     }
   }
   if (pixels.empty()) {
-    // Decoders fail alike for damaged data and for want of memory, which the
-    // system tells: it is asked for more than malloc keeps to itself.
+    // Decoders fail alike for damaged data and exhausted memory. An allocation
+    // beyond malloc's own reserve tells them apart.
     constexpr size_t kMoreThanKept = size_t{64} << 20;
     ::operator delete(::operator new(kMoreThanKept));
   }

@@ -67,8 +67,7 @@ void Progress::Advance(bool was_work) {
   const double now = clock_();
   ++num_done_;
   num_worked_ += was_work ? 1 : 0;
-  // Where nothing had to be done there is nothing to tell, unless it takes
-  // time.
+  // If nothing had to be done, nothing is reported, unless it takes time.
   const bool is_due =
       (num_done_ == num_total_ && num_worked_ > 0) ||
       now - last_print_ >=

@@ -10,10 +10,10 @@
 
 namespace tsar {
 
-// Tells how far a loop over images has come: "[12/500] 3 min left". On a
+// Reports the progress of a loop over images: "[12/500] 3 min left". On a
 // terminal it keeps one line up to date; elsewhere, as in a log file, it writes
 // a line every ten seconds and one at the end. Can be advanced from several
-// threads at once. Of images that need no work it tells only what takes time.
+// threads. Images that need no work are reported only if they take long.
 class Progress {
  public:
   // A clock in seconds since a fixed moment.

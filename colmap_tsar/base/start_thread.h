@@ -12,8 +12,7 @@
 
 namespace tsar {
 
-// The number of threads that is wanted, where it is positive; else one for each
-// core.
+// The requested number of threads if it is positive, else one per core.
 inline int NumThreads(int wanted) {
   return wanted > 0
              ? wanted
@@ -22,8 +21,8 @@ inline int NumThreads(int wanted) {
 }
 
 // Starts a thread. Throws kOutOfMemory if the system allows no more or has no
-// memory for it. The caller must make sure that other running threads end then:
-// the vector that holds them joins them.
+// memory for it. The caller must make sure that the threads already running end
+// then: the vector that holds them joins them.
 template <typename Function>
 std::jthread StartThread(Function&& function) {
   try {

@@ -8,8 +8,8 @@
 
 namespace tsar {
 
-// Logs a warning for the user as one line, by way of Printable(). This is the
-// only function that writes to the log; it is thread-safe.
+// Logs a warning for the user as one Printable() line. Only this function
+// writes to the log; it is thread-safe.
 void Warn(const std::string& message);
 
 // "FIRST", or "FIRST and 2 more" of three.

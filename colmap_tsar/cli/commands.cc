@@ -124,7 +124,7 @@ const std::vector<Command>& Commands() {
 
 int RunCommand(CommandFunction function, int argc, char** argv) {
   OpenClosedStandardStreams();
-  // A write beyond the file size limit (ulimit -f) is to fail, like one to a
+  // A write beyond the file size limit (ulimit -f) should fail, like one to a
   // full disk; otherwise the system would end the process.
   std::signal(SIGXFSZ, SIG_IGN);
   try {

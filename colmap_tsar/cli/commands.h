@@ -3,7 +3,7 @@
 
 #pragma once
 
-// C++14 suffices for this header, since older versions of COLMAP include it.
+// This header is valid C++14, since older versions of COLMAP include it.
 
 #include <string>
 #include <vector>
@@ -20,9 +20,9 @@ struct Command {
   CommandFunction run;  // Reports errors as RunCommand does; never throws.
 };
 
-// All commands of this build (cmake/TsarTools.cmake), in the order in which the
-// help lists them, for registration by a program that contains them (this
-// project's own, or a COLMAP built with one of patches/).
+// All commands of this build (cmake/TsarTools.cmake), in the order of the help,
+// for registration by a program that contains them (this project's own, or a
+// COLMAP built with one of patches/).
 const std::vector<Command>& Commands();
 
 // Calls the function; prints any exception as one line "ERROR: ..." to standard

@@ -21,7 +21,7 @@ struct FuseCommand {
   std::filesystem::path bounding_box_path;
   bool overwrite = false;
   std::string preset = "default";
-  // The options that the members above do not hold.
+  // All options that are not members above.
   FuseWorkspaceOptions options;
 
   void AddTo(OptionSet* set);

@@ -19,7 +19,7 @@ struct ImportCommand {
 
   void AddTo(OptionSet* set);
 
-  // Throws kBadOption where something does not fit the format, and what
+  // Throws kBadOption if an option does not apply to the format, and what
   // ImportWorkspace throws.
   ImportSummary Run(Progress& progress,
                     const std::function<bool()>& should_stop) const;

@@ -13,9 +13,9 @@
 
 namespace tsar {
 
-// While it lives, the first Ctrl-C (SIGINT), SIGTERM or SIGHUP, unless that is
-// ignored, only sets a flag, so that the work can end in order; the second ends
-// the program at once. One object at a time.
+// During its lifetime, the first Ctrl-C (SIGINT), SIGTERM or SIGHUP, unless
+// that is ignored, only sets a flag, so that the work can end cleanly; the
+// second ends the program at once. One object at a time.
 class Interruption {
  public:
   Interruption();
@@ -31,7 +31,7 @@ class Interruption {
 };
 
 // Returns what the work returns. Its arguments are a Progress that writes to
-// standard error, and a function that tells whether it has been interrupted.
+// standard error, and a function that returns whether it has been interrupted.
 template <typename Work>
 auto RunInterruptibly(const Work& work) {
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);

@@ -15,13 +15,13 @@
 
 namespace tsar {
 
-// The values that a number may take; both ends belong to it.
+// The range of values of a number, both ends included.
 struct OptionRange {
   double min = std::numeric_limits<double>::lowest();
   double max = std::numeric_limits<double>::max();
 };
 
-// A variable of a type that has texts.
+// A variable of a type whose values have texts.
 struct TextTarget {
   std::function<std::string()> get;
   std::function<void(const std::string&)> set;  // Throws kBadOption.

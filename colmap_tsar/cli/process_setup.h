@@ -3,8 +3,8 @@
 
 #pragma once
 
-// What a program does first so that it ends in order and says why, also without
-// standard streams or memory.
+// Setup at the start of a program, so that it ends cleanly with a message even
+// without standard streams or memory.
 
 namespace tsar {
 
@@ -28,8 +28,8 @@ void FlushStandardOutput();
 // standard error, also where no memory is left.
 void ReportFailure() noexcept;
 
-// Prints that memory ran out. Allocates none, and needs nothing that is set up
-// when a program starts.
+// Prints that memory ran out. Allocates none, and needs no static
+// initialization.
 void ReportOutOfMemory() noexcept;
 
 // Makes the program end with such a line and exit code 1, also for an exception

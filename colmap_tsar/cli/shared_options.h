@@ -47,8 +47,8 @@ void AddMaskPath(std::filesystem::path* value,
 
 // Checks, before the work is done, whether a command may write a file to a path
 // that an option gives. Throws Error kNotFound where its folder is missing,
-// kUnsupported where it lies among the inputs of a workspace, where something
-// else than a file of the kind is there, and where one exists and is not to be
+// kUnsupported where it lies among the inputs of a workspace, where anything
+// but a file of the kind is there, and where one exists and is not to be
 // overwritten. kind: its name, "picture"; is_of_kind: whether a file that is
 // not empty begins, in its first 1000 bytes, as one of the kind.
 using IsOfKind = std::function<bool(const std::string& begin)>;

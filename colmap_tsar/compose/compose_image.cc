@@ -7,15 +7,15 @@
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/compose/depth_sigma.h"
 #include "colmap_tsar/compose/photometric_detail.h"
-#include "colmap_tsar/compose/transfer_flags.h"
+#include "colmap_tsar/compose/upsample_depth_flags.h"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/scene_options.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 #include "colmap_tsar/view/stage_timer.h"
-#include "colmap_tsar/view/view_votes.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -34,11 +34,11 @@ DeviceImage<float> RasterTexture(const ViewEvidence& evidence, Device& device) {
 std::vector<ComposedSuperpixel> DescribeSuperpixels(
     const FoundScene& found, const std::vector<Vec3f>& prior_normals) {
   std::vector<ComposedSuperpixel> result;
-  for (size_t k = 0; k < found.labels.evidence.size(); ++k) {
+  for (size_t k = 0; k < found.labels.origins.size(); ++k) {
     const int label = found.labels.planes[k];
     const LabelQuality& quality = found.labels.qualities[k];
     result.push_back(
-        {found.labels.evidence[k],
+        {found.labels.origins[k],
          {quality.strength.Value(),
           quality.confirmed.Value(),
           quality.uncertainty.Value(),
@@ -81,7 +81,7 @@ RefineResult ComposeImage(
   result.prior = evidence.prior.assessment;
   DeviceReference view(reference, device);
   const DeviceImage<uint8_t> flags =
-      TransferFlags(evidence, reference, view, device);
+      UpsampleDepthFlags(evidence, reference, view, device);
   const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
   const DeviceImage<Plane> scene_planes =
       PlanesOfLabels(superpixels.View(),

@@ -17,7 +17,7 @@
 namespace tsar {
 
 // The last of the steps by which an image is refined together with all others,
-// after MeasureImage(), MakeEvidence() and those of find_scene.h.
+// after ObserveImage(), MakeEvidence() and those of find_scene.h.
 
 // Composes the reference's map from the planes and surfaces that were found in
 // it. The evidence of the reference must have all its parts. sources: for

@@ -16,11 +16,11 @@ namespace tsar {
 namespace {
 
 // The provenance of a pixel that a plane of the scene fills.
-TSAR_HD inline Provenance ProvenanceOfPlane(LabelEvidence evidence) {
-  switch (evidence) {
-    case LabelEvidence::kMeasured:
+TSAR_HD inline Provenance ProvenanceOfPlane(LabelOrigin origin) {
+  switch (origin) {
+    case LabelOrigin::kMeasured:
       return Provenance::kRegionPlane;
-    case LabelEvidence::kCarried:
+    case LabelOrigin::kCarried:
       return Provenance::kOtherViews;
     default:
       return Provenance::kGuessed;
@@ -69,7 +69,7 @@ struct OwnDepthKernel {
 
 // The support of the measurement at a pixel of the map.
 TSAR_HD inline MeasurementSupport SupportAt(const ComposeSceneInputs& inputs,
-                                            const ViewVotes& votes,
+                                            const OcclusionVotes& votes,
                                             int x,
                                             int y) {
   return {
@@ -85,8 +85,8 @@ struct ContestKernel {
   float min_log_odds;
   ImageView<const float> contested;
   ImageView<const float> rivals;
-  ImageView<const ViewVotes> votes;
-  ImageView<const ViewVotes> votes_on_rivals;
+  ImageView<const OcclusionVotes> votes;
+  ImageView<const OcclusionVotes> votes_on_rivals;
   ImageView<uint8_t> own_depth;
 
   TSAR_HD void operator()(int x, int y) const {
@@ -149,7 +149,7 @@ struct ComposeSceneKernel {
               plane.normal,
               own == kMoves
                   ? Provenance::kMeasured
-                  : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).evidence));
+                  : ProvenanceOfPlane(SuperpixelAt(inputs, x, y).origin));
     }
   }
 };
@@ -161,7 +161,7 @@ struct SceneConfidenceKernel {
   ComposeSceneInputs inputs;
   ImageView<const float> depth;
   ImageView<const uint8_t> provenance;
-  ImageView<const ViewVotes> votes;
+  ImageView<const OcclusionVotes> votes;
   ImageView<const float> variances_on_cylinders;
   DepthResolution resolution;
   float noise;
@@ -285,7 +285,7 @@ ComposedMap ComposeScene(DepthNormalImages own,
                                own_depth.View(),
                                contested.View(),
                                rivals.View()});
-    const std::vector<DeviceImage<ViewVotes>> votes = CountViewVotes(
+    const std::vector<DeviceImage<OcclusionVotes>> votes = CountOcclusionVotes(
         surfaces,
         inputs.scene_planes.intrinsics,
         {std::as_const(contested).View(), std::as_const(rivals).View()},
@@ -319,11 +319,11 @@ DeviceImage<float> ComputeSceneConfidence(
     float noise,
     float min_fill_confidence,
     Device& device) {
-  const std::vector<DeviceImage<ViewVotes>> votes =
-      CountViewVotes(surfaces,
-                     inputs.scene_planes.intrinsics,
-                     {composed.map.depth.View()},
-                     device);
+  const std::vector<DeviceImage<OcclusionVotes>> votes =
+      CountOcclusionVotes(surfaces,
+                          inputs.scene_planes.intrinsics,
+                          {composed.map.depth.View()},
+                          device);
   return MapPixels<float>(device,
                           inputs.flags.width,
                           inputs.flags.height,

@@ -13,9 +13,9 @@
 #include "colmap_tsar/scene/evidence/label_view.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/depth_confidence.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 #include "colmap_tsar/view/planes/group_planes.h"
 #include "colmap_tsar/view/superpixels/samples.h"
-#include "colmap_tsar/view/view_votes.h"
 
 #include <cstdint>
 
@@ -34,9 +34,9 @@ struct ComposeSceneOptions {
   float min_log_odds = -1.25f;
 };
 
-// The label of a superpixel, with its evidence and error.
+// The label of a superpixel, with its origin and error.
 struct ComposedSuperpixel {
-  LabelEvidence evidence = LabelEvidence::kNone;
+  LabelOrigin origin = LabelOrigin::kNone;
   LabelMeasures label;
   InverseDepthError error{};  // Error of its plane.
   Vec3f prior_normal{};       // See AlignedPrior; (0, 0, 0): none.
@@ -62,10 +62,10 @@ TSAR_HD inline const ComposedSuperpixel& SuperpixelAt(
 }
 
 // Composes one map from the planes of the scene and the view's own
-// measurements. Where a measurement and the plane of its superpixel are two
-// surfaces, the one that the image and the other views support is kept; where
-// the scene has no plane, measurements are kept.
-// own: the measured hypotheses, whose memory the result takes over.
+// measurements. Where a measurement and the plane of its superpixel are
+// different surfaces, the one supported by the image and the other views is
+// kept; where the scene has no plane, measurements are kept. own: the measured
+// hypotheses, whose memory the result takes over.
 ComposedMap ComposeScene(DepthNormalImages own,
                          const ComposeSceneInputs& inputs,
                          const ViewSurfaces& surfaces,

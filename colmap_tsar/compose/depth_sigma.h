@@ -15,7 +15,7 @@ namespace tsar {
 // pixel of disparity, by provenance; benchmarks/fit_sigma.cc fits them.
 struct SceneSigmaOptions {
   // In addition to the error of the plane: for depths measured on it, and for
-  // those that it fills, by LabelEvidence.
+  // those that it fills, by LabelOrigin.
   float moved = 0.2f;
   float filled_measured = 0.19f;
   float filled_carried = 0.24f;

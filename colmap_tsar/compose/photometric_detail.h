@@ -15,10 +15,9 @@
 namespace tsar {
 
 // Restores relief below the standard deviation of measured depths, which
-// composition flattens onto the surface: posters, doors and moldings. Measured
-// pixels with texture move by the mean offset that the images show in their
-// neighborhood; normals and provenance stay.
-// The map must have been judged at its full size.
+// composition flattens: posters, doors and moldings. Measured pixels with
+// texture move by the mean offset that the images show in their neighborhood;
+// normals and provenance stay. The map must have been judged at its full size.
 void RestoreDetail(
     const DeviceReference& reference,
     const std::vector<std::shared_ptr<const UploadedView>>& sources,

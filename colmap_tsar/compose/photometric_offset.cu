@@ -240,8 +240,8 @@ struct OffsetKernel {
     }
   }
 
-  // Whether the gradients that determine the offset surround the pixel: beside
-  // an edge, a window takes the depth of the edge.
+  // Whether the gradients that determine the offset surround the pixel: next to
+  // an edge, a window gets the depth of the edge.
   TSAR_HD bool IsAmidTexture(int x, int y, const EpipolarMotion& motion) const {
     constexpr int kRadius = 5;
     constexpr float kSigma = 2.f;

@@ -13,8 +13,8 @@
 
 namespace tsar {
 
-// Larger offsets, in pixels of disparity, are of another surface, or an edge in
-// front.
+// Larger offsets, in pixels of disparity, belong to another surface, or an edge
+// in front.
 constexpr float kMaxPhotometricOffset = 0.8f;
 
 // The largest number of sources: more cost time and memory, and see the surface

@@ -4,7 +4,7 @@
 #include "colmap_tsar/compose/refine_image.h"
 
 #include "colmap_tsar/compose/depth_sigma.h"
-#include "colmap_tsar/compose/transfer_flags.h"
+#include "colmap_tsar/compose/upsample_depth_flags.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/priors/align_normals.h"
@@ -15,7 +15,7 @@
 #include "colmap_tsar/scene/scene_options.h"
 #include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/find_surfaces.h"
+#include "colmap_tsar/view/single_view.h"
 #include "colmap_tsar/view/stage_timer.h"
 
 #include <cmath>
@@ -36,30 +36,30 @@ int PatchRadius(const Image<float>& raster, const Camera& camera) {
 }
 
 EvidenceInputs DownloadInputs(const DeviceViews& views,
-                              const Surfaces& surfaces,
+                              const SingleViewResult& single_view,
                               ImageView<const float> gray,
                               Device& device) {
   EvidenceInputs inputs;
-  inputs.superpixels = surfaces.superpixels.labels.ToHost();
-  inputs.num_superpixels = surfaces.superpixels.count;
-  inputs.superpixel_planes = surfaces.superpixel_planes.ToHost();
+  inputs.superpixels = single_view.superpixels.labels.ToHost();
+  inputs.num_superpixels = single_view.superpixels.count;
+  inputs.superpixel_planes = single_view.superpixel_planes.ToHost();
   // Planes are missing without RefineOptions::superpixel_planes.
   inputs.superpixel_planes.resize(static_cast<size_t>(inputs.num_superpixels));
   const auto sample = [&](ImageView<const uint8_t> wanted) {
     return SampleMeasurements(views.Hypotheses().depth,
-                              surfaces.score.View(),
+                              single_view.score.View(),
                               wanted,
                               views.MapIntrinsics(),
                               views.Raster(),
                               device)
         .ToHost();
   };
-  inputs.samples = sample(surfaces.trusted.View());
-  if (!surfaces.confirmations.Empty()) {
-    inputs.confirmed_samples = sample(surfaces.confirmations.View());
+  inputs.samples = sample(single_view.trusted.View());
+  if (!single_view.confirmations.Empty()) {
+    inputs.confirmed_samples = sample(single_view.confirmations.View());
   }
-  if (!surfaces.region_planes.Empty()) {
-    inputs.region_planes = surfaces.region_planes.ToHost();
+  if (!single_view.region_planes.Empty()) {
+    inputs.region_planes = single_view.region_planes.ToHost();
   }
   inputs.texture = ComputeTexture(gray, device).ToHost();
   inputs.contrast = ComputeContrast(gray, device).ToHost();
@@ -109,18 +109,19 @@ RefineResult RefineImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  const Surfaces surfaces =
-      FindSurfaces(reference, image_id, options, &views, device, &timer);
+  const SingleViewResult single_view =
+      RunSingleViewStages(reference, image_id, options, &views, device, &timer);
   DeviceImage<Plane> superpixel_planes;
-  if (options.superpixel_planes && surfaces.superpixels.count > 0) {
-    superpixel_planes = PlanesOfLabels(
-        surfaces.superpixels.labels.View(), surfaces.superpixel_planes, device);
+  if (options.superpixel_planes && single_view.superpixels.count > 0) {
+    superpixel_planes = PlanesOfLabels(single_view.superpixels.labels.View(),
+                                       single_view.superpixel_planes,
+                                       device);
   }
   ComposedMap composed = ComposeMap(std::move(views.hypotheses),
-                                    {surfaces.trusted.View(),
+                                    {single_view.trusted.View(),
                                      views.OnMap(superpixel_planes),
-                                     views.OnMap(surfaces.region_planes),
-                                     surfaces.confirmations.View()},
+                                     views.OnMap(single_view.region_planes),
+                                     single_view.confirmations.View()},
                                     views.Scale(),
                                     device);
   FillHoles(views.Color(),
@@ -130,7 +131,7 @@ RefineResult RefineImage(
             &composed,
             device);
   DeviceImage<float> confidence =
-      ComputeComposedConfidence(composed, surfaces.score.View(), device);
+      ComputeComposedConfidence(composed, single_view.score.View(), device);
   DropDoubtful(static_cast<float>(options.min_confidence),
                &composed,
                &confidence,
@@ -146,7 +147,7 @@ RefineResult RefineImage(
   return result;
 }
 
-RefineResult MeasureImage(
+RefineResult ObserveImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
@@ -156,14 +157,15 @@ RefineResult MeasureImage(
   StageTimer timer(device, &result.seconds);
   DeviceViews views(reference, std::move(sources), device, options.denoise);
   timer.Finish("upload");
-  const Surfaces surfaces =
-      FindSurfaces(reference, image_id, options, &views, device, &timer);
+  const SingleViewResult single_view =
+      RunSingleViewStages(reference, image_id, options, &views, device, &timer);
   const DeviceImage<float> gray = ComputeGray(views.RasterColor(), device);
   result.measured = std::make_unique<MeasuredImage>(MeasuredImage{
-      DownloadInputs(views, surfaces, gray.View(), device),
+      DownloadInputs(views, single_view, gray.View(), device),
       views.DownloadRasterColor(),
       gray.ToHost(),
-      PackFlags(surfaces.trusted.View(), surfaces.confirmations.View(), device)
+      PackFlags(
+          single_view.trusted.View(), single_view.confirmations.View(), device)
           .ToHost(),
       views.camera,
       reference.prior});

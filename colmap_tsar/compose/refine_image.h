@@ -42,7 +42,7 @@ struct RefineResult {
   std::unique_ptr<ViewEvidence> evidence;
 };
 
-// The reason to keep an image's maps where no refined depth is left.
+// The reason to keep an image's maps if no refined depth is left.
 inline constexpr const char* kNothingReliable =
     "none of its depths is reliable";
 
@@ -63,13 +63,13 @@ RefineResult RefineImage(
     Device& device);
 
 // The first two of the steps by which an image is refined together with all
-// others; neither makes maps. MeasureImage takes the image through the stages
+// others; neither makes maps. ObserveImage takes the image through the stages
 // of a single view, with the arguments of RefineImage, and keeps the
 // measurements. MakeEvidence replaces these by the evidence, from which the
 // steps of find_scene.h make the planes of the scene, with which the last step
-// (compose_image.h) composes the map. It has little work for a GPU: with many
-// images, it runs on a CPU while the GPU measures the next one.
-RefineResult MeasureImage(
+// (compose_image.h) composes the map. MakeEvidence has little work for a GPU:
+// with many images, it runs on a CPU while the GPU observes the next one.
+RefineResult ObserveImage(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,

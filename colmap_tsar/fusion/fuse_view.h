@@ -22,7 +22,7 @@ struct FusionInput {
   ImageView<const FusionPixel> pixels;
 };
 
-// A source image, with which these pixels are compared.
+// A source image with which these pixels are compared.
 struct FusionSourceInput {
   FusionInput view;
   // Whether a surface that both see may be assigned to it: its pixels become
@@ -54,15 +54,16 @@ struct FusedPoint {
 //
 // A surface that several images see becomes points of the image whose pixels
 // cover least of it (depth / focal length), in steps of a factor of 1.5, and of
-// the first image among those in the same step. By exact sizes, views at about
-// the same distance would always choose the depth that errs most towards its
-// camera.
+// the first image among those in the same step. With exact sizes, among views
+// at about the same distance the depth with the largest error towards its
+// camera would always be chosen.
 //
 // The point lies on the ray of the pixel. A source's depth for it is where the
 // ray meets the plane through the source's point with its normal.
 //
 // place: the index of the image, see FusionSourceInput. sources: at most
-// kMaxFusionSources. The device and the number of threads change no bit.
+// kMaxFusionSources. The result does not depend on the device or the number of
+// threads.
 std::vector<FusedPoint> FuseView(const FusionInput& view,
                                  int place,
                                  const std::vector<FusionSourceInput>& sources,

@@ -8,7 +8,7 @@
 
 namespace tsar {
 
-// The criteria by which pixels of different images show one point.
+// The criteria by which pixels of different images show the same point.
 struct FusionOptions {
   // Weights the depths that agree on a point by confidence / sigma^2; without
   // it, all count the same in their mean.

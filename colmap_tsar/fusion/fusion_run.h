@@ -111,9 +111,9 @@ class FusionRun {
   void MeasureImages();
   void OpenDevices();
 
-  // Images that follow each other in the plan and are processed together: as
-  // many as fit into memory with their sources, and no more than keep all
-  // threads busy.
+  // Consecutive images of the plan that are processed together: as many as fit
+  // into memory with their sources, but no more than needed to keep all threads
+  // busy.
   struct Group {
     size_t begin = 0;
     size_t end = 0;

@@ -30,8 +30,8 @@ FloatMap ParseDmb(std::span<const uint8_t> bytes, const std::string& name);
 // Reads a .dmb or .bin file of APD and its successors: an OpenCV matrix as
 // int32 version, rows, columns, OpenCV type (5 = one float, 21 = three), then
 // the rows. Some versions omit the first word, which the file's length reveals.
-// Depth and normals are as in ParseDmb. Throws Error kCorrupt also where both
-// forms have exactly the file's length, or the matrix is not of floats.
+// Depth and normals are as in ParseDmb. Throws Error kCorrupt also if the
+// length fits both forms, or the matrix is not of floats.
 FloatMap ParseApdMap(std::span<const uint8_t> bytes, const std::string& name);
 
 // The calibration that another program stored with a map, in its own units:
@@ -67,14 +67,14 @@ struct Dmap {
 // float32 smallest and largest depth; uint16 length and the image's name;
 // uint32 number of ids and these (the first is the image, the others its
 // neighbors); float64 K, R (world to camera), C (center), row by row; then
-// float32 depths, 3 x float32 normals, float32 confidences and 4 x uint8 views
-// as far as the content says.
+// float32 depths, 3 x float32 normals, float32 confidences and 4 x uint8 views,
+// each only if the content flags it.
 //
-// OpenMVS takes a pixel's integer coordinates for its center, as COLMAP's dense
-// stage does. Since October 2023 its importer moves COLMAP's principal point by
-// half a pixel to that end, which COLMAP's dense stage does not: its rays are
-// half a pixel off those of OpenMVS. The map's pixels show the same points in
-// both, so depths are copied pixel by pixel without resampling.
+// In OpenMVS, pixel centers have integer coordinates, as in COLMAP's dense
+// stage. Since October 2023 its importer therefore moves COLMAP's principal
+// point by half a pixel, which COLMAP's dense stage does not: its rays are half
+// a pixel off those of OpenMVS. The map's pixels show the same points in both,
+// so depths are copied pixel by pixel without resampling.
 //
 // Throws Error kUnsupported where the file has no depth.
 Dmap ParseDmap(std::span<const uint8_t> bytes, const std::string& name);

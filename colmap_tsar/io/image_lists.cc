@@ -35,7 +35,7 @@ struct Line {
   std::string text;
 };
 
-// The index of the image of a name that stands in this line of a file.
+// The index of the image that this line of a file names.
 int IndexOf(const std::string& name,
             const SparseModel& model,
             const std::filesystem::path& path,

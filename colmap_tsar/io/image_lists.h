@@ -21,7 +21,7 @@ struct ListedImage {
 // Reads a text file with one image name per line, as COLMAP's image_list_path.
 // Blank lines, blanks around names and line ends of any system are ignored.
 // option: the option that names the file. Throws Error: kNotFound (there is
-// none), kIo (it cannot be read), kCorrupt (a line is no text), kMismatch (a
+// none), kIo (it cannot be read), kCorrupt (a line is not text), kMismatch (a
 // line names no image of the model, or none does), with the number of the line.
 std::vector<ListedImage> ReadImageList(const std::filesystem::path& path,
                                        const SparseModel& model,

@@ -22,9 +22,9 @@ namespace tsar {
 // shows in its alpha channel alone is refused. Images without a mask are used
 // entirely.
 
-// Throws Error kBadOption if a folder of other content is that of the images.
-// content: the expected content, such as "masks"; option: the option that names
-// the folder.
+// Throws Error kBadOption if this folder, for other content, is the images'
+// own. content: the expected content, such as "masks"; option: the option that
+// names the folder.
 void RequireNoImageFolder(const std::filesystem::path& folder,
                           const std::filesystem::path& images,
                           const std::string& content,

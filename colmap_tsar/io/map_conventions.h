@@ -18,8 +18,8 @@
 
 namespace tsar {
 
-// What programs other than COLMAP write in another way into maps: a number that
-// stands for "no depth", and normals in another frame.
+// Conventions in which maps of other programs differ from COLMAP's: a number
+// that stands for "no depth", and the frame of the normals.
 
 // Some rows of a depth map and its normal map, spread over their height in
 // pairs that are a few rows apart: enough to tell conventions.
@@ -60,10 +60,10 @@ void ForEachSparsePoint(const SparseModel& model,
 
 // The number that stands for "no depth" in the map of an image, such as 65535,
 // 1e10 or the far plane of a renderer; 0 if there is none. It is the largest or
-// the smallest depth, fills one per cent of the pixels with a depth or more,
-// lies by half beyond nearly all others, and by half beyond the sparse points
-// in those pixels, or beyond all of the image where hardly any lies there.
-// Where the image sees no points, it lies a hundred times beyond all others.
+// smallest depth, fills at least one percent of the pixels with a depth, and
+// exceeds (or undercuts) by half nearly all others and the sparse points in
+// those pixels, or all points of the image if too few lie there. Where the
+// image sees no points, it differs from all others by a factor of a hundred.
 // Depths may be in units of their own. model: null for values that need not be
 // proportional to depths, such as inverse ones, which no points are compared
 // to.
@@ -84,18 +84,18 @@ Eigen::Matrix3d ToCameraFrame(NormalFrame frame, const Camera& camera);
 struct NormalVerdict {
   NormalFrame frame = NormalFrame::kCamera;
   bool face_away = false;
-  // What is not as in COLMAP's maps, for users; may be empty.
+  // The difference from COLMAP's maps, for users; may be empty.
   std::string remark;
 };
 
-// What the normals of maps tell of their frame. In the right one, all face the
+// Evidence for the frame of the normals of maps. In the right one, all face the
 // camera or all face away from it, and they are at right angles to the surface
 // that the depths describe.
 class NormalEvidence {
  public:
   // camera: that of the image at any size.
   void Add(const MapSample& sample, const Camera& camera);
-  // usual: the frame that counts unless another one is clearly better.
+  // usual: the frame to assume unless another one is clearly better.
   NormalVerdict Judge(NormalFrame usual) const;
 
  private:
@@ -108,7 +108,7 @@ class NormalEvidence {
   std::array<int64_t, kNumFrames> num_upright_{};
 };
 
-// How the maps of an image are to be read so that they are as COLMAP's.
+// How to convert the maps of an image to COLMAP's conventions.
 struct MapConventions {
   float no_depth = 0.f;  // See FindNoDepth().
   // To be applied to the normals.
@@ -122,10 +122,10 @@ struct MapConventions {
 MapConventions FindConventions(const MapSample& sample,
                                const SparseModel& model,
                                int image);
-// What to tell users of a number that FindNoDepth() has found.
+// The remark for users about a number that FindNoDepth() has found.
 std::string NoDepthRemark(float no_depth);
 
-// What is remarkable about images, by remark.
+// The remarks about images, with the images of each.
 struct ImageRemarks {
   std::map<std::string, std::vector<std::string>> images;
 

@@ -31,14 +31,14 @@ Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path);
 // Whether a PNG file says that it has an alpha channel, which is not read.
 bool HasAlpha(const std::filesystem::path& path);
 
-// Whether a hundredth of the photo is exactly black and joined to its left or
-// right rim: most likely what lies outside of the undistorted picture.
+// Whether one percent of the photo is exactly black and connected to its left
+// or right border: most likely the area outside of the undistorted image.
 bool HasBlackBorder(const Image<Rgb>& photo);
 
-// Looks at the beginning and the end of a file alone, and decodes it only where
-// these are not those of a whole one. Tells what is missing, empty, of another
-// format or, if JPEG or PNG, cut off; other damage shows when the photo is
-// read.
+// Checks only the beginning and the end of a file, and decodes it only if these
+// are not those of a complete one. Detects files that are missing, empty, of
+// another format or, if JPEG or PNG, truncated; other damage is found when the
+// photo is read.
 void CheckPhotoFile(const std::filesystem::path& path);
 
 struct PngHeader {
@@ -50,8 +50,8 @@ struct PngHeader {
 // Nullopt if the file is no PNG.
 std::optional<PngHeader> ReadPngHeader(InputFile* file);
 
-// Whether the last bytes are those of a whole file, with nothing after it, as
-// far as its format has a marker at its end: JPEG and PNG.
+// Whether the last bytes are those of a complete file, with nothing after it,
+// as far as its format has a marker at its end: JPEG and PNG.
 bool EndsInMarker(InputFile* file);
 
 }  // namespace tsar

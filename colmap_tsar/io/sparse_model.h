@@ -68,8 +68,8 @@ std::filesystem::path FindModelFolder(const std::filesystem::path& root);
 // leaves the workspace), and those of ReadSparseModel.
 SparseModel ReadWorkspaceModel(const std::filesystem::path& model_folder);
 
-// What in a sparse model COLMAP's stereo_fusion stumbles over where this
-// library does not, a line for users each: coordinates far from the origin,
+// Properties of a sparse model that COLMAP's stereo_fusion cannot handle but
+// this library can, one line for users each: coordinates far from the origin,
 // which single precision rounds by a quarter of a pixel and more, and names of
 // images with spaces where the model is text. sparse_folder: where it was read.
 std::vector<std::string> FindFusionObstacles(

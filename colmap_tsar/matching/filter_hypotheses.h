@@ -20,7 +20,7 @@ struct HypothesisFilterOptions {
 // Keeps the depths that enough sources confirm: their image matches under the
 // plane of depth and normal, their depth map reprojects to the pixel, and the
 // triangulation angle suffices. The others become 0. The reference itself and
-// sources without depth confirm nothing.
+// sources without depth do not confirm any.
 DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
                                     const Buffer<SourceView>& sources,
                                     const HypothesisFilterOptions& options,

@@ -15,8 +15,8 @@ namespace tsar {
 // Averages a prior's normals over each superpixel, and sets the fields of
 // `aligned` that are about normals. Their errors are measured where superpixels
 // have a plane of their own and normals that agree. A prior that hardly
-// explains the normals of these is dropped; one that is exact in absolute terms
-// is not, since the normals of a facade hardly vary.
+// explains the variation of these normals is dropped, unless its absolute
+// errors are small, since the normals of a facade hardly vary.
 //
 // normals: see DepthPrior; may be empty. superpixels: labels, on a raster of
 // any size that covers the same photo. planes: of superpixels; invalid where

@@ -52,7 +52,7 @@ std::string Describe(const PriorAssessment& assessment);
 // A prior in the units of the map, with an error model estimated from its
 // residuals.
 struct AlignedPrior {
-  // 0 means no depth. Empty where the prior was dropped.
+  // 0 means no depth. Empty if the prior was dropped.
   Image<float> depth;
   // The standard deviation of the logarithm of each depth, but for a share of
   // outliers (outlier_share) with arbitrary errors.

@@ -330,7 +330,7 @@ class CorrectionField {
   void EstimateVariancesOfCells(const std::vector<double>& weights) {
     variances_.assign(NumCells(), max_variance_);
     for (size_t k = 0; k < measured_.size(); ++k) {
-      // Cells that contradict the field tell nothing about their neighbors.
+      // Cells that contradict the field do not inform their neighbors.
       if (weights[k] > kMinWeight) {
         variances_[measured_[k]] = 0.0;
       }

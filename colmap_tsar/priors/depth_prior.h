@@ -20,7 +20,7 @@ enum class PriorType : uint8_t {
   kInverse = 3,   // Inverse depth times one factor, plus a constant.
 };
 
-// Depth and normals of one image from outside: a network or a sensor. Its
+// External depth and normals of one image, from a network or a sensor. Its
 // raster covers the whole photo and may have any size.
 struct DepthPrior {
   PriorType type = PriorType::kAuto;

@@ -11,7 +11,7 @@
 namespace tsar {
 namespace {
 
-// More samples than this change nothing but the time.
+// More samples than this only take more time.
 constexpr size_t kMaxSamples = 20000;
 constexpr int kNumIterations = 30;
 // The lower bound of relative errors.

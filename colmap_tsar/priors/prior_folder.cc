@@ -113,8 +113,8 @@ FloatMap ReadMap(const Path& path, bool is_normals, const RasterSize& photo) {
   return map;
 }
 
-// Adds a constant to values that are known up to one, as negative ones tell,
-// unless they are few or one number that stands for "none".
+// Adds a constant to values that are known up to one, as negative ones
+// indicate, unless they are few or one number that stands for "none".
 void MakePositive(std::vector<float>* values) {
   constexpr int64_t kMinShare = 20;  // One of so many.
   float least = 0.f;

@@ -25,7 +25,7 @@ struct PriorFiles {
 };
 
 // A prior describes walls and floors, not details: its rasters are kept at this
-// longer side at most, so that they take little memory beside the maps.
+// longer side at most, so that they take little memory compared to the maps.
 constexpr int kMaxPriorSide = 1024;
 
 // Reads the files of an image whose undistorted photo has this size, by

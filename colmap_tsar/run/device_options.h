@@ -9,7 +9,7 @@
 namespace tsar {
 
 enum class DeviceChoice {
-  kAuto,  // GPUs where there are any, the CPU elsewhere.
+  kAuto,  // GPUs if there are any, else the CPU.
   kCuda,
   kCpu,
 };

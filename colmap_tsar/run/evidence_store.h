@@ -38,8 +38,8 @@ class EvidenceStore {
   const std::string& Key() const { return key_; }
 
   // Whether the image was observed with these options, from these inputs.
-  // Always false for an image that is no reference: nobody would renew its
-  // evidence.
+  // Always false for an image that is no reference, since its evidence would
+  // never be updated.
   bool IsObserved(int image);
   // Throws kNotFound, naming the file, for a reference that was not.
   void RequireObserved(int image);
@@ -52,9 +52,9 @@ class EvidenceStore {
   void WriteNothing(int image);
 
   // Removes the priors from all evidence if more of them were dropped for
-  // explaining too little than are in use: then they are those of another
-  // scene, of which a few fit by chance. To be called when all views were
-  // observed, before evidence is read.
+  // explaining too little than are in use: then they belong to another scene,
+  // and those in use fit by chance. To be called when all views were observed,
+  // before evidence is read.
   void RemoveUnlikePriors();
 
   // The complete evidence, for the view itself.

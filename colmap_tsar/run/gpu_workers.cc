@@ -16,7 +16,7 @@
 namespace tsar {
 namespace {
 
-// Memory beside the stages' buffers: the kernels, which the driver loads when
+// Memory besides the stages' buffers: the kernels, which the driver loads when
 // they are first used.
 constexpr int64_t kDriverBytes = int64_t{64} << 20;
 
@@ -82,8 +82,8 @@ GpuWorkers OpenGpu(int index,
 }
 
 // Opens GPUs until there is one for each image; none where the CPU is to be
-// used instead. The failure of a GPU that the user named is an error. GPUs with
-// too little memory are one also with device "auto": the CPU would take a
+// used instead. The failure of a GPU that the user named is an error. Too
+// little memory is an error even with device "auto": the CPU would take a
 // hundred times as long.
 std::vector<GpuWorkers> OpenWithOneDevice(const std::vector<int>& wanted,
                                           bool are_named,

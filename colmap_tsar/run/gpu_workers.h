@@ -14,17 +14,17 @@
 
 namespace tsar {
 
-// The images that a GPU works on at a time: one is copied while another is
-// computed.
+// The number of images that a GPU works on at a time: one is copied while
+// another is computed.
 constexpr int kMaxGpuWorkers = 2;
 
 // The GPUs of the machine, for tests to replace.
 struct GpuSystem {
-  // Only called where the user does not demand the CPU: the call initializes
-  // the driver, which costs time, address space and threads.
+  // Not called if the user demands the CPU: the call initializes the driver,
+  // which costs time, address space and threads.
   std::function<int()> count;
   std::function<std::unique_ptr<Device>(int gpu_index)> create;
-  // Called once before these are created.
+  // Called once before the devices of these GPUs are created.
   std::function<void(const std::vector<int>& gpu_indices)> prepare =
       [](const std::vector<int>&) {};
 

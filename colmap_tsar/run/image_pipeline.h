@@ -47,12 +47,12 @@ class LoadedViews {
 // different images come from several threads at once. Result: the data that
 // Compute() passes to Write().
 template <typename Result>
-class ImageTasks {
+class ImagePass {
  public:
-  virtual ~ImageTasks() = default;
+  virtual ~ImagePass() = default;
 
-  // Does the work that needs no maps. The outcome is kNotDone where the image
-  // is still to be computed.
+  // Runs before any map is read. The outcome is kNotDone if Compute() is still
+  // needed.
   virtual ImageReport Begin(size_t index) = 0;
   // The views that Compute() needs, as images of the sparse model.
   virtual std::vector<int> Views(size_t index) const = 0;
@@ -73,23 +73,23 @@ class ImageTasks {
 };
 
 // Reads, computes and writes images, concurrently for different images: each
-// thread takes an image through all of it, and waits for one of the workers to
-// compute. Images are begun in their order.
+// thread takes one image at a time through all steps, and waits for a free
+// worker to compute. Images are begun in their order.
 template <typename Result>
 class ImagePipeline {
  public:
-  // All references must outlive this object. images: the tasks' indices of the
-  // images; the outcome is in their order. pass_name: for the user; empty where
-  // there is one pass only. max_num_views: how many views are kept in memory.
-  // should_stop: whether the user wants to end; called from all threads.
-  ImagePipeline(ImageTasks<Result>& tasks,
+  // All references must outlive this object. images: their indices; the outcome
+  // is in their order. pass_name: for the user; empty if there is only one
+  // pass. max_num_views: how many views are kept in memory. should_stop:
+  // whether the user asked to stop; called from all threads.
+  ImagePipeline(ImagePass<Result>& pass,
                 std::vector<size_t> images,
                 std::string pass_name,
                 const ImagesAtWork& at_work,
                 size_t max_num_views,
                 Progress& progress,
                 const std::function<bool()>& should_stop)
-      : tasks_(tasks),
+      : pass_(pass),
         images_(std::move(images)),
         pass_name_(std::move(pass_name)),
         num_threads_(at_work.num_threads),
@@ -135,12 +135,12 @@ class ImagePipeline {
   };
 
   void WorkOnImages();
-  // Where the outcome is still kNotDone, the user wants to end.
+  // If the outcome is still kNotDone, the user asked to stop.
   void WorkOn(size_t index, ImageReport* report);
-  // Returns false where the user wants to end.
+  // Returns false if the user asked to stop.
   bool Load(size_t index, LoadedViews* views);
 
-  ImageTasks<Result>& tasks_;
+  ImagePass<Result>& pass_;
   const std::vector<size_t> images_;
   const std::string pass_name_;
   const int num_threads_;
@@ -168,7 +168,7 @@ PipelineOutcome ImagePipeline<Result>::Run() {
         threads.push_back(StartThread([this] { WorkOnImages(); }));
       }
     } catch (...) {
-      // The system provides no more threads: the running ones are to end.
+      // The system provides no more threads: stop the running ones.
       has_failed_ = true;
       throw;
     }
@@ -203,7 +203,7 @@ void ImagePipeline<Result>::WorkOnImages() {
 
 template <typename Result>
 void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
-  *report = tasks_.Begin(index);
+  *report = pass_.Begin(index);
   if (report->outcome != ImageReport::Outcome::kNotDone) {
     return;
   }
@@ -213,26 +213,26 @@ void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
     return;
   }
   report->seconds["read"] += reading.Seconds();
-  tasks_.Prepare(index, views);
+  pass_.Prepare(index, views);
   Result result;
   {
     const Loan loan(*this);
     if (should_stop_()) {
       return;
     }
-    result = tasks_.Compute(index, loan.Worker(), &views, report);
+    result = pass_.Compute(index, loan.Worker(), &views, report);
   }
   views = {};
-  if (!should_stop_() || tasks_.WritesAfterStop()) {
-    tasks_.Write(index, std::move(result), report);
+  if (!should_stop_() || pass_.WritesAfterStop()) {
+    pass_.Write(index, std::move(result), report);
   }
 }
 
 template <typename Result>
 bool ImagePipeline<Result>::Load(size_t index, LoadedViews* views) {
-  const std::vector<int> images = tasks_.Views(index);
+  const std::vector<int> images = pass_.Views(index);
   auto loaded = cache_.GetAll(
-      images, [&](int image) { return tasks_.Load(image); }, should_stop_);
+      images, [&](int image) { return pass_.Load(image); }, should_stop_);
   for (size_t i = 0; i < images.size(); ++i) {
     if (!loaded[i]) {
       return false;

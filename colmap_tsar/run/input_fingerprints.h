@@ -16,25 +16,25 @@ namespace tsar {
 std::string FingerprintOf(const std::string& text);
 std::string FingerprintOf(const Camera& camera);
 
-// All inputs of a run beside its options: of every image that is a reference or
-// a source, the list of sources and, where there are maps to refine, the
+// All inputs of a run besides its options: of every image that is a reference
+// or a source, the list of sources and, where there are maps to refine, the
 // original maps of both types and their costs, camera, photo, mask and depth
 // prior. Files are identified by their sizes and times, which links and
-// renaming keep. Any change makes all images of a run be refined again, since
+// renaming keep. After any change all images of a run are refined again, since
 // they share the planes of the scene.
 class InputFingerprints {
  public:
-  // Finds all: to be called before the first file is read and the first map is
+  // To be constructed before the first file is read and the first map is
   // changed. workspace must outlive this object. Throws what FindOriginals
   // throws.
   explicit InputFingerprints(const Workspace& workspace);
 
-  // The states of the inputs by what they are: "the photo of a.png".
+  // The states of the inputs by their names, such as "the photo of a.png".
   const std::map<std::string, std::string>& States() const { return states_; }
   // One fingerprint of them, of the program's version and of the type of maps.
   const std::string& OfRun() const { return fingerprint_; }
 
-  // What has changed since the inputs were in other states, such as "the photo
+  // What has changed since the inputs were in these states, such as "the photo
   // of a.png has changed"; empty where nothing has.
   std::string ChangesSince(
       const std::map<std::string, std::string>& states) const;

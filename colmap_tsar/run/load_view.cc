@@ -156,8 +156,7 @@ void HypothesisReader::ReadOwn(size_t first_pixel,
     if (own_costs_ && !counts) {
       piece.min_cost[i] = kUndefinedCost;
     } else if (own_costs_) {
-      // Else the images say nothing about this depth: it was propagated or is
-      // random.
+      // Otherwise no image supports this depth: it was propagated or is random.
       counts = piece.min_cost[i] != kUndefinedCost;
     }
     if (!counts) {
@@ -184,7 +183,7 @@ void HypothesisReader::FillFromOtherType(size_t first_pixel,
   const bool needs_evidence = other_is_filtered_ && other_costs_;
   for (size_t i = 0; i < count; ++i) {
     if (piece.is_to_refine[i] != 0 || IsMasked(first_pixel + i) ||
-        // No image says anything about this depth of the other type.
+        // No image supports this depth of the other type.
         (needs_evidence && min_cost_[i] == kUndefinedCost)) {
       continue;
     }

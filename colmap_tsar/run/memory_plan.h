@@ -24,7 +24,7 @@ struct MemoryPlan {
   // Memory of the device that computes, with the uploaded sources; main memory
   // where that is the CPU.
   int64_t device = 0;
-  // Main memory beside: its views, a photo that is read, the evidence of its
+  // Other main memory: its views, a photo that is read, the evidence of its
   // neighborhood, the result.
   int64_t main = 0;
   int64_t views = 0;  // The part of `main` that is for views.
@@ -40,7 +40,7 @@ struct MemoryPlan {
 MemoryPlan PlanRefinement(const RefineOptions& options,
                           const WorkspaceOverview& overview);
 
-// Main memory of reading a view and of writing a result, beside the view.
+// Main memory to read a view and to write a result, besides the view.
 int64_t ReadAndWriteBytes(const WorkspaceOverview& overview);
 
 // The number of pixels of the largest view that is used together with its
@@ -48,7 +48,7 @@ int64_t ReadAndWriteBytes(const WorkspaceOverview& overview);
 int64_t NumJudgedPixels(const WorkspaceOverview& overview);
 
 // The number of views whose evidence is kept in main memory: a neighborhood for
-// each of so many images at work, and one for those to come.
+// each of these images at work, and one for the next images.
 size_t NumEvidenceViews(const WorkspaceOverview& overview, int num_images);
 
 // How often bytes_each fit into num_bytes: at least once, at most max times.
@@ -71,10 +71,10 @@ struct ImagesAtWork {
   }
 };
 
-// As many as fit into the budget, at most those of `wanted`. A warning tells
-// where one image alone needs more than the budget. Throws kOutOfMemory where
-// it needs more than machine_bytes. on_cpu: whether the CPU computes; else the
-// number of workers stays.
+// As many as fit into the budget, at most those of `wanted`. Warns if one image
+// alone needs more than the budget. Throws kOutOfMemory where it needs more
+// than machine_bytes. on_cpu: whether the CPU computes; else the number of
+// workers stays.
 ImagesAtWork FitIntoMainMemory(const MemoryPlan& plan,
                                const ImagesAtWork& wanted,
                                bool on_cpu,

@@ -22,17 +22,17 @@ std::vector<SceneView> FindViews(const RefineRun& run) {
   std::vector<size_t> indices;
   std::map<int, size_t> places;  // By image: its index in the result.
   for (const size_t index : OrderByNeighbors(run.workspace)) {
-    const int image = run.plan.Reference(index);
-    if (run.plan.CanRefine(index) && run.evidence.IsCurrent(image)) {
+    const int image = run.selection.Reference(index);
+    if (run.selection.CanRefine(index) && run.evidence.IsCurrent(image)) {
       places[image] = indices.size();
       indices.push_back(index);
     }
   }
   std::vector<SceneView> views;
   for (const size_t index : indices) {
-    const int image = run.plan.Reference(index);
+    const int image = run.selection.Reference(index);
     SceneView view{image, run.workspace.CameraOf(image), {}};
-    for (const int source : run.plan.Sources(index)) {
+    for (const int source : run.selection.Sources(index)) {
       if (source != image && places.contains(source)) {
         view.sources.push_back(places[source]);
       }

@@ -12,9 +12,9 @@ namespace tsar {
 
 // A Cuthill-McKee order of all images, given by their indices in
 // Workspace::Problems(), in which neighbors are close to each other: images far
-// from the first come late, those with few neighbors before others. Images that
-// are connected by no chain of neighbors are not mixed. The order depends only
-// on the neighbors and the images' names.
+// from the first come late, those with few neighbors before others. Connected
+// components are not mixed. The order depends only on the neighbors and the
+// images' names.
 std::vector<size_t> OrderByNeighbors(const Workspace& workspace);
 
 }  // namespace tsar

@@ -26,8 +26,8 @@ namespace tsar {
 // it is a source of.
 //
 // A caller must have waited for its device (Device::Synchronize) before it
-// releases a view: the memory is freed stream-ordered on the device that
-// uploaded it, which knows nothing of the others' work. That device must
+// releases a view: the memory is freed in the stream order of the device that
+// uploaded it, without regard to the work of other devices. That device must
 // outlive the cache and all views.
 using UploadedViews = SharedCache<UploadedView>;
 
@@ -61,19 +61,19 @@ struct RefineDevices {
   }
 };
 
-// Each GPU gets one image before one gets a second at a time, and CPU threads
-// work on different images before they share one, since images need not wait
-// for each other. There are at most num_images workers; num_images is at least
-// 1.
+// A GPU gets a second image at a time only once every GPU has one, and CPU
+// threads share an image only once there is no other, since images need not
+// wait for each other. There are at most num_images workers; num_images is at
+// least 1.
 //
 // With device "auto", an unnamed GPU that cannot be used is left out with a
-// warning, and the CPU takes the place of the last one; with "cuda", one must
-// be left. A warning tells where a GPU's second worker cannot be made, and
-// where one image alone needs more main memory than the budget. Throws kDevice
-// (a named GPU does not exist or cannot be used; none is left; its memory is
-// too small for the images), kOutOfMemory (one image alone needs more than
-// machine_bytes; no memory is left on a named GPU or on the last one, or main
-// memory for its copies) and kBadOption (gpu_index).
+// warning, and the CPU is used if none is left; with "cuda", one must be left.
+// Warns if a GPU's second worker cannot be created, or one image alone needs
+// more main memory than the budget. Throws kDevice (a named GPU does not exist
+// or cannot be used; none is left; its memory is too small for the images),
+// kOutOfMemory (one image alone needs more than machine_bytes; no memory is
+// left on a named GPU or on the last one, or main memory for its copies) and
+// kBadOption (gpu_index).
 RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const MemoryPlan& plan,
                                   int num_images,

@@ -60,7 +60,7 @@ std::unique_ptr<ImageScene> FindImageScene(const RefineRun& run,
                                            const SceneModel& model,
                                            size_t index,
                                            Device& device) {
-  const int reference = run.plan.Reference(index);
+  const int reference = run.selection.Reference(index);
   auto scene = std::make_unique<ImageScene>();
   std::vector<const ViewLabels*> labels;
   const auto add = [&](int image, const ViewEvidence& evidence) {
@@ -70,7 +70,7 @@ std::unique_ptr<ImageScene> FindImageScene(const RefineRun& run,
   };
   scene->own = run.evidence.ReadAll(reference);
   add(reference, scene->own);
-  for (const int source : run.plan.Sources(index)) {
+  for (const int source : run.selection.Sources(index)) {
     if (source == reference) {
       continue;
     }
@@ -100,12 +100,13 @@ auto NamePlaceOfErrors(const RefineRun& run,
   try {
     return work();
   } catch (const Error& error) {
-    throw Error(error.Code(),
-                run.plan.Name(index) + " on " + device + ": " + error.what());
+    throw Error(
+        error.Code(),
+        run.selection.Name(index) + " on " + device + ": " + error.what());
   }
 }
 
-// RefineImage, or MeasureImage.
+// RefineImage, or ObserveImage.
 using SingleViewStages =
     RefineResult (*)(const ViewData& reference,
                      std::vector<UploadedViews::Pointer> sources,
@@ -119,14 +120,14 @@ RefineResult RunSingleView(const RefineRun& run,
                            const RefineWorker& worker,
                            LoadedViews* views,
                            SingleViewStages stages) {
-  const int image = run.plan.Reference(index);
+  const int image = run.selection.Reference(index);
   const ViewData& reference = views->Get(image);
   return NamePlaceOfErrors(run, index, worker.name, [&] {
     const Stopwatch uploading;
     // Nothing reads the sources before DeviceViews owns them, which waits for
     // the device before it releases them, also where a stage fails.
     std::vector<UploadedViews::Pointer> sources;
-    for (const int source : run.plan.Sources(index)) {
+    for (const int source : run.selection.Sources(index)) {
       sources.push_back(worker.Upload(source, views->Get(source)));
       if (source != image) {
         views->Release(source);
@@ -135,7 +136,7 @@ RefineResult RunSingleView(const RefineRun& run,
     const double upload_seconds = uploading.Seconds();
     RefineResult result = stages(reference,
                                  std::move(sources),
-                                 HashImageName(run.plan.Name(index)),
+                                 HashImageName(run.selection.Name(index)),
                                  run.refine_options,
                                  *worker.device);
     result.seconds["upload"] += upload_seconds;
@@ -199,11 +200,12 @@ std::shared_ptr<const ViewData> ObservePass::Load(int image) const {
 ImageReport ObservePass::Begin(size_t index) {
   ImageReport report;
   // The last pass finds out and reports why an image cannot be refined.
-  const int image = run_.plan.Reference(index);
-  if (!(has_model_ ? run_.plan.IsNeeded(index) : run_.plan.IsAnyNeeded()) ||
+  const int image = run_.selection.Reference(index);
+  if (!(has_model_ ? run_.selection.IsNeeded(index)
+                   : run_.selection.IsAnyNeeded()) ||
       run_.evidence.IsObserved(image)) {
     report.outcome = ImageReport::Outcome::kSkipped;
-  } else if (!run_.plan.CanRefine(index)) {
+  } else if (!run_.selection.CanRefine(index)) {
     run_.evidence.WriteNothing(image);
     report.outcome = ImageReport::Outcome::kSkipped;
   }
@@ -214,11 +216,11 @@ RefineResult ObservePass::Compute(size_t index,
                                   size_t worker,
                                   LoadedViews* views,
                                   ImageReport* /*report*/) {
-  if (!HasDepth(views->Get(run_.plan.Reference(index)).depth)) {
+  if (!HasDepth(views->Get(run_.selection.Reference(index)).depth)) {
     return {};
   }
   return RunSingleView(
-      run_, index, run_.devices.workers[worker], views, MeasureImage);
+      run_, index, run_.devices.workers[worker], views, ObserveImage);
 }
 
 void ObservePass::Write(size_t index,
@@ -228,9 +230,9 @@ void ObservePass::Write(size_t index,
     NamePlaceOfErrors(run_, index, "the CPU", [&] {
       MakeEvidence(run_.refine_options, *Device::CreateCpu(1), &result);
     });
-    run_.evidence.Write(run_.plan.Reference(index), *result.evidence);
+    run_.evidence.Write(run_.selection.Reference(index), *result.evidence);
   } else {
-    run_.evidence.WriteNothing(run_.plan.Reference(index));
+    run_.evidence.WriteNothing(run_.selection.Reference(index));
   }
   AddSeconds(report->seconds, &seconds_[index]);
   AddSeconds(result.seconds, &seconds_[index]);
@@ -244,14 +246,14 @@ ComposePass::ComposePass(const RefineRun& run,
       record_(CurrentRecord(run.workspace, run.refine_options, run.inputs)),
       model_(run.HasScenePlanes() && run.IsAnyNeeded() ? ReadCurrentModel(run)
                                                        : SceneModel()),
-      scenes_(run.plan.NumImages()) {}
+      scenes_(run.selection.NumImages()) {}
 
 std::shared_ptr<const ViewData> ComposePass::Load(int image) const {
   return std::make_shared<const ViewData>(LoadView(run_.workspace, image));
 }
 
 ImageReport ComposePass::Begin(size_t index) {
-  ImageReport report = run_.plan.Begin(index);
+  ImageReport report = run_.selection.Begin(index);
   if (report.outcome == ImageReport::Outcome::kKept) {
     Keep(index, &report);
   } else if (report.outcome == ImageReport::Outcome::kNotDone) {
@@ -262,16 +264,16 @@ ImageReport ComposePass::Begin(size_t index) {
 
 std::vector<int> ComposePass::Views(size_t index) const {
   if (!run_.HasScenePlanes()) {
-    return run_.plan.SourcesAndReference(index);
+    return run_.selection.SourcesAndReference(index);
   }
   std::vector<int> views = ComparedSources(index);
-  views.push_back(run_.plan.Reference(index));
+  views.push_back(run_.selection.Reference(index));
   return views;
 }
 
 void ComposePass::Prepare(size_t index, const LoadedViews& views) {
   if (run_.HasScenePlanes() && run_.devices.finds_scenes_ahead &&
-      WasObserved(views.Get(run_.plan.Reference(index)))) {
+      WasObserved(views.Get(run_.selection.Reference(index)))) {
     scenes_[index] = NamePlaceOfErrors(run_, index, "the CPU", [&] {
       return FindImageScene(run_, model_, index, *Device::CreateCpu(1));
     });
@@ -282,7 +284,7 @@ RefineResult ComposePass::Compute(size_t index,
                                   size_t worker,
                                   LoadedViews* views,
                                   ImageReport* report) {
-  const int image = run_.plan.Reference(index);
+  const int image = run_.selection.Reference(index);
   const ViewData& reference = views->Get(image);
   report->counts["not_finite"] = reference.num_not_finite;
   if (!run_.workspace.HasMask(image) && HasBlackBorder(reference.color)) {
@@ -302,8 +304,8 @@ RefineResult ComposePass::Compute(size_t index,
     return result;
   }
   report->num_sources_without_maps =
-      static_cast<int>(run_.plan.Problem(index).sources.size() -
-                       run_.plan.Sources(index).size());
+      static_cast<int>(run_.selection.Problem(index).sources.size() -
+                       run_.selection.Sources(index).size());
   result =
       run_.HasScenePlanes()
           ? Compose(index, worker, views)
@@ -323,7 +325,7 @@ void ComposePass::Write(size_t index,
     Keep(index, report);
     return;
   }
-  const int image = run_.plan.Reference(index);
+  const int image = run_.selection.Reference(index);
   AddSeconds(result.seconds, &report->seconds);
   RefinedMaps& maps = result.maps;
   ClearMaskedPixels(
@@ -349,13 +351,13 @@ void ComposePass::Keep(size_t index, ImageReport* report) const {
   record.options_hash = record_.options_hash;
   record.note = report->reason;
   record.counts = report->counts;
-  KeepImage(run_.workspace, run_.plan.Reference(index), std::move(record));
+  KeepImage(run_.workspace, run_.selection.Reference(index), std::move(record));
 }
 
 RefineResult ComposePass::Compose(size_t index,
                                   size_t worker_index,
                                   LoadedViews* views) {
-  const ViewData& reference = views->Get(run_.plan.Reference(index));
+  const ViewData& reference = views->Get(run_.selection.Reference(index));
   if (!WasObserved(reference)) {
     RefineResult result;
     result.reason_to_keep = kNothingReliable;
@@ -389,11 +391,11 @@ std::vector<int> ComposePass::ComparedSources(size_t index) const {
     return ReductionFactor(side, side) == 1;
   };
   std::vector<int> sources;
-  const int reference = run_.plan.Reference(index);
+  const int reference = run_.selection.Reference(index);
   if (!run_.refine_options.photometric || !is_judged_as_it_is(reference)) {
     return sources;
   }
-  for (const int source : run_.plan.Sources(index)) {
+  for (const int source : run_.selection.Sources(index)) {
     if (source != reference && is_judged_as_it_is(source) &&
         sources.size() < kMaxPhotometricSources) {
       sources.push_back(source);

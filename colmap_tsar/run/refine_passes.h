@@ -31,10 +31,10 @@ struct ImageScene {
 using StageSeconds = std::map<std::string, double>;
 
 // Pass 1 of 3: writes the evidence of each image to the store. Unless
-// everything is to be done anew, it leaves out images with current evidence,
-// and images that nobody needs: where the planes of the scene are known, only
-// those that are to be refined and their sources are needed.
-class ObservePass : public ImageTasks<RefineResult> {
+// everything is recomputed, it skips images with current evidence and those
+// that are not needed: if the planes of the scene are known, only images to be
+// refined and their sources are needed.
+class ObservePass : public ImagePass<RefineResult> {
  public:
   // Both must outlive this object. seconds: by image of the run, receives the
   // times.
@@ -42,7 +42,7 @@ class ObservePass : public ImageTasks<RefineResult> {
 
   ImageReport Begin(size_t index) override;
   std::vector<int> Views(size_t index) const override {
-    return run_.plan.SourcesAndReference(index);
+    return run_.selection.SourcesAndReference(index);
   }
   // The view reduced to the size at which depths are judged.
   std::shared_ptr<const ViewData> Load(int image) const override;
@@ -62,7 +62,7 @@ class ObservePass : public ImageTasks<RefineResult> {
 // its sources, and the planes of the scene. Without these, it is the only pass
 // and refines each image by itself. Images that cannot be refined keep their
 // maps; those whose mask leaves no depth get empty ones.
-class ComposePass : public ImageTasks<RefineResult> {
+class ComposePass : public ImagePass<RefineResult> {
  public:
   // run must outlive this object. seconds: by image of the run, the times of
   // observing.

@@ -5,9 +5,9 @@
 
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/run/evidence_store.h"
+#include "colmap_tsar/run/image_selection.h"
 #include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/refine_devices.h"
-#include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/run/workspace_check.h"
@@ -21,8 +21,8 @@
 
 namespace tsar {
 
-// A run over the images of a shard; one over all images is that of shard 0 of
-// 1. All outlive the objects they are passed to.
+// A run over the images of a shard; a run over all images has shard 0 of 1. All
+// references outlive the objects that get them.
 struct RefineRun {
   const WorkspaceRefineOptions& options;
   const RefineOptions& refine_options;
@@ -33,13 +33,13 @@ struct RefineRun {
   const std::vector<size_t>& images;  // Of the shard, as in Problems().
   const RefineDevices& devices;
   const InputFingerprints& inputs;
-  const RefinePlan& plan;
+  const ImageSelection& selection;
   EvidenceStore& evidence;
 
   // Whether some image of the run has yet to be refined and can be.
   bool IsAnyNeeded() const {
     return std::ranges::any_of(
-        images, [&](size_t index) { return plan.IsToBeRefined(index); });
+        images, [&](size_t index) { return selection.IsToBeRefined(index); });
   }
   bool HasScenePlanes() const { return NeedsEvidence(refine_options); }
   // Whether the planes of the scene, with the labels of all views, are those of

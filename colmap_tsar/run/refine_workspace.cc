@@ -11,7 +11,7 @@
 #include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/model_pass.h"
 #include "colmap_tsar/run/refine_passes.h"
-#include "colmap_tsar/run/run_account.h"
+#include "colmap_tsar/run/run_manifest.h"
 #include "colmap_tsar/run/store/output_workspace.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 
@@ -28,7 +28,7 @@ namespace {
 
 // name: for the user. num_pixels: of the largest view.
 PipelineOutcome RunPass(const RefineRun& run,
-                        ImageTasks<RefineResult>& pass,
+                        ImagePass<RefineResult>& pass,
                         const std::string& name,
                         int64_t num_pixels) {
   if (run.images.empty()) {
@@ -70,7 +70,7 @@ bool FindPlanes(const RefineRun& run, PipelineOutcome* outcome) {
   }
   try {
     for (const size_t index : run.images) {
-      run.evidence.RequireObserved(run.plan.Reference(index));
+      run.evidence.RequireObserved(run.selection.Reference(index));
     }
     return ModelWorkspace(run);
   } catch (...) {
@@ -82,8 +82,8 @@ bool FindPlanes(const RefineRun& run, PipelineOutcome* outcome) {
 PipelineOutcome Compose(const RefineRun& run,
                         std::vector<StageSeconds> seconds) {
   for (const size_t index : run.images) {
-    if (run.HasScenePlanes() && run.plan.IsToBeRefined(index)) {
-      for (const int view : run.plan.SourcesAndReference(index)) {
+    if (run.HasScenePlanes() && run.selection.IsToBeRefined(index)) {
+      for (const int view : run.selection.SourcesAndReference(index)) {
         run.evidence.RequireObserved(view);
       }
     }
@@ -99,7 +99,7 @@ PipelineOutcome Compose(const RefineRun& run,
 PipelineOutcome RunPasses(const RefineRun& run) {
   const RefinePass pass = run.options.pass;
   const bool runs_all = pass == RefinePass::kAll;
-  std::vector<StageSeconds> seconds(run.plan.NumImages());
+  std::vector<StageSeconds> seconds(run.selection.NumImages());
   PipelineOutcome outcome(run.images.size());
   outcome.num_observed = static_cast<int>(run.images.size());
   if (runs_all || pass == RefinePass::kObserve) {
@@ -130,7 +130,7 @@ RunSummary Summarize(const RefineRun& run, const PipelineOutcome& outcome) {
   summary.num_workers = static_cast<int>(run.devices.workers.size());
   summary.peak_gpu_memory = PeakGpuMemory(run.devices);
   for (size_t i = 0; i < outcome.reports.size(); ++i) {
-    summary.Add(run.plan.Name(run.images[i]), outcome.reports[i]);
+    summary.Add(run.selection.Name(run.images[i]), outcome.reports[i]);
   }
   if (run.options.pass == RefinePass::kObserve) {
     summary.num_observed = std::exchange(summary.num_refined, 0);
@@ -190,14 +190,14 @@ RunSummary RunOnImages(const WorkspaceRefineOptions& options,
   std::ranges::for_each(obstacles, &Warn);
   const InputFingerprints inputs(workspace);
   const ImageRecord expected = CurrentRecord(workspace, refine_options, inputs);
-  const RefinePlan plan(
+  const ImageSelection selection(
       workspace, inputs, overview.has_maps, std::move(is_listed), expected);
   if (NeedsEvidence(refine_options)) {
-    plan.RequireOthersFit(options.image_list_path);
+    selection.RequireOthersFit(options.image_list_path);
   }
   if (options.pass == RefinePass::kAll ||
       options.pass == RefinePass::kObserve) {
-    plan.WarnOfChanges();
+    selection.WarnOfChanges();
   }
   EvidenceStore evidence(workspace,
                          expected.options_hash + " " + expected.inputs,
@@ -211,12 +211,12 @@ RunSummary RunOnImages(const WorkspaceRefineOptions& options,
                          images,
                          devices,
                          inputs,
-                         plan,
+                         selection,
                          evidence};
-  BeginAccount(run);
+  BeginManifest(run);
   const PipelineOutcome outcome = RunPasses(run);
   RunSummary summary = Summarize(run, outcome);
-  EndAccount(run, outcome);
+  FinishManifest(run, outcome);
   summary.fusion_obstacles = std::move(obstacles);
   summary.wall_seconds = stopwatch.Seconds();
   return summary;

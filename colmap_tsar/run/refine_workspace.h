@@ -29,8 +29,8 @@ struct WorkspaceRefineOptions {
   std::optional<MapType> input_type;
   // A text file with the names of the images to refine; empty: all.
   std::filesystem::path image_list_path;
-  // The folder with the masks of images, see io/image_masks.h; empty:
-  // none. Masked pixels are no evidence for anything and get no depth.
+  // The folder with the masks of images, see io/image_masks.h; empty: none.
+  // Masked pixels are ignored and get no depth.
   std::filesystem::path mask_path;
   // The folder with the depth priors of images, see priors/prior_folder.h;
   // empty: none. prior_type: the meaning of their values.
@@ -46,7 +46,7 @@ struct WorkspaceRefineOptions {
 };
 
 // Refines all images of stereo/patch-match.cfg, or only the listed ones, whose
-// results are the same, and writes the result, an account of the run
+// results are the same, and writes the result, the manifest of the run
 // (stereo/tsar/manifest.json) and progress. Images that were done before with
 // the same options and unchanged inputs are skipped; those that cannot be
 // refined keep their maps.
@@ -59,7 +59,7 @@ struct WorkspaceRefineOptions {
 // an image throw. After any error, images that were done stay done, and the
 // same call resumes from there.
 //
-// kObserve, kModel and kCompose write no account. Before kModel, all images
+// kObserve, kModel and kCompose write no manifest. Before kModel, all images
 // must have been observed with these options, before kCompose, the images of
 // the shard and their sources, and the planes of the scene must have been
 // found, else kNotFound. kMerge: see MergeShards.

@@ -34,7 +34,7 @@ enum class RefinePass {
   kObserve,  // For a shard: the evidence of its images.
   kModel,    // For all shards: the planes of the scene, once all were observed.
   kCompose,  // For a shard: the maps, once the planes are found.
-  kMerge,    // For all shards: the account, once all were composed.
+  kMerge,    // For all shards: the manifest, once all were composed.
 };
 
 // "all", "observe", "model", "compose" or "merge".

@@ -121,8 +121,8 @@ class SharedCache {
     return entries_.end();
   }
 
-  // Only this cache hands values out, so that one that it alone holds can get
-  // no other user now. The values are freed without the mutex.
+  // Only this cache hands out values, so one without other owners cannot get a
+  // new user now. The values are freed without the mutex.
   void DropUnused(std::list<Entry>* dropped) {
     for (auto entry = entries_.end();
          entries_.size() > max_num_values_ && entry != entries_.begin();) {

@@ -25,8 +25,8 @@ struct WorkspaceOverview {
 };
 
 // Checks the files of all images that refinement will read, without reading
-// their pixels, so that a run does not fail half way for a reason that can be
-// seen at its start. Images without maps are no error. Throws Error: kNotFound
+// their pixels, so that a run does not fail halfway for a reason that can be
+// found at its start. Images without maps are no error. Throws Error: kNotFound
 // (no image in patch-match.cfg has maps; an image file is missing; one of depth
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is

@@ -428,7 +428,8 @@ struct OutlineView {
 };
 
 // A rough test of whether two pairs may show the same circle: the radii that
-// follow from their widths, where the rays amid the pairs meet, are similar.
+// follow from their widths, where the rays through their middles meet, are
+// similar.
 bool MayShowOneCircle(const Support& a, const Support& b) {
   // Outlines of narrow objects are known to a tenth of the width.
   constexpr double kMaxGap = 0.4;
@@ -628,8 +629,7 @@ CylinderEvidence TestCylinder(const ObservedView& view,
       result.through += measured > at.depth + gap ? 1 : 0;
       const size_t superpixel = evidence.superpixels(x, y);
       const int label = labels.planes[superpixel];
-      if (label >= 0 &&
-          labels.evidence[superpixel] == LabelEvidence::kMeasured) {
+      if (label >= 0 && labels.origins[superpixel] == LabelOrigin::kMeasured) {
         const float depth =
             ToCameraPlane(planes[label].plane, view.camera).Depth(ray);
         result.on_planes += std::abs(depth - at.depth) > gap ? 1 : 0;

@@ -49,7 +49,7 @@ struct ModeledView {
   const ViewLabels* labels = nullptr;
 };
 
-// Runs the work on a device; more than once where its memory runs out.
+// Runs the work on a device, and again on another one if its memory runs out.
 using DeviceLender =
     std::function<void(const std::function<void(Device&)>& work)>;
 
@@ -91,13 +91,13 @@ FoundScene FindScene(const std::vector<ObservedView>& views,
                      const std::vector<const ViewLabels*>& labels,
                      Device& device);
 
-// The number of planes that a plane map can name, those of the model with the
-// largest support: it holds indices plus one, in 16 bits.
+// The number of planes that a plane map can represent, those of the model with
+// the largest support: it stores indices plus one, in 16 bits.
 inline constexpr int kMaxPlanesOfMap = std::numeric_limits<uint16_t>::max();
 
 // The values of a plane map on the raster: the index plus one of the plane that
 // each pixel's superpixel was labeled with; 0 where there is none, or one that
-// plane maps cannot name.
+// plane maps cannot represent.
 Image<uint16_t> PlaneIds(const Image<uint16_t>& superpixels,
                          const FoundScene& found);
 

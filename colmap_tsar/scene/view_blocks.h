@@ -29,8 +29,9 @@ std::vector<int> FindComponents(const ViewGraph& neighbors);
 
 // Splits the views, in their order, into blocks of at most max_size, the blocks
 // of one component about equally large. Views of different components never
-// share a block, however few they are: they have no surface in common. Views of
-// one component must be contiguous, best with neighbors close to each other.
+// share a block, however few they are, since they have no surface in common.
+// Views of one component must be contiguous, best with neighbors close to each
+// other.
 std::vector<std::vector<size_t>> SplitIntoBlocks(const ViewGraph& neighbors,
                                                  size_t max_size);
 

@@ -18,8 +18,8 @@ struct ComposeInputs {
   ImageView<const uint8_t> trusted;  // Nonzero where the hypothesis is kept.
   PlaneRaster superpixel_planes;     // May be empty.
   PlaneRaster region_planes;         // May be empty.
-  // The Confirmation of each hypothesis: confirmed ones stand as well. May be
-  // empty.
+  // The Confirmation of each hypothesis: confirmed ones are kept as well. May
+  // be empty.
   ImageView<const uint8_t> confirmations{};
 };
 
@@ -49,11 +49,11 @@ struct ComposedMap {
   }
 };
 
-// Composes one map from the results of the stages. A trusted measurement that
-// lies on a plane moves onto it, which removes its noise; one that does not
-// keeps its depth. Where nothing is trusted, the plane with the more local
-// support wins: the superpixel's, unless the region's says the same. own: the
-// measured hypotheses, whose memory is moved to the result.
+// Composes one map from the results of the stages. A trusted measurement close
+// to a plane moves onto it, which removes its noise; any other one keeps its
+// depth. Where nothing is trusted, the plane with the more local support is
+// used: the superpixel's, unless the region's agrees with it. own: the measured
+// hypotheses, whose memory is moved to the result.
 ComposedMap ComposeMap(DepthNormalImages own,
                        const ComposeInputs& inputs,
                        const DisparityScale& scale,
@@ -75,8 +75,8 @@ void DropDoubtful(float min_confidence,
 
 // R2: fills small holes by the filter F_B, and marks them as interpolated.
 // color, intrinsics: those of the map. num_iterations: the window doubles from
-// round to round, and every round reads the one before. Does nothing if the
-// options disable it.
+// round to round, each reading the result of the previous one. Does nothing if
+// the options disable it.
 void FillHoles(ImageView<const Rgb> color,
                const Intrinsics& intrinsics,
                const RefineOptions& options,

@@ -7,7 +7,7 @@
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/scene/evidence/label_view.h"
-#include "colmap_tsar/view/view_votes.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 
 #include <cmath>
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace tsar {
 
 // The evidence for and against a measured depth.
 struct MeasurementSupport {
-  ViewVotes votes;
+  OcclusionVotes votes;
   // Standard deviation of the gray levels around the pixel (ComputeTexture).
   float texture = 0.f;
   bool is_trusted = false;  // See MeasurementFlags.
@@ -25,26 +25,26 @@ struct MeasurementSupport {
 // The surface that would replace the measurement: the plane of the pixel's
 // superpixel.
 struct Rival {
-  ViewVotes votes;
+  OcclusionVotes votes;
   // Difference of the two depths, in relative depths of one pixel of disparity.
   float gap = 0.f;
   float margin = 0.f;  // LabelQuality::margin.
-  // By how much the colors of other views fit it worse than the measurement,
-  // from -1 to 1. Of what is thin, the windows of matching see less than of the
-  // plane behind it.
+  // How much worse the colors of other views fit it than the measurement, from
+  // -1 to 1. Matching windows show less of thin objects than of the plane
+  // behind them.
   float misfit = 0.f;
 };
 
 // See Rival::misfit; 0 where fewer than two views see both.
-TSAR_HD inline float MisfitOf(const ViewVotes& rival,
-                              const ViewVotes& measured) {
-  if (rival.second_color == ViewVotes::kNoColor ||
-      measured.second_color == ViewVotes::kNoColor) {
+TSAR_HD inline float MisfitOf(const OcclusionVotes& rival,
+                              const OcclusionVotes& measured) {
+  if (rival.second_color == OcclusionVotes::kNoColor ||
+      measured.second_color == OcclusionVotes::kNoColor) {
     return 0.f;
   }
   return static_cast<float>(rival.color + rival.second_color - measured.color -
                             measured.second_color) /
-         (2.f * (ViewVotes::kNoColor - 1));
+         (2.f * (OcclusionVotes::kNoColor - 1));
 }
 
 // Difference of two depths of one ray, in relative depths of one pixel of
@@ -58,7 +58,7 @@ TSAR_HD inline float GapInPixels(float own,
 inline constexpr int kNumVoteShares = 3;
 // Writes the shares of the votes that agree, of those for a surface in front,
 // and of those for one behind, each as a share of all votes plus one.
-TSAR_HD inline void ShareVotes(const ViewVotes& votes, float* shares) {
+TSAR_HD inline void ShareVotes(const OcclusionVotes& votes, float* shares) {
   const float share = 1.f / static_cast<float>(1 + votes.Count());
   shares[0] = share * static_cast<float>(votes.agreeing);
   shares[1] = share * static_cast<float>(votes.in_front);
@@ -105,7 +105,7 @@ TSAR_HD inline float WeighedSum(const float (&weights)[kCount],
   return sum;
 }
 
-// The log-odds that the measurement is nearer to the truth than its rival.
+// The log-odds that the measurement is closer to the true depth than its rival.
 TSAR_HD inline float LogOddsAgainst(const Rival& rival,
                                     const MeasurementSupport& support) {
   constexpr float kSupport[] = {0.31f, 0.34f, 0.58f, -2.25f, -1.63f};

@@ -49,7 +49,7 @@ class DeviceViews : public DeviceReference {
               Device& device,
               bool denoise = true);
 
-  // Waits for the work that may read the sources, which are shared with other
+  // Waits for work that may read the sources, which are shared with other
   // devices of the GPU.
   ~DeviceViews();
 

@@ -16,10 +16,10 @@ namespace {
 
 int CeilOfQuotient(int a, int b) { return (a - 1) / b + 1; }
 
-SquareHypothesis SquaresOf(const ViewData& rows,
-                           const Camera& camera,
-                           int factor,
-                           int first_row) {
+BlockDepth BlocksOf(const ViewData& rows,
+                    const Camera& camera,
+                    int factor,
+                    int first_row) {
   return {rows.depth.View(),
           rows.normal.View(),
           rows.is_to_refine.View(),
@@ -28,24 +28,24 @@ SquareHypothesis SquaresOf(const ViewData& rows,
           first_row};
 }
 
-// SquareHypothesis::Find() with buffers, several times as fast on a CPU: the
-// depths of a square are gathered once, and rays come from tables.
-class SquareFinder {
+// BlockDepth::Find() with buffers, several times as fast on a CPU: the
+// depths of a block are gathered once, and rays come from tables.
+class BlockDepthFinder {
  public:
-  explicit SquareFinder(const SquareHypothesis& squares)
-      : squares_(squares),
-        own_(squares.factor),
-        other_(squares.factor),
-        rays_(static_cast<size_t>(squares.depth.width)) {
-    for (int x = 0; x < squares.depth.width; ++x) {
-      rays_[x] = squares.RayOf(x, 0).x;
+  explicit BlockDepthFinder(const BlockDepth& blocks)
+      : blocks_(blocks),
+        own_(blocks.factor),
+        other_(blocks.factor),
+        rays_(static_cast<size_t>(blocks.depth.width)) {
+    for (int x = 0; x < blocks.depth.width; ++x) {
+      rays_[x] = blocks.RayOf(x, 0).x;
     }
   }
 
   ptrdiff_t Find(int x, int y) {
-    const int factor = squares_.factor;
-    const int end_x = std::min(x * factor + factor, squares_.depth.width);
-    const int end_y = std::min(y * factor + factor, squares_.depth.height);
+    const int factor = blocks_.factor;
+    const int end_x = std::min(x * factor + factor, blocks_.depth.width);
+    const int end_y = std::min(y * factor + factor, blocks_.depth.height);
     own_.count = 0;
     other_.count = 0;
     for (int row = y * factor; row < end_y; ++row) {
@@ -54,7 +54,7 @@ class SquareFinder {
       }
     }
     const int min_count =
-        SquareHypothesis::MinCount((end_x - x * factor) * (end_y - y * factor));
+        BlockDepth::MinCount((end_x - x * factor) * (end_y - y * factor));
     const ptrdiff_t own = FindAmong(own_, min_count);
     return own >= 0 ? own : FindAmong(other_, min_count);
   }
@@ -75,10 +75,10 @@ class SquareFinder {
 
   // This has no branches, since holes are unpredictable.
   void Gather(int column, int row) {
-    const size_t pixel = squares_.depth.Index(column, row);
-    const float depth = squares_.depth.data[pixel];
+    const size_t pixel = blocks_.depth.Index(column, row);
+    const float depth = blocks_.depth.data[pixel];
     const bool is_own =
-        squares_.is_to_refine.Empty() || squares_.is_to_refine.data[pixel] != 0;
+        blocks_.is_to_refine.Empty() || blocks_.is_to_refine.data[pixel] != 0;
     Append(depth, column, row, is_own, &own_);
     Append(depth, column, row, !is_own, &other_);
   }
@@ -99,13 +99,13 @@ class SquareFinder {
     }
     const auto median = static_cast<size_t>(Median(depths));
     const auto pixel = static_cast<ptrdiff_t>(
-        squares_.depth.Index(depths.column[median], depths.row[median]));
-    const Plane plane = squares_.PlaneOf(pixel);
+        blocks_.depth.Index(depths.column[median], depths.row[median]));
+    const Plane plane = blocks_.PlaneOf(pixel);
     int count = 0;
     for (size_t i = 0; i < static_cast<size_t>(depths.count); ++i) {
       const Vec3f ray = {
-          rays_[depths.column[i]], squares_.RayOf(0, depths.row[i]).y, 1.f};
-      count += SquareHypothesis::IsOnPlane(
+          rays_[depths.column[i]], blocks_.RayOf(0, depths.row[i]).y, 1.f};
+      count += BlockDepth::IsOnPlane(
                    depths.depth[i], ray, plane, depths.depth[median])
                    ? 1
                    : 0;
@@ -132,7 +132,7 @@ class SquareFinder {
     return 0;
   }
 
-  const SquareHypothesis& squares_;
+  const BlockDepth& blocks_;
   Depths own_;
   Depths other_;
   std::vector<float> rays_;  // x of the ray of each column.
@@ -229,15 +229,15 @@ ViewReducer::ViewReducer(const Camera& camera, int factor, bool has_costs)
 }
 
 void ViewReducer::Add(const ViewData& rows) {
-  const SquareHypothesis squares = SquaresOf(rows, camera_, factor_, num_rows_);
-  SquareFinder finder(squares);
+  const BlockDepth blocks = BlocksOf(rows, camera_, factor_, num_rows_);
+  BlockDepthFinder finder(blocks);
   const int first_row = num_rows_ / factor_;
-  const int num_squares = CeilOfQuotient(rows.depth.Height(), factor_);
-  for (int y = 0; y < num_squares; ++y) {
+  const int num_blocks = CeilOfQuotient(rows.depth.Height(), factor_);
+  for (int y = 0; y < num_blocks; ++y) {
     for (int x = 0; x < reduced_.depth.Width(); ++x) {
       const ptrdiff_t pixel = finder.Find(x, y);
       if (pixel >= 0) {
-        Set(rows, squares, pixel, x, first_row + y);
+        Set(rows, blocks, pixel, x, first_row + y);
       }
     }
   }
@@ -245,15 +245,15 @@ void ViewReducer::Add(const ViewData& rows) {
 }
 
 void ViewReducer::Set(const ViewData& rows,
-                      const SquareHypothesis& squares,
+                      const BlockDepth& blocks,
                       ptrdiff_t pixel,
                       int x,
                       int y) {
   const auto index = static_cast<size_t>(pixel);
   reduced_.depth(x, y) =
-      squares.DepthOnRay(pixel,
-                         reduced_.camera.GetIntrinsics().Ray(
-                             static_cast<float>(x), static_cast<float>(y)));
+      blocks.DepthOnRay(pixel,
+                        reduced_.camera.GetIntrinsics().Ray(
+                            static_cast<float>(x), static_cast<float>(y)));
   reduced_.normal(x, y) = rows.normal.Data()[index];
   const bool is_to_refine =
       rows.is_to_refine.Empty() || rows.is_to_refine.Data()[index] != 0;
@@ -283,10 +283,10 @@ ViewData ReduceView(const ViewData& view, int factor) {
 }
 
 bool HasReducedDepth(const ViewData& view, int factor) {
-  const SquareHypothesis squares = SquaresOf(view, view.camera, factor, 0);
+  const BlockDepth blocks = BlocksOf(view, view.camera, factor, 0);
   for (int y = 0; y < CeilOfQuotient(view.depth.Height(), factor); ++y) {
     for (int x = 0; x < CeilOfQuotient(view.depth.Width(), factor); ++x) {
-      if (squares.Find(x, y) >= 0) {
+      if (blocks.Find(x, y) >= 0) {
         return true;
       }
     }

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/view/square_hypothesis.h"
+#include "colmap_tsar/view/block_depth.h"
 #include "colmap_tsar/view/view_data.h"
 
 #include <cstddef>
@@ -12,10 +12,10 @@ namespace tsar {
 
 // The longest side at which views are judged. All criteria, such as windows of
 // 11 pixels and reprojection errors within 2, are in pixels of the map. On maps
-// of many megapixels such windows show little but noise, and the errors of
-// depths, which do not shrink with the pixels, span several pixels. Larger maps
-// are therefore reduced to the largest size on which the thresholds were
-// measured (640 to 1280 pixels); smaller maps are judged unreduced.
+// of many megapixels such windows contain mostly noise, and depth errors, which
+// do not shrink with the pixels, span several pixels. Larger maps are therefore
+// reduced to the largest size on which the thresholds were measured (640 to
+// 1280 pixels); smaller maps are judged unreduced.
 constexpr int kMaxJudgingSide = 1280;
 
 // The smallest integer factor, at least 1, that reduces the map's long side to
@@ -29,16 +29,16 @@ int FactorBetween(int width, int height, int reduced_width, int reduced_height);
 // The camera of the reduced view.
 Camera ReduceCamera(const Camera& camera, int factor);
 
-// The view with one pixel for each square of factor x factor pixels, those at
-// the right and bottom being cut off by the border: ceil(width / factor) x
-// ceil(height / factor) pixels. Rays go through the centers of full squares.
-// The color is the mean. The hypothesis is never an average, which would lie on
-// no surface where a square shows two: it is that of the pixel with the (lower)
-// median depth among those from the map to refine, if at least 7 of 8 pixels of
-// the square (all of four) have such depths within 0.5 % of its plane, which
-// noise does not meet by chance. Otherwise it is chosen among those from the
-// other type under the same condition, or is none. It is moved along its plane
-// to the new ray. The exported costs are those of that pixel.
+// The view with one pixel for each block of factor x factor pixels, truncated
+// at the right and bottom border: ceil(width / factor) x ceil(height / factor)
+// pixels. Rays go through the centers of full blocks. The color is the mean.
+// The hypothesis is never an average, which would lie on no surface where a
+// block shows two. It is that of the pixel with the (lower) median depth among
+// those from the map to refine, if at least 7 of 8 pixels of the block (all of
+// four) have such depths within 0.5 % of its plane, which noise does not meet
+// by chance. Otherwise it is chosen among those from the other type under the
+// same condition; without such a pixel there is none. It is moved along its
+// plane to the new ray. The exported costs are those of that pixel.
 ViewData ReduceView(const ViewData& view, int factor);
 
 // Computes ReduceView() while only some rows of the view are in memory.
@@ -47,7 +47,7 @@ class ViewReducer {
   // camera: that of the full view. has_costs: whether it has exported costs.
   ViewReducer(const Camera& camera, int factor, bool has_costs);
 
-  // Adds the next rows of the view's maps, without colors: full squares, except
+  // Adds the next rows of the view's maps, without colors: full blocks, except
   // at the view's end.
   void Add(const ViewData& rows);
 
@@ -56,9 +56,9 @@ class ViewReducer {
   ViewData Finish(const Image<Rgb>& color);
 
  private:
-  // Sets the hypothesis of a square to that of a pixel of the rows.
+  // Sets the hypothesis of a block to that of a pixel of the rows.
   void Set(const ViewData& rows,
-           const SquareHypothesis& squares,
+           const BlockDepth& blocks,
            ptrdiff_t pixel,
            int x,
            int y);

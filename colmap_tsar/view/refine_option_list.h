@@ -21,7 +21,7 @@ struct RefineField {
   // The range of valid values, both ends included; unused for bools.
   double min = 0.0;
   double max = 1.0;
-  // Whether users can choose it better than we, so that --help tells of it; all
+  // Whether users may have reason to change it, so that --help lists it; all
   // others are for experiments.
   bool is_option = false;
   // The value of the preset `paper`, the published method as this project
@@ -47,8 +47,8 @@ RefineOptions PresetOptions(RefinePreset preset);
 std::map<std::string, std::string> RefineOptionsText(
     const RefineOptions& options);
 
-// A hash of the program's version and of all values, on which a result depends
-// beside the workspace.
+// A hash of the program's version and of all values: what a result depends on
+// besides the workspace.
 std::string HashRefineOptions(const RefineOptions& options);
 
 }  // namespace tsar

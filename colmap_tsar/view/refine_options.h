@@ -5,7 +5,7 @@
 
 namespace tsar {
 
-// The options on which a result depends beside the workspace; ListRefineFields
+// The options on which a result depends besides the workspace; ListRefineFields
 // describes the members, docs/ablation.md how each default was found. Values in
 // pixels hold for maps 3110 pixels wide, the paper's size on ETH3D, and a
 // segmentation raster 777 wide; they are scaled to the maps at hand.
@@ -58,7 +58,7 @@ struct RefineOptions {
   double min_scene_plane = 100.0;
   double unlabeled_cost = 0.02;
 
-  // The least confidence of depths, and the least ConfidenceInSurface() of
+  // The minimum confidence of depths, and the minimum ConfidenceInSurface() of
   // depths that were not measured.
   double min_confidence = 0.0;
   double min_fill_confidence = 0.35;

@@ -23,7 +23,7 @@ enum class Provenance : uint8_t {
   kRegionPlane = 4,
   kOtherViews = 5,  // Planes that other views measured there.
   kGuessed = 6,     // Scene planes that no view measured there.
-  kPrior = 7,       // A depth prior from outside.
+  kPrior = 7,       // An external depth prior.
 };
 
 // The names of these values for users, in their order.

@@ -52,7 +52,7 @@ TEST(AtomicFileTest, ShowsTheOldContentUntilTheCommit) {
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
 }
 
-// A killed program may have left its temporary, even as a link.
+// A killed program may have left its temporary file; it may even be a link.
 TEST(AtomicFileTest, TakesThePlaceOfALeftTemporary) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "file";
@@ -68,7 +68,7 @@ TEST(AtomicFileTest, TakesThePlaceOfALeftTemporary) {
   EXPECT_EQ(NumEntries(folder.Path()), 2u);
 }
 
-// The sign of a temporary of this program goes when the file is complete.
+// The mark of this program's temporary files is removed from complete files.
 TEST(AtomicFileTest, AUsersFileOfTheTemporarysNameStays) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "file";
@@ -82,7 +82,7 @@ TEST(AtomicFileTest, AUsersFileOfTheTemporarysNameStays) {
               [&] { AtomicFile file(UserPath(path)); });
   EXPECT_EQ(ReadText(temporary), "mine");
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
-  // As one is left by a killed program.
+  // As a killed program leaves it.
   std::filesystem::remove(temporary);
   WriteText(path, "old");
   AtomicFile file(UserPath(path));
@@ -133,7 +133,7 @@ TEST(AtomicFileTest, NamesTheFileWhereTheFolderIsNone) {
   });
 }
 
-// A folder of the file's name, or of its temporary's, is told of before the
+// A folder with the file's name, or its temporary name, is reported before the
 // content is computed, and stays.
 TEST(AtomicFileTest, RefusesTheNameOfAFolder) {
   const TemporaryFolder folder;
@@ -155,7 +155,7 @@ TEST(AtomicFileTest, RefusesTheNameOfAFolder) {
     }
     std::filesystem::remove_all(taken);
   }
-  // One that came meanwhile.
+  // A folder that was created meanwhile.
   AtomicFile file(UserPath(path));
   WriteText(path / "inside", "");
   ExpectError(
@@ -196,7 +196,7 @@ TEST(LinkOrCopyFileTest, GivesTheSameContentAndReplaces) {
   LinkOrCopyFile(folder.Path() / "link", UserPath(target));
   EXPECT_FALSE(std::filesystem::is_symlink(target));
   EXPECT_EQ(ReadText(target), "one");
-  // Once more onto itself, which rename() alone would leave half done.
+  // Again onto itself, which rename() alone would leave half done.
   LinkOrCopyFile(source, UserPath(target));
   EXPECT_EQ(NumEntries(target.parent_path()), 1u);
   WriteText(source, "two");
@@ -229,7 +229,7 @@ TEST(RenameFileTest, RemovesTheOldNameAlsoBetweenLinks) {
   RenameFile(UserPath(folder.Path() / "a"), UserPath(folder.Path() / "b"));
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
   EXPECT_EQ(ReadText(folder.Path() / "b"), "text");
-  // Two names of one file by a link among their folders: it would be gone.
+  // Two paths of one file, through a link to a folder: the file would be lost.
   std::filesystem::create_directory_symlink(".", folder.Path() / "same");
   ExpectError(ErrorCode::kUnsupported, {"is the same file as"}, [&] {
     RenameFile({folder.Path(), "same/b"}, {folder.Path(), "b"});

@@ -38,7 +38,7 @@ class InputFileTest : public testing::Test {
     EXPECT_FALSE(file);
     EXPECT_NE(file.Reason().find(reason), std::string::npos) << file.Reason();
     EXPECT_EQ(file.get(), InputFile::traits_type::eof());
-    // As parsers do, that know nothing of the stream's state.
+    // Like parsers that ignore the stream's state.
     ASSERT_TRUE(file.rdbuf());
     EXPECT_EQ(file.rdbuf()->sgetc(), InputFile::traits_type::eof());
   }
@@ -63,7 +63,7 @@ TEST_F(InputFileTest, ReadsAsStreamsDo) {
   EXPECT_EQ(ReadAll(file), "econd\n");
 }
 
-// Without a writer, opening a FIFO to read from it waits.
+// Opening a FIFO for reading blocks until there is a writer.
 TEST_F(InputFileTest, WaitsForNoFifoAndReadsNoDevice) {
   ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
   ExpectRefused(path_, "FIFO");
@@ -75,7 +75,7 @@ TEST_F(InputFileTest, WaitsForNoFifoAndReadsNoDevice) {
   ExpectRefused(folder_.Path() / "link", "device");
 }
 
-// The system finds nothing at the first address of the memory of a process.
+// Nothing is mapped at the first address of a process, so reading there fails.
 TEST_F(InputFileTest, ADiskThatFailsIsNotTheEndOfTheFile) {
   const auto expect_error = [](const auto& read) {
     InputFile file("/proc/self/mem");
@@ -114,7 +114,7 @@ TEST(PutPicture, TellsAFormatThatIsMissingFromAnEncoderWithoutMemory) {
   EXPECT_THROW(PutPicture(pixels, ".jpg", path, &file), std::bad_alloc);
 }
 
-// The fingerprints of all workspaces hang on it.
+// The fingerprints of all workspaces depend on it.
 TEST(ContentHashTest, IsXxh3WhateverTheSplit) {
   EXPECT_EQ(ContentHash().Value(), 0x2D06800538D394C2u);
   std::string bytes;

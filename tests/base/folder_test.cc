@@ -122,7 +122,7 @@ TEST_F(FolderTest, RemovesWhatIsInsideAlone) {
   EXPECT_EQ(ReadText(outside_ / "precious"), "precious");
 }
 
-// Its content would count as missing.
+// Its content would appear to be missing.
 TEST_F(FolderTest, WhatCannotBeListedIsAnError) {
   WriteText(root_ / "stereo/file", "");
   ExpectError(ErrorCode::kIo, {"stereo/file", "Not a directory"}, [&] {

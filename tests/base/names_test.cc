@@ -18,7 +18,7 @@ namespace {
 
 enum class Fruit { kApple, kPear, kPlum };
 
-// Not in the order of the values, and one has no name.
+// Not in the order of the values, one of which has no name.
 constexpr std::array kNames = {std::pair(Fruit::kPear, "pear"),
                                std::pair(Fruit::kApple, "apple")};
 
@@ -69,7 +69,7 @@ TEST(Path, TellsWhatIsThere) {
   }
 }
 
-// A loop of links has no answer, not even for the superuser.
+// A loop of links cannot be resolved, not even by the superuser.
 TEST(Path, WhatHasNoAnswerIsNotMissing) {
   const TemporaryFolder folder;
   const fs::path loop = folder.Path() / "loop";

@@ -52,7 +52,7 @@ TEST(Progress, SaysNothingWhereNothingHadToBeDone) {
     progress.Advance(false);
     progress.Finish();
     EXPECT_EQ(text.str(), "");
-    // It may take time, too.
+    // Images that need no work may take time, too.
     progress.Start(2);
     now += 11.0;
     progress.Advance(false);
@@ -85,7 +85,7 @@ TEST(Progress, NamesThePassAndCountsWorkAlone) {
 
 TEST(Progress, TellsTheListenerOfStartsAndOfEveryImage) {
   std::ostringstream text;
-  // Nothing is due to be printed but the last image.
+  // Only the last image is due to be printed.
   Progress progress(text, true, [] { return 0.0; });
   std::vector<std::string> steps;
   progress.SetListener([&](const std::string& pass, int done, int total) {

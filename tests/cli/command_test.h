@@ -66,8 +66,8 @@ class CommandTest : public testing::Test {
     return RunCommandWith<kCommand>(arguments);
   }
 
-  // Expects exit code 1, an error as the last line with these texts, no line
-  // before that is no progress, and no file changed.
+  // Expects exit code 1, an error with these texts as the last line, only
+  // progress before it, and no changed file.
   void ExpectFailure(const Words& arguments, const Words& texts) const {
     const auto before = ReadTree(folder_.Path());
     const Outcome outcome = Run(arguments);
@@ -86,7 +86,7 @@ class CommandTest : public testing::Test {
     ExpectFailure(arguments, Words{text});
   }
 
-  // Beside --workspace_path.
+  // Besides --workspace_path.
   Words always_;
   TemporaryFolder folder_;
   const std::filesystem::path root_ = folder_.Path() / "dense";

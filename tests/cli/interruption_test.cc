@@ -21,7 +21,7 @@ TEST(Interruption, CatchesTheFirstSignal) {
   std::signal(SIGHUP, handler);
 }
 
-// As nohup asks for.
+// As under nohup.
 TEST(Interruption, AnIgnoredHangupStaysIgnored) {
   const auto handler = std::signal(SIGHUP, SIG_IGN);
   {

@@ -69,7 +69,7 @@ TEST_F(TsarFuseTest, OptionsComeBeforeThoseOfThePreset) {
   const uintmax_t by_default = FuseAnew({});
   const uintmax_t dense = FuseAnew({"--TsarFuse.point_spacing", "1"});
   EXPECT_GT(dense, 3 * by_default);
-  // The paper's fusion takes every pixel.
+  // The paper's fusion uses every pixel.
   EXPECT_GT(FuseAnew({"--TsarFuse.preset", "paper"}), 3 * by_default);
   EXPECT_LT(
       FuseAnew({"--TsarFuse.preset", "paper", "--TsarFuse.point_spacing", "2"}),
@@ -124,7 +124,7 @@ TEST_F(TsarEvaluateFusedPixelsTest, ComparesEachPointOnceWithTheTruth) {
       SyntheticWorkspace::kWidth * SyntheticWorkspace::kHeight;
   EXPECT_EQ(scores["num_images"], 4);
   EXPECT_EQ(scores["num_known"], 4 * num_pixels);
-  // Once, though all four see it.
+  // Once, although all four images see it.
   EXPECT_GT(scores["num_fused"], num_pixels / 2);
   EXPECT_LT(scores["num_fused"], 2 * num_pixels);
   EXPECT_LT(scores["scores"][0]["of_fused"], 0.5);

@@ -58,8 +58,8 @@ int CountOf(const std::string& text, const std::string& part) {
   return count;
 }
 
-// Files of faces hold no plane without an outline, and are not said to: one of
-// the room is seen by no image.
+// Files of faces contain no planes without outlines, and these are not counted:
+// no image sees one plane of the room.
 TEST_F(TsarPlanesTest, CountsWhatTheFileHolds) {
   for (const auto& [name, group] : {std::pair("planes.obj", "\ng plane_"),
                                     std::pair("planes.dxf", "\nPOLYLINE\n")}) {
@@ -135,7 +135,7 @@ TEST_F(TsarPlanesTest, RefusesWhatCannotBe) {
        "--plan_path: is the --output_path, too"},
       {{"--plan_path", path("plan.png")}, "let it end in .svg or .dxf"},
       {{"--plan_path", path("none/a.svg")}, "choose another --plan_path"},
-      // What a plan alone does not read.
+      // Options that a plan alone does not use.
       {{"--plan_path", path("a.dxf"), "--up", "y"},
        "--up is for --output_path"}};
   for (const auto& [arguments, text] : failures) {

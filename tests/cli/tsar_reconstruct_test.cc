@@ -36,7 +36,7 @@ TEST_F(TsarReconstructTest, MakesACloudAndAPageAndGoesOnWhereItStopped) {
   EXPECT_THAT(outcome.out, testing::HasSubstr("Open " + page_.string()));
   EXPECT_THAT(outcome.out, testing::Not(testing::HasSubstr("Next: ")));
   const auto expected = ReadTree(root_);
-  // As after an interruption of the fusion.
+  // As if the fusion had been interrupted.
   fs::remove_all(cloud_);
   fs::remove_all(page_.parent_path());
   const Outcome again = Run({});

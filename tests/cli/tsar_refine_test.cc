@@ -50,7 +50,7 @@ TEST_F(TsarRefineTest, RefinesReportsAndRestores) {
   EXPECT_TRUE(ReadTree(root_) == before);
 }
 
-// As the programs leave it that train on the undistorted images.
+// As left by programs that train on the undistorted images.
 TEST_F(TsarRefineTest, TellsToCopyAModelInTheFolder0) {
   std::filesystem::rename(root_ / "sparse", root_ / "0");
   std::filesystem::create_directory(root_ / "sparse");

@@ -14,8 +14,8 @@ class TsarStereoTest : public CommandTest<&RunTsarStereo> {
   void SetUp() override { MakeSyntheticWorkspace(root_); }
 };
 
-// The commands share what works with devices and memory; it is called by the
-// names of this one.
+// The commands share the options of devices and memory; messages use the names
+// of this command.
 TEST_F(TsarStereoTest, WrongOptionsAreOneLineAndLeaveTheWorkspaceAsItIs) {
   const std::string group = "--TsarStereo.";
   std::vector<std::pair<Words, std::string>> failures = {

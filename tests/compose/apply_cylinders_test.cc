@@ -123,7 +123,7 @@ TEST_F(ApplyCylindersTest, KeepsWhatOtherViewsConfirmOnDistinctTexture) {
       MeasurementFlags::Pack(false, Confirmation::kDistinct);
   ratings_(kBefore, 18) = distinct;
   ratings_(kBefore, 19) = MeasurementFlags::Pack(true, Confirmation::kWeak);
-  // Close to the outline, which is 8 pixels beside the middle.
+  // Close to the outline, which is 8 pixels from the middle.
   ratings_(kBefore + 8, 20) = distinct;
   depth_(kBefore, 21) = 2.02f;
   ratings_(kBefore, 21) = distinct;

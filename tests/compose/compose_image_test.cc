@@ -28,7 +28,7 @@ class ComposeImageTest : public SyntheticViewsTest {
     EXPECT_EQ(result.reason_to_keep, "");
     return std::move(result.maps);
   }
-  // Draws views of this size and reduces them. As they were drawn.
+  // Draws views of this size and reduces them. Returns them as drawn.
   SyntheticViews DrawReduced(int width, int height, int factor) {
     SyntheticViewsOptions options;
     options.width = width;
@@ -80,12 +80,12 @@ TEST_F(ComposeImageTest, LargeMapsAreJudgedAtASmallerSize) {
     num_with_depth += Before()(x, y) > 0.f ? 1 : 0;
   });
   EXPECT_GT(num_right, 0.97 * kWidth * kHeight);
-  // The pixels of the large map know that theirs were trusted.
+  // The flags of the reduced map reach the pixels of the large one.
   EXPECT_GT(num_measured, 0.7 * num_with_depth);
 }
 
-// The squares of three pixels reach beyond the map's end, and their middle is
-// off the corner from which pixels count.
+// The blocks of three pixels extend beyond the map and shift the principal
+// point: the reduced camera is not the full one scaled.
 TEST_F(ComposeImageTest, ComposesWithTheCameraThatObserved) {
   const SyntheticViews whole = DrawReduced(193, 145, 3);
   const auto evidence = Observe(drawn_.views.size());
@@ -95,7 +95,7 @@ TEST_F(ComposeImageTest, ComposesWithTheCameraThatObserved) {
     const Camera& observing = drawn_.views[i].camera;
     ASSERT_EQ(evidence[i]->width, 65);
     ASSERT_EQ(evidence[i]->height, 49);
-    // The first pass went through the disk to the second one.
+    // The evidence is written to disk and read again, as between passes.
     const TemporaryFolder folder;
     const std::filesystem::path path = folder.Path() / "evidence.bin";
     WriteEvidence(UserPath(path), "", *evidence[i]);
@@ -172,8 +172,7 @@ TEST_F(ComposeImageTest, EverySwitchLeavesSoundMaps) {
 }
 
 TEST_F(ComposeImageTest, SaysWhereNothingIsLeft) {
-  // Wrong depths alone, of which none agrees with that of another view, also
-  // not by chance.
+  // Only wrong depths, none of which agrees with another view, even by chance.
   float nearest = 2.f;
   for (ViewData& view : drawn_.views) {
     Philox random(static_cast<uint32_t>(&view - drawn_.views.data()), 9, 9);

@@ -26,7 +26,7 @@ constexpr Vec3f kOwnNormal{0.f, 0.6f, -0.8f};
 constexpr Vec3f kPlaneNormal{0.f, 0.f, -1.f};
 constexpr float kScene = 5.f;
 
-// Off all planes by far.
+// Far off all planes.
 constexpr float kOff = 4.f;
 // Of every superpixel.
 constexpr LabelMeasures kLabel = {
@@ -47,8 +47,8 @@ struct Result {
   Image<float> confidence;
 };
 
-// Starts with a raster of the size of the map, planes that face the camera, and
-// nothing measured. On a plane is what is less than 1 % off. No other view.
+// Starts with a raster of the size of the map, planes that face the camera, no
+// measurements and no other views. Depths within 1 % are on a plane.
 class ComposeSceneTest : public testing::Test {
  protected:
   ComposeSceneTest() {
@@ -65,8 +65,8 @@ class ComposeSceneTest : public testing::Test {
   static Image<Plane> PlanesAt(float depth) {
     return Image<Plane>(kWidth, kHeight, PlaneAt(depth));
   }
-  void SetAllEvidence(LabelEvidence evidence) {
-    of_superpixel_.assign(of_superpixel_.size(), {evidence, kLabel});
+  void SetAllOrigins(LabelOrigin origin) {
+    of_superpixel_.assign(of_superpixel_.size(), {origin, kLabel});
   }
 
   void Measure(int x, int y, float depth) {
@@ -100,7 +100,7 @@ class ComposeSceneTest : public testing::Test {
              own_.Width(),
              own_.Height()}};
   }
-  // Everywhere.
+  // The same prior in every pixel.
   void SetPrior(float depth, float sigma) {
     prior_depth_ = Image<float>(kWidth, kHeight, depth);
     prior_sigma_ = Image<float>(kWidth, kHeight, sigma);
@@ -151,7 +151,7 @@ class ComposeSceneTest : public testing::Test {
     EXPECT_EQ(result.provenance(x, y), static_cast<uint8_t>(provenance));
     EXPECT_FLOAT_EQ(result.confidence(x, y), confidence);
   }
-  // Its confidence is its own.
+  // It keeps the confidence of the measurement.
   static void ExpectMeasured(const Result& result, int x, int y, float depth) {
     Expect(result,
            x,
@@ -172,10 +172,10 @@ class ComposeSceneTest : public testing::Test {
   Image<float> own_{kWidth, kHeight};
   Image<uint8_t> ratings_{kWidth, kHeight};
   Image<Plane> scene_{kWidth, kHeight};
-  // Each pixel is one.
+  // Each pixel is a superpixel.
   Image<uint16_t> superpixels_{kWidth, kHeight};
-  std::vector<ComposedSuperpixel> of_superpixel_{
-      kWidth * kHeight, {LabelEvidence::kNone, kLabel}};
+  std::vector<ComposedSuperpixel> of_superpixel_{kWidth * kHeight,
+                                                 {LabelOrigin::kNone, kLabel}};
   Image<float> texture_{kWidth, kHeight, 10.f};
   Image<float> prior_depth_;  // None.
   Image<float> prior_sigma_;
@@ -187,7 +187,7 @@ class ComposeSceneTest : public testing::Test {
 TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   for (int x = 0; x < 4; ++x) {
     scene_(x, 0) = PlaneAt(kScene);
-    of_superpixel_[x] = {static_cast<LabelEvidence>(x), {.margin = 0.1f * x}};
+    of_superpixel_[x] = {static_cast<LabelOrigin>(x), {.margin = 0.1f * x}};
   }
   // As good as on the plane, and not trusted.
   Measure(3, 0, 5.03f);
@@ -206,15 +206,15 @@ TEST_F(ComposeSceneTest, APlaneOfTheSceneGoesWhereItIsLabeled) {
   expect(2, Provenance::kOtherViews, DepthKind::kCarried);
   expect(3, Provenance::kMeasured, DepthKind::kMoved);
   Expect(result, 4, 0, 0.f, {}, Provenance::kNone, 0.f);
-  ASSERT_EQ(static_cast<int>(LabelEvidence::kGuessed), 1);
-  ASSERT_EQ(static_cast<int>(LabelEvidence::kCarried), 2);
+  ASSERT_EQ(static_cast<int>(LabelOrigin::kGuessed), 1);
+  ASSERT_EQ(static_cast<int>(LabelOrigin::kCarried), 2);
 }
 
-// What the views say decides between two surfaces: see ViewVotesTest for how
-// they are asked, MeasurementSupportTest for how their answers are weighed.
+// The views decide between two surfaces: OcclusionVotesTest tests their votes,
+// MeasurementSupportTest how these are weighted.
 TEST_F(ComposeSceneTest, ADepthOffItsPlaneStandsOrGivesWayByItsLogOdds) {
   scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kCarried);
+  SetAllOrigins(LabelOrigin::kCarried);
   Measure(2, 2, kOff);
   MeasureWithoutTrust(4, 2, kOff, Confirmation::kWeak);
   MeasureWithoutTrust(6, 2, kOff);
@@ -237,7 +237,7 @@ TEST_F(ComposeSceneTest, ADepthOffItsPlaneStandsOrGivesWayByItsLogOdds) {
   }
 }
 
-// As if it had been measured on the plane, which it was but for noise.
+// Like a measurement on the plane, from which only noise separates it.
 TEST_F(ComposeSceneTest, ADepthThatGivesWayToAPlaneNearbyMovesOntoIt) {
   options_.on_plane = 0.5f;
   options_.min_log_odds = 100.f;
@@ -285,7 +285,7 @@ TEST_F(ComposeSceneTest, InterpolatedDepthsAndCylindersHaveTheirConfidences) {
 
 TEST_F(ComposeSceneTest, WhatWasNotMeasuredMustBeLikely) {
   scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kGuessed);
+  SetAllOrigins(LabelOrigin::kGuessed);
   Measure(2, 2, kScene);
   Measure(4, 2, kOff);
   options_.min_log_odds = -100.f;
@@ -302,7 +302,7 @@ TEST_F(ComposeSceneTest, WhatWasNotMeasuredMustBeLikely) {
 
 TEST_F(ComposeSceneTest, APriorFillsWhereThereIsNoPlane) {
   scene_(1, 2) = PlaneAt(kScene);
-  SetAllEvidence(LabelEvidence::kMeasured);
+  SetAllOrigins(LabelOrigin::kMeasured);
   SetPrior(6.f, 0.005f);
   prior_depth_(10, 2) = 0.f;
   MeasureWithoutTrust(5, 2, kOff);
@@ -321,15 +321,14 @@ TEST_F(ComposeSceneTest, APriorFillsWhereThereIsNoPlane) {
 
 TEST_F(ComposeSceneTest, ConfidenceOfAPriorIsThatOfItsSigma) {
   min_fill_confidence_ = 0.3f;
-  // Within one per cent is what is off by two standard deviations, by one, and
-  // by a third of one.
+  // One percent is two standard deviations, one, and a third of one.
   SetPrior(6.f, 0.005f);
   EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.954f, 0.01f);
   SetPrior(6.f, 0.01f);
   EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.683f, 0.01f);
   SetPrior(6.f, 0.03f);
   EXPECT_NEAR(Compose().confidence(3, 3), 0.95f * 0.261f, 0.01f);
-  // Of this one not a third is within three per cent: it is as good as none.
+  // Less than a third of its depths are within three percent: not used.
   SetPrior(6.f, 0.1f);
   EXPECT_EQ(Compose().confidence(3, 3), 0.f);
   outlier_share_ = 0.5f;
@@ -348,10 +347,10 @@ TEST_F(ComposeSceneTest, WithoutAPlaneAMeasurementGivesWayToACertainPrior) {
   EXPECT_FLOAT_EQ(result.depth(2, 2), 6.f);
   EXPECT_EQ(result.provenance(2, 2), static_cast<uint8_t>(Provenance::kPrior));
   ExpectMeasured(result, 4, 2, 6.02f);
-  // A prior that agrees needs no odds.
+  // With a prior that agrees, the odds do not matter.
   options_.min_log_odds = 100.f;
   ExpectMeasured(Compose(), 4, 2, 6.02f);
-  // One that is as often wrong as right says less against others.
+  // A prior that is wrong half of the time is weaker evidence against others.
   options_.min_log_odds = -2.f;
   texture_(2, 2) = 10.f;
   Measure(2, 2, kOff);
@@ -362,7 +361,7 @@ TEST_F(ComposeSceneTest, WithoutAPlaneAMeasurementGivesWayToACertainPrior) {
 
 TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
   scene_ = PlanesAt(kScene);
-  SetAllEvidence(LabelEvidence::kMeasured);
+  SetAllOrigins(LabelOrigin::kMeasured);
   Measure(2, 2, kOff);
   const float log_odds = LogOddsAgainst(
       {{}, GapInPixels(kOff, kScene, scale_), kLabel.margin}, {{}, 10.f, true});
@@ -380,7 +379,7 @@ TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
   SetPrior(kScene, 0.005f);
   EXPECT_EQ(depth_with(log_odds - kMost - 0.1f), kOff);
   EXPECT_FLOAT_EQ(depth_with(log_odds - kMost + 0.1f), kScene);
-  // Of a third surface it says nothing.
+  // A prior on a third surface is no evidence.
   SetPrior(10.f, 0.005f);
   EXPECT_EQ(depth_with(log_odds - 0.1f), kOff);
   EXPECT_FLOAT_EQ(depth_with(log_odds + 0.1f), kScene);
@@ -389,8 +388,9 @@ TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
 TEST(DepthConfidenceTest, ValuesAreProbabilities) {
   for (int kind = 0; kind < kNumDepthKinds; ++kind) {
     for (const float value : {0.f, 1.f}) {
-      for (const ViewVotes& votes :
-           {ViewVotes{}, ViewVotes{20, 0, 0}, ViewVotes{0, 20, 20}}) {
+      for (const OcclusionVotes& votes : {OcclusionVotes{},
+                                          OcclusionVotes{20, 0, 0},
+                                          OcclusionVotes{0, 20, 20}}) {
         const float confidence = ConfidenceOf({static_cast<DepthKind>(kind),
                                                {votes, 100.f * value, true},
                                                {value, value, value, value},
@@ -405,7 +405,7 @@ TEST(DepthConfidenceTest, ValuesAreProbabilities) {
 
 TEST(DepthConfidenceTest, ViewsThatAgreeRaiseItForEveryKind) {
   for (int kind = 0; kind < kNumDepthKinds; ++kind) {
-    const auto with = [&](const ViewVotes& votes) {
+    const auto with = [&](const OcclusionVotes& votes) {
       return ConfidenceOf({static_cast<DepthKind>(kind),
                            {votes, 5.f, false},
                            kLabel,

@@ -18,7 +18,7 @@ namespace {
 constexpr float kScene = 5.f;
 constexpr float kOff = 4.f;
 constexpr float kNoise = 0.5f;
-// Each constant is another one.
+// All constants are different.
 constexpr SceneSigmaOptions kOptions = {.moved = 1.f,
                                         .filled_measured = 2.f,
                                         .filled_carried = 3.f,
@@ -39,10 +39,10 @@ class DepthSigmaTest : public testing::Test {
   void Set(int x,
            float depth,
            Provenance provenance,
-           LabelEvidence evidence = LabelEvidence::kMeasured) {
+           LabelOrigin origin = LabelOrigin::kMeasured) {
     depth_(x, 0) = depth;
     provenance_(x, 0) = static_cast<uint8_t>(provenance);
-    of_superpixel_[x].evidence = evidence;
+    of_superpixel_[x].origin = origin;
   }
   // In shares of the depth.
   std::vector<float> Compute(bool is_of_scene = true) {
@@ -107,8 +107,8 @@ class DepthSigmaTest : public testing::Test {
 TEST_F(DepthSigmaTest, TellsKindsOfDepthsApart) {
   Set(1, kScene, Provenance::kMeasured);
   Set(2, kScene, Provenance::kRegionPlane);
-  Set(3, kScene, Provenance::kOtherViews, LabelEvidence::kCarried);
-  Set(4, kScene, Provenance::kGuessed, LabelEvidence::kGuessed);
+  Set(3, kScene, Provenance::kOtherViews, LabelOrigin::kCarried);
+  Set(4, kScene, Provenance::kGuessed, LabelOrigin::kGuessed);
   Set(5, kOff, Provenance::kMeasured);
   Set(6, kOff, Provenance::kInterpolated);
   const std::vector<float> sigma = Compute();
@@ -129,7 +129,7 @@ TEST_F(DepthSigmaTest, TellsKindsOfDepthsApart) {
 TEST_F(DepthSigmaTest, AddsTheErrorOfThePlane) {
   for (const int x : {0, 5}) {
     Set(x, kScene, Provenance::kMeasured);
-    // Of 1/z: 0.006 on the axis, more beside it.
+    // Of 1/z: 0.006 on the axis, more off it.
     of_superpixel_[x].error.zz = 0.006f * 0.006f;
     of_superpixel_[x].error.xx = 0.01f * 0.01f;
   }

@@ -20,7 +20,7 @@ constexpr float kOff = 0.15f;
 constexpr float kRight = 0.05f;
 constexpr int kMargin = 40;
 
-// A drawn wall, of which the composed map has a depth that is a little off.
+// A drawn wall whose depth in the composed map is slightly wrong.
 class RestoreDetailTest : public testing::Test {
  protected:
   RestoreDetailTest() : device_(CreateTestDevice(2)) {
@@ -56,7 +56,7 @@ class RestoreDetailTest : public testing::Test {
                   *device_);
     return composed.map.depth.ToHost();
   }
-  // Off the truth, in pixels of disparity.
+  // The error of a depth, in pixels of disparity.
   float Offset(const Image<float>& depth, int x, int y) const {
     return (1.f / depth(x, y) - 1.f / drawn_.truth(x, y)) /
            resolution_.error_per_depth;
@@ -65,7 +65,7 @@ class RestoreDetailTest : public testing::Test {
     return SyntheticViews::IsBare(
         drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
   }
-  // Whether pixels so far around all have texture, or all have none.
+  // Whether the pixels around at this distance all have texture, or none.
   bool IsAmid(bool bare, int x, int y, int margin) const {
     return IsBare(x - margin, y - margin) == bare &&
            IsBare(x + margin, y - margin) == bare &&
@@ -113,7 +113,7 @@ TEST_F(RestoreDetailTest, LeavesBarePixels) {
   EXPECT_GT(num_bare, 1000);
 }
 
-// What is hidden shows something else.
+// Occluded points have other colors.
 TEST_F(RestoreDetailTest, AsksNoSourceThatSeesANearerSurface) {
   ViewData& hidden = drawn_.views[1];
   for (float& depth : hidden.depth) {

@@ -43,7 +43,7 @@ struct OffsetSource {
   Image<float> depth;  // May be empty.
 };
 
-// A drawn wall with its true depths, of which a test spoils one input.
+// A drawn wall with its true depths; each test invalidates one input.
 class MeasureOffsetsTest : public testing::Test {
  protected:
   MeasureOffsetsTest() : device_(CreateTestDevice(2)) {
@@ -99,7 +99,7 @@ class MeasureOffsetsTest : public testing::Test {
     return measured;
   }
 
-  // Whatever comes in, what comes out can be averaged.
+  // For any input, the result can be averaged.
   void ExpectWellFormed(const MeasuredOffsets& measured) const {
     ASSERT_TRUE(measured.offset.HasSizeOf(depth_));
     ASSERT_TRUE(measured.weight.HasSizeOf(depth_));
@@ -114,7 +114,7 @@ class MeasureOffsetsTest : public testing::Test {
           << i << ": " << offset;
     }
   }
-  // With pixels that have texture, which would move if the sources told how.
+  // Some pixels have texture and would move if the sources gave an offset.
   void ExpectNothingToMove() const {
     const MeasuredOffsets measured = Measure();
     int num_could = 0;
@@ -135,7 +135,7 @@ class MeasureOffsetsTest : public testing::Test {
   NoiseCurve noise_{1.f, 0.f};
 };
 
-// Whatever is sampled of it has texture.
+// Textured at any sampling.
 Image<float> Checkers(int width, int height) {
   Image<float> gray(width, height);
   ForEachPixel(width, height, [&](int x, int y) {
@@ -157,7 +157,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr float kNeverMoves = PhotometricOffsets::kNeverMoves;
 
-// Otherwise the tests below would tell nothing.
+// Otherwise the tests below would be meaningless.
 TEST_F(MeasureOffsetsTest, MeasuresUnspoiltInputs) {
   const MeasuredOffsets measured = Measure();
   EXPECT_GT(measured.NumMoving(),
@@ -169,8 +169,8 @@ TEST_F(MeasureOffsetsTest, MeasuresUnspoiltInputs) {
   }
 }
 
-// A pixel without a depth that can be one has no offset, and its neighbors do
-// not notice.
+// A pixel without a valid depth has no offset and does not affect its
+// neighbors.
 TEST_F(MeasureOffsetsTest, DepthsThatAreNoneStayAlone) {
   const MeasuredOffsets whole = Measure();
   const std::vector<float> depths = {kNan,
@@ -227,8 +227,8 @@ OffsetSource OfLevel(OffsetSource source, float level) {
   return source;
 }
 
-// Sources that look away or lie behind the surface, have no baseline or no
-// place, show nothing, or are too small for a window.
+// Sources that look away or lie behind the surface, have no baseline or an
+// invalid position, are empty, or are too small for a window.
 TEST_F(MeasureOffsetsTest, SourcesThatCannotTellMoveNothing) {
   using Spoil = std::function<OffsetSource(OffsetSource)>;
   std::map<std::string, Spoil> cases = {
@@ -303,7 +303,7 @@ TEST_F(MeasureOffsetsTest, ImagesThatCannotTellNeverMove) {
   expect_none();
 }
 
-// Without a baseline, offsets are no distances.
+// Without a baseline, offsets have no depth.
 TEST_F(MeasureOffsetsTest, ResolutionsThatTellNoDepthMoveNothing) {
   for (const float error : {0.f, kNan, kInfinity, -kInfinity}) {
     resolution_.error_per_depth = error;
@@ -311,7 +311,7 @@ TEST_F(MeasureOffsetsTest, ResolutionsThatTellNoDepthMoveNothing) {
   }
 }
 
-// Beside four that see the wall, one that does not takes nothing away.
+// A source that does not see the wall does not affect four others that do.
 TEST_F(MeasureOffsetsTest, ASourceThatSeesNothingIsAsGoodAsNone) {
   const MeasuredOffsets without = Measure();
   for (const OffsetSource& blind :
@@ -324,7 +324,7 @@ TEST_F(MeasureOffsetsTest, ASourceThatSeesNothingIsAsGoodAsNone) {
   }
 }
 
-// What hides a pixel is a depth; what is none hides nothing.
+// Only valid depths occlude a pixel.
 TEST_F(MeasureOffsetsTest, SourceDepthsThatAreNoneHideNothing) {
   for (OffsetSource& source : sources_) {
     source.depth = Image<float>();
@@ -341,7 +341,7 @@ TEST_F(MeasureOffsetsTest, SourceDepthsThatAreNoneHideNothing) {
   }
 }
 
-// Drawn for cameras of other sizes, the wall is where it was.
+// With images of other sizes, the wall is at the same place.
 TEST_F(MeasureOffsetsTest, MeasuresWithSourcesOfAnotherSize) {
   for (const int factor : {2, 16}) {
     for (OffsetSource& source : sources_) {
@@ -349,7 +349,7 @@ TEST_F(MeasureOffsetsTest, MeasuresWithSourcesOfAnotherSize) {
       const int height = camera_.height * factor;
       Image<float> gray(width, height);
       ForEachPixel(width, height, [&](int x, int y) {
-        // What the large pixel shows that its center lies in.
+        // The value of the large pixel that contains its center.
         gray(x, y) = source.gray(x * source.gray.Width() / width,
                                  y * source.gray.Height() / height);
       });

@@ -107,7 +107,7 @@ TEST_F(RefineImageTest, WithoutAnyStageKeepsTheDepths) {
 }
 
 TEST_F(RefineImageTest, TakesTheCostsThatComeWithTheMaps) {
-  // Only the costs decide who is reliable.
+  // Only the costs decide which pixels are reliable.
   RefineOptions options;
   options.view_agreement = false;
   options.filter_discontinuity = false;
@@ -117,15 +117,15 @@ TEST_F(RefineImageTest, TakesTheCostsThatComeWithTheMaps) {
   const int height = reference.depth.Height();
   reference.min_cost = Image<float>(width, height, kUndefinedCost);
   EXPECT_NE(Refine(options).reason_to_keep, "");
-  // Nor where they are as bad as can be.
+  // Nor with the worst costs.
   reference.min_cost = Image<float>(width, height, 1.99f);
   EXPECT_NE(Refine(options).reason_to_keep, "");
   reference.min_cost = Image<float>(width, height, 0.f);
   EXPECT_EQ(Refine(options).reason_to_keep, "");
 }
 
-// A GPU that tells whether it may have work left, and on request has no memory
-// left.
+// A GPU that knows whether it may have pending work, and runs out of memory on
+// request.
 class BusyDevice : public CountingDevice {
  public:
   BusyDevice() : CountingDevice("Card", size_t{1} << 30, 2) {}

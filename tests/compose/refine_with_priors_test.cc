@@ -26,7 +26,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kRight = 0.01f;
 
 // A wall, a floor and a box, seen by five cameras. The floor on the right of
-// the box and a rectangle of the wall are bare.
+// the box and a rectangle of the wall are textureless.
 class RefineWithPriorsTest : public SyntheticViewsTest {
  protected:
   RefineWithPriorsTest() {
@@ -177,7 +177,7 @@ TEST_F(RefineWithPriorsTest, WrongPriorsDoLittleHarm) {
   }
 }
 
-// Those that are dropped leave no trace.
+// Dropped priors change no byte.
 TEST_F(RefineWithPriorsTest, PriorsThatAreDroppedChangeNothing) {
   const RefinedMaps without = Refine();
   SetPriors(PriorType::kAuto,

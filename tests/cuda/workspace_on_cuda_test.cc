@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What several devices of one machine do together, and whole runs on each.
+// Several devices of one machine together, and whole runs on each.
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/compose/refine_image.h"
@@ -136,7 +136,7 @@ TEST(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
       expected.push_back(refine(i, gpu));
     }
   }
-  // With room for all views, and with room for none that is not in use.
+  // With room for all views, and only for those in use.
   for (const size_t max_num_views : {100, 0}) {
     RefineWorker gpus[] = {{"", Device::CreateCuda(0)},
                            {"", Device::CreateCuda(0)}};
@@ -229,7 +229,7 @@ class WorkspaceOnCudaTest : public testing::Test {
 
 TEST_F(WorkspaceOnCudaTest, OneWorkerAndTwoGiveTheSameBytes) {
   MakeSyntheticWorkspace(root_);
-  // Of images that are not refined, the others would have no evidence.
+  // Otherwise the evidence of images that are not refined would be missing.
   RefineOptions options;
   options.scene_planes = false;
   const RunSummary two = Refine("0", "two", options);

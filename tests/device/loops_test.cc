@@ -98,7 +98,7 @@ TEST(ParallelForTeams, SumsWhateverTheSizeOfTheTeam) {
   }
 }
 
-// Adds with an order that shows: lanes first, then halves onto halves.
+// A sum that depends on the order: lanes first, then halves onto halves.
 struct OrderKernel {
   const float* values;
   int count;

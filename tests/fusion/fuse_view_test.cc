@@ -58,7 +58,7 @@ TEST(FuseViewTest, TheFinerPixelBecomesThePoint) {
   const std::vector<FusedPoint> near =
       Wall::Fuse(views, 1, Wall::DensestOptions());
   EXPECT_EQ(near.size(), size_t{Wall::kWidth} * Wall::kHeight);
-  // Whatever the near image sees is left to it.
+  // The near image owns all that it sees.
   EXPECT_TRUE(far.empty());
 }
 
@@ -114,14 +114,14 @@ TEST(FuseViewTest, WhereADepthLeadsBackToHasToBeNear) {
   OnePixel one(&views[0]);
   FusionOptions options = Wall::DensestOptions();
   FusionPixel& pixel = views[0].pixels(OnePixel::kX, OnePixel::kY);
-  pixel.depth = 0.991f * Wall::kDepth;  // 4 pixels beside itself.
+  pixel.depth = 0.991f * Wall::kDepth;  // Reprojected 4 pixels off.
   EXPECT_TRUE(Wall::Fuse(views, 0, options).empty());
   options.max_reproj_error = 4.5;
   EXPECT_EQ(Wall::Fuse(views, 0, options).size(), 1u);
 }
 
 TEST(FuseViewTest, APointThatMoreCertainImagesSeeThroughIsLeftOut) {
-  // Two images agree on something in the air, two see the wall behind it.
+  // Two images agree on a point in free space, two see the wall behind it.
   std::vector<FusionView> views;
   for (int i = 0; i < 4; ++i) {
     views.push_back(Wall::View(0.5 * i));
@@ -215,8 +215,8 @@ TEST(FuseViewTest, OnePixelOfEachSquareBecomesAPoint) {
 }
 
 TEST(FuseViewTest, NoiseDoesNotChooseTheNearestDepth) {
-  // Of equally far views always the first one becomes the point, whatever its
-  // error.
+  // Of views at equal distance, the first one always becomes the point,
+  // whatever its error.
   std::vector<FusionView> views = ViewsSideBySide(5);
   uint32_t state = 1;
   for (FusionView& view : views) {

@@ -60,7 +60,7 @@ TEST_F(FuseWorkspaceTest, TheWallIsThereOnceAndInItsPlace) {
   // Not once for each image.
   EXPECT_GT(points.size(), size_t{Wall::kWidth} * Wall::kHeight / 2);
   EXPECT_LT(points.size(), size_t{2} * Wall::kWidth * Wall::kHeight);
-  // A few of the wrong depths in the bare rectangle agree by chance.
+  // A few of the wrong depths in the textureless rectangle agree by chance.
   const auto num_right = std::count_if(
       points.begin(), points.end(), [](const Eigen::Vector3d& point) {
         return std::abs(point.z() - Wall::kDepth) < 0.02 * Wall::kDepth;
@@ -88,7 +88,7 @@ TEST_F(FuseWorkspaceTest, PointsComeFromListedImagesAlone) {
   options_.image_list_path = list;
   const FuseSummary summary = Fuse();
   EXPECT_EQ(summary.num_images, 1);
-  // Nothing is left to the others, which confirm its points.
+  // The others, which confirm its points, add none.
   EXPECT_GT(summary.num_points, Wall::kWidth * Wall::kHeight / 2);
   const std::string visibility = ReadText(output_.string() + ".vis");
   EXPECT_GT(visibility.size(),

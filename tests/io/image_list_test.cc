@@ -43,7 +43,7 @@ class ImageListTest : public testing::Test {
 using testing::ElementsAre;
 using testing::Pair;
 
-// With blanks, empty lines, and what editors of other systems write.
+// With blanks, empty lines, and the line ends and marks of other systems.
 TEST_F(ImageListTest, ReadsNamesInTheirOrder) {
   EXPECT_THAT(Read("left/b c.png\n\n  a.png \na.png"),
               ElementsAre(Pair(1, 1), Pair(0, 3), Pair(0, 4)));
@@ -62,7 +62,7 @@ TEST_F(ImageListTest, NamesTheLineThatIsWrong) {
                 kMismatch,
                 "line 1 names left/b, which is not in the sparse model; it has "
                 "\"left/b c.png\", with text behind the name");
-  // Not a comment: names may begin so.
+  // Not a comment: a name may begin with this.
   ExpectRefused("# a.png\n", kMismatch, "line 1 names # a.png");
   for (const char* text : {"", "\n \r\n\t\n", "\xEF\xBB\xBF"}) {
     ExpectRefused(text, kMismatch, "the list names no image");
@@ -106,7 +106,7 @@ TEST_F(WorkspaceModelTest, LiesInSparseOrInTheFolder0) {
   WriteModel(sparse_ / "0", "nested.png");
   EXPECT_EQ(FindModelFolder(root_), sparse_ / "0");
   EXPECT_EQ(ImageName(), "nested.png");
-  // An incomplete one does not give way to one that may be another.
+  // An incomplete model is not replaced by one that may be different.
   WriteText(sparse_ / "cameras.bin", "");
   ExpectError(ErrorCode::kNotFound,
               {sparse_.string() + ": the sparse model is not complete"},

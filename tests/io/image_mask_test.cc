@@ -22,7 +22,7 @@ constexpr MaskSizes kSizes = {{8, 6}, {4, 3}};
 
 class ImageMaskTest : public testing::Test {
  protected:
-  // Of the pixels in the first row of a picture as wide as the image.
+  // The mask in the first row of a picture as wide as the image.
   std::vector<int> ReadRow(const cv::Mat& row) const {
     cv::Mat pixels;
     cv::repeat(row, kSizes.image.height, 1, pixels);
@@ -86,7 +86,7 @@ TEST_F(ImageMaskTest, OnlyBlackIsMasked) {
   cv::Mat color;
   cv::cvtColor(gray, color, cv::COLOR_GRAY2BGR);
   EXPECT_EQ(ReadRow(color), expected);
-  // What does not show is no color.
+  // Colors of transparent pixels do not count.
   cv::Mat with_alpha;
   cv::cvtColor(gray, with_alpha, cv::COLOR_GRAY2BGRA);
   with_alpha.forEach<cv::Vec4b>(

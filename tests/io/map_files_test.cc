@@ -177,7 +177,7 @@ TEST(MapFormats, ReadWhatWasWritten) {
 
 TEST(MapFormats, RefuseEveryCutAndWhatIsTooLong) {
   for (const ValidFile& file : ValidFiles()) {
-    // Pictures may end in bytes that say nothing.
+    // The last bytes of pictures may be insignificant.
     const bool is_picture = file.name.starts_with("picture");
     const size_t end = file.bytes.size() / (is_picture ? 2 : 1);
     for (size_t length = 0; length < end; length += is_picture ? 17 : 1) {
@@ -288,7 +288,7 @@ TEST(NormalImage, HasThreeChannelsOfFloatsOrOfEncodedIntegers) {
       NpyBytes("<f4", "(1, 2, 3)", FloatData({0, 0, -1, 5, 6, 7}));
   EXPECT_THAT(ParseNormalImage(AsBytes(floats), kNpy).values,
               ElementsAre(0, 0, -1, 5, 6, 7));
-  // Black is no direction; what does not show is no color.
+  // Black is no direction, and colors of transparent pixels do not count.
   std::string integers;
   for (const uint16_t value : {0, 0, 0, 65535, 32767, 32768}) {
     Append(value, &integers);

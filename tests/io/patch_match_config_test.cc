@@ -167,7 +167,7 @@ TEST(SourceSelectorTest, ChoosesOneOfSeveralImagesFromOnePlace) {
   EXPECT_THAT(selector.SelectSources(4, 20), ElementsAre(0, 2, 5));
   EXPECT_THAT(selector.SelectIndependent(0, {6, 1, 4, 5, 3, 2}),
               ElementsAre(6, 4, 2));
-  // A view that sees no point tells nothing of its viewpoint.
+  // The viewpoint of a view that sees no points cannot be compared.
   model.images[0].point_indices.clear();
   EXPECT_THAT(SourceSelector(model, 1.0).SelectIndependent(0, {1, 3, 4}),
               ElementsAre(1, 3, 4));

@@ -28,8 +28,8 @@ std::string Encoded(const std::string& extension,
   return std::string(bytes.begin(), bytes.end());
 }
 
-// Of every kind one; all show the same picture, waves under noise, so that no
-// compression makes a row of it nothing.
+// One of every kind; all show the same picture, waves with noise, so that every
+// compressed row has data.
 std::vector<Sample> MakeSamples() {
   cv::Mat color(96, 128, CV_8UC3);
   uint32_t noise = 1;
@@ -144,8 +144,8 @@ TEST_F(PhotoTest, WhatIsCutOffIsRefusedOrWhole) {
   }
 }
 
-// What cameras append, a padding of markers, an orientation, and a thumbnail
-// with an end of its own.
+// Appended data, padded markers, an orientation, and a thumbnail with its own
+// end marker.
 TEST_F(PhotoTest, WhatIsNotThePictureDoesNotMatter) {
   const std::string exif(
       "\xff\xff\xe1\0\x24"

@@ -96,7 +96,7 @@ TEST(PatchCost, IsUndefinedOutsideTheOtherImage) {
   EXPECT_EQ(CostAt(gray, gray, 16, 16, -17.f), kUndefinedCost);
 }
 
-// How often AddUpBySteps met what it treats in a way of its own.
+// How often the special cases of AddUpBySteps occurred.
 struct Met {
   int num_inside = 0;
   int num_on_border = 0;
@@ -109,8 +109,8 @@ void ExpectSame(const PatchSums& sums, const PatchSums& expected) {
   ASSERT_EQ(sums.products, expected.products);
 }
 
-// The forms of the sum, which must not differ in a bit; the one for AVX2 where
-// the processor has it.
+// All forms of the sum must be bit-identical; that for AVX2 only if the
+// processor has it.
 template <typename Element>
 void ExpectSameSums(const ReferencePatch& patch,
                     const PlaneHomography& homography,

@@ -70,14 +70,14 @@ class FilterHypothesesTest : public testing::TestWithParam<float> {
                          *device_)
             .ToHost();
     for (size_t i = 0; i < filtered.NumPixels(); ++i) {
-      // What stays does not change.
+      // Kept depths do not change.
       if (filtered.Data()[i] != 0.f) {
         EXPECT_EQ(filtered.Data()[i], depth.Data()[i]);
       }
     }
     return filtered;
   }
-  // Of the pixels in the middle, which all sources see, the share that stay.
+  // The share that is kept of the pixels in the middle, which all sources see.
   float ShareKept() {
     const Image<float> filtered = Filter();
     int num_kept = 0;
@@ -111,7 +111,7 @@ TEST_P(FilterHypothesesTest, NeedsEnoughConsistentSources) {
   EXPECT_EQ(ShareKept(), 1.f);
   options_.min_num_consistent = 4;
   EXPECT_EQ(ShareKept(), 0.f);
-  // One that looks away is no fourth.
+  // One that looks away does not count as a fourth.
   scene_.AddSource(SourceCamera(camera_, {0.5, 0.0, 0.0}, 3.14159265));
   EXPECT_EQ(ShareKept(), 0.f);
 }

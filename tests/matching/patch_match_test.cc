@@ -93,9 +93,9 @@ TEST_F(PatchMatchTest, DoesNotDependOnTheUnitOfLength) {
     options_.depth_max = 6.f * scale;
     return Run(scene, Images(scene, scale), Draw());
   };
-  // Powers of two change no digit.
+  // Powers of two change no mantissa.
   const HostHypotheses by_1024 = scaled(1024.f);
-  // Others round, and here and there another plane wins for it.
+  // Others round, so that a few pixels select another plane.
   const HostHypotheses by_1000 = scaled(1000.f);
   int num_near = 0;
   ForEachPixel(kWidth, kHeight, [&](int x, int y) {
@@ -174,7 +174,7 @@ TEST_F(PatchMatchTest, FollowsTheDepthsOfSourcesWithoutTexture) {
   const float with_depths =
       median_error(Run(scene, scene.Sources(), wrong_planes()).planes);
   EXPECT_LT(with_depths, 0.02f);
-  // Not for another reason.
+  // Without depths, the wrong planes stay.
   const float without_depths =
       median_error(Run(scene, Images(scene), wrong_planes()).planes);
   EXPECT_GT(without_depths, 0.1f);

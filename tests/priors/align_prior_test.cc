@@ -102,7 +102,7 @@ TEST_F(AlignPriorTest, DropsPriorsThatExplainNothing) {
   ExpectDropped(Draw(PriorType::kAuto,
                      [&](float) { return 1.f + 4.f * random.NextFloat(); }),
                 "explains only");
-  // Depth where it is said to be inverse depth.
+  // Depth that is declared as inverse depth.
   ExpectDropped(Draw(PriorType::kInverse, &Metric), "explains only 0 %");
   ExpectDropped(Draw(PriorType::kMetric, &Inverse), "explains only 0 %");
 }
@@ -124,8 +124,8 @@ TEST_F(AlignPriorTest, DropsPriorsThatTooLittleMeasures) {
   }
 }
 
-// Errors that neighbors share and others that they do not, and samples that
-// are gathered on one side of the image: that is what priors are asked for.
+// Correlated and independent errors, and samples on one side of the image only:
+// the typical use of priors.
 TEST_F(AlignPriorTest, TwoThirdsOfTheErrorsAreWithinSigma) {
   constexpr int kSpacing = 10;
   Philox random(9, 0, 0);

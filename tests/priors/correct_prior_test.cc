@@ -20,8 +20,8 @@ constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 class CorrectPriorTest : public testing::Test {
  protected:
-  // A prior that is off by such logarithms, and what measurements of the given
-  // pixels say of it, with errors of 0.1 %.
+  // Corrects a prior with these errors of its logarithms by measurements of the
+  // given pixels, with errors of 0.1 %.
   PriorCorrection Correct(
       const std::function<float(int x, int y)>& error,
       const std::function<bool(int x, int y)>& is_measured) {
@@ -44,8 +44,8 @@ class CorrectPriorTest : public testing::Test {
 };
 
 TEST_F(CorrectPriorTest, MovesAnObjectThatIsTooFar) {
-  // In an image that is warped as well: how far objects may be off is judged by
-  // the errors of the whole.
+  // In an image that is warped as well: the errors of the whole image tell how
+  // wrong objects may be.
   const auto error = [&](int x, int y) {
     return 0.0004f * static_cast<float>(80 - x) +
            (room_.is_box(x, y) != 0 ? 0.05f : 0.f);

@@ -16,7 +16,7 @@
 
 namespace tsar {
 
-// A CPU that passes for a GPU: it has a name and little memory, and counts.
+// A CPU that acts as a GPU: with a name, little memory and counters.
 class CountingDevice : public Device {
  public:
   CountingDevice(std::string name, size_t memory, int num_threads = 1)

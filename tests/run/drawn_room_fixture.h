@@ -108,7 +108,7 @@ class DrawnRoomTest : public testing::Test {
     ASSERT_EQ(a.views.size(), b.views.size());
     for (const auto& [image, labels] : a.views) {
       EXPECT_EQ(labels.planes, b.views.at(image).planes);
-      EXPECT_EQ(labels.evidence, b.views.at(image).evidence);
+      EXPECT_EQ(labels.origins, b.views.at(image).origins);
       EXPECT_TRUE(labels.qualities == b.views.at(image).qualities);
     }
   }

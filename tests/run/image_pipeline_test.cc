@@ -23,9 +23,9 @@ using Outcome = ImageReport::Outcome;
 constexpr int kNumSources = 5;
 
 // Adds up the depths of an image and its sources, which are their numbers.
-class DrawnTasks : public ImageTasks<int64_t> {
+class DrawnPass : public ImagePass<int64_t> {
  public:
-  explicit DrawnTasks(int num_images) : num_images_(num_images) {}
+  explicit DrawnPass(int num_images) : num_images_(num_images) {}
 
   ImageReport Begin(size_t index) override {
     ImageReport report;
@@ -99,7 +99,7 @@ class DrawnTasks : public ImageTasks<int64_t> {
 };
 
 struct PipelineRun {
-  explicit PipelineRun(int num_images) : tasks(num_images) {
+  explicit PipelineRun(int num_images) : pass(num_images) {
     images.resize(static_cast<size_t>(num_images));
     std::iota(images.begin(), images.end(), size_t{0});
   }
@@ -111,7 +111,7 @@ struct PipelineRun {
     std::ostringstream text;
     Progress progress(text, false);
     outcome = ImagePipeline<int64_t>(
-                  tasks, images, "", at_work, max_views, progress, should_stop)
+                  pass, images, "", at_work, max_views, progress, should_stop)
                   .Run();
   }
 
@@ -125,7 +125,7 @@ struct PipelineRun {
         std::ranges::count(outcome.reports, wanted, &ImageReport::outcome));
   }
 
-  DrawnTasks tasks;
+  DrawnPass pass;
   std::vector<size_t> images;
   std::function<bool()> should_stop = [] { return false; };
   PipelineOutcome outcome;
@@ -138,15 +138,15 @@ TEST(ImagePipeline, TheNumbersOfThreadsAndOfViewsChangeNothing) {
       SCOPED_TRACE(std::to_string(num_threads) + " threads, " +
                    std::to_string(max_views) + " views");
       PipelineRun run(kNumImages);
-      run.tasks.done_before = {0, 17, 59};
+      run.pass.done_before = {0, 17, 59};
       run.Go(num_threads, (num_threads + 1) / 2, max_views);
       EXPECT_EQ(run.NumFailures(), 0);
       EXPECT_EQ(run.NumWith(Outcome::kSkipped), 3);
       EXPECT_EQ(run.NumWith(Outcome::kDone), kNumImages - 3);
       for (size_t i = 0; i < kNumImages; ++i) {
-        if (!run.tasks.done_before.contains(i)) {
+        if (!run.pass.done_before.contains(i)) {
           const ImageReport& report = run.outcome.reports[i];
-          EXPECT_EQ(report.counts.at("sum"), run.tasks.ExpectedSum(i));
+          EXPECT_EQ(report.counts.at("sum"), run.pass.ExpectedSum(i));
           EXPECT_EQ(report.counts.at("computed"), 1);
           EXPECT_EQ(report.seconds.count("read"), 1u);
         }
@@ -162,23 +162,22 @@ TEST(ImagePipeline, AFailureEndsTheRunOnceThoseBegunAreDone) {
       SCOPED_TRACE(what);
       PipelineRun run(500);
       if (what == std::string("read")) {
-        run.tasks.unreadable = static_cast<int>(kFailing) + 3 * kNumSources;
+        run.pass.unreadable = static_cast<int>(kFailing) + 3 * kNumSources;
       } else {
-        (what == std::string("write")
-             ? run.tasks.fails_to_write
-             : run.tasks.fails_to_compute) = {kFailing};
+        (what == std::string("write") ? run.pass.fails_to_write
+                                      : run.pass.fails_to_compute) = {kFailing};
       }
       run.Go(num_threads, 2);
       ASSERT_TRUE(run.outcome.failures[kFailing]);
       EXPECT_EQ(run.outcome.reports[kFailing].outcome, Outcome::kNotDone);
-      EXPECT_EQ(run.NumWith(Outcome::kDone), run.tasks.num_written);
+      EXPECT_EQ(run.NumWith(Outcome::kDone), run.pass.num_written);
       for (size_t i = 0; i < kFailing; ++i) {
         EXPECT_EQ(run.outcome.reports[i].outcome, Outcome::kDone) << i;
       }
       if (num_threads == 1) {
         EXPECT_EQ(run.NumFailures(), 1);
         EXPECT_EQ(run.outcome.first_failure, run.outcome.failures[kFailing]);
-        EXPECT_EQ(run.tasks.num_written, static_cast<int>(kFailing));
+        EXPECT_EQ(run.pass.num_written, static_cast<int>(kFailing));
       }
     }
   }
@@ -187,36 +186,36 @@ TEST(ImagePipeline, AFailureEndsTheRunOnceThoseBegunAreDone) {
 TEST(ImagePipeline, StopsInTheMiddle) {
   for (const int num_threads : {1, 3}) {
     PipelineRun run(300);
-    run.should_stop = [&] { return run.tasks.num_written >= 20; };
+    run.should_stop = [&] { return run.pass.num_written >= 20; };
     run.Go(num_threads, num_threads);
     EXPECT_EQ(run.NumFailures(), 0);
-    EXPECT_GE(run.tasks.num_written, 20);
+    EXPECT_GE(run.pass.num_written, 20);
     // Those that had asked before the twentieth was done.
-    EXPECT_LE(run.tasks.num_written, 20 + num_threads - 1);
-    EXPECT_EQ(run.NumWith(Outcome::kDone), run.tasks.num_written);
+    EXPECT_LE(run.pass.num_written, 20 + num_threads - 1);
+    EXPECT_EQ(run.NumWith(Outcome::kDone), run.pass.num_written);
   }
 }
 
 TEST(ImagePipeline, WritesWhatIsWithAWorkerIfTheTasksSaySo) {
   PipelineRun run(300);
-  run.tasks.writes_after_stop = true;
+  run.pass.writes_after_stop = true;
   std::atomic<bool> is_stopped = false;
-  run.tasks.before_compute = [&](size_t index) { is_stopped = index == 20; };
+  run.pass.before_compute = [&](size_t index) { is_stopped = index == 20; };
   run.should_stop = [&] { return is_stopped.load(); };
   run.Go();
-  EXPECT_EQ(run.tasks.num_written, 21);
+  EXPECT_EQ(run.pass.num_written, 21);
   EXPECT_EQ(run.NumWith(Outcome::kDone), 21);
 }
 
 TEST(ImagePipeline, TakesTheImagesThatItIsGiven) {
   PipelineRun run(30);
   run.images = {3, 11, 12, 28};
-  run.tasks.fails_to_write = {12};
+  run.pass.fails_to_write = {12};
   run.Go();
   ASSERT_EQ(run.outcome.reports.size(), 4u);
   for (const size_t place : {0, 1}) {
     EXPECT_EQ(run.outcome.reports[place].counts.at("sum"),
-              run.tasks.ExpectedSum(run.images[place]));
+              run.pass.ExpectedSum(run.images[place]));
   }
   EXPECT_TRUE(run.outcome.failures[2]);
   run.images = {};

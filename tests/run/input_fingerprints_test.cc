@@ -19,7 +19,7 @@ namespace {
 
 constexpr MapType kGeometric = MapType::kGeometric;
 
-// What a program that writes a file anew does to its time.
+// Changes a file's time, as a program that rewrites it does.
 void Touch(const std::filesystem::path& path) {
   std::filesystem::last_write_time(
       path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
@@ -28,7 +28,7 @@ void Touch(const std::filesystem::path& path) {
 class InputFingerprintsTest : public testing::Test {
  protected:
   void SetUp() override { MakeTestWorkspace(root_); }
-  // What a run is told to have changed, "" for nothing.
+  // The reported change of the inputs, "" for none.
   std::string ChangesOf(const std::function<void()>& change) const {
     const Workspace workspace_before(root_, kGeometric);
     const InputFingerprints before(workspace_before);
@@ -68,7 +68,7 @@ TEST_F(InputFingerprintsTest, NamesWhatHasChanged) {
          Touch(root_ / "images/a.png");
        },
        "the photo of a.png and 1 other input have changed"},
-      // Refined maps are no inputs; those in their place are.
+      // Refined maps are no inputs; maps that replace them are.
       {[&] { refine(1); }, ""},
       {[&] { Restore(root_); }, ""},
       {[&] { refine(1); }, ""},
@@ -79,8 +79,8 @@ TEST_F(InputFingerprintsTest, NamesWhatHasChanged) {
                    "a.png\nleft/b.png\nleft/b.png\na.png\n");
        },
        "the camera of c.png and 10 other inputs have changed"},
-      // Images that are neither references nor sources do not count, and of one
-      // without maps nothing else does.
+      // Images that are neither references nor sources do not count; of an
+      // image without maps, only the missing maps do.
       {[&] { Touch(root_ / "images/c.png"); }, ""},
       {[&] {
          Restore(root_);

@@ -58,7 +58,7 @@ TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
   EXPECT_GT(num_of_other, 100);
 }
 
-// Costs of depths about which no image says anything.
+// Costs of depths without evidence from any image.
 TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
   const ViewData before = Load(MapType::kGeometric);
   const size_t num_pixels = before.depth.NumPixels();

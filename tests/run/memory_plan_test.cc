@@ -13,7 +13,7 @@
 
 #include "tests/run/counting_device.h"
 #include "tests/support/find_scene_in.h"
-#include "tests/support/observe_image.h"
+#include "tests/support/image_evidence.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/test_workspace.h"
 #include <gmock/gmock.h>
@@ -41,7 +41,7 @@ int64_t PeakOfRefinement(const SyntheticViews& drawn,
     return static_cast<int64_t>(device.PeakMemory());
   }
   const RefineResult observed =
-      ObserveImage(drawn.views[0], sources, 1, options, device);
+      MakeImageEvidence(drawn.views[0], sources, 1, options, device);
   const std::vector<ObservedView> views(
       drawn.views.size(),
       MakeObservedView(*observed.evidence, drawn.views[0].camera));

@@ -39,7 +39,7 @@ TEST_F(RefineWorkspaceTest, RefinesAgainWhatHasChanged) {
   }
 }
 
-// Maps tell the numbers of these planes, which readers look up.
+// Plane maps refer to these planes by number.
 TEST_F(RefineWorkspaceTest, RefinesAgainWithoutThePlanesOfTheScene) {
   Refine();
   const Tree expected = MapsOf(root_);
@@ -65,7 +65,7 @@ TEST_F(RefineWorkspaceTest, RefinesAgainWithoutThePlanesOfTheScene) {
   }
 }
 
-// What cannot be refined any more is not as it was refined.
+// An image that can no longer be refined gets its original maps back.
 TEST_F(RefineWorkspaceTest, KeepsWhatHasLostItsSources) {
   const Tree before = MapsOf(root_);
   Refine();
@@ -106,7 +106,7 @@ TEST_F(RefineWorkspaceTest, GoesOnAfterAnInterruption) {
   const RunSummary summary = Refine();
   EXPECT_EQ(summary.num_skipped, 2);
   EXPECT_EQ(summary.num_refined, 2);
-  // What is told of the pixels is told of all.
+  // The counts of pixels are those of all images.
   EXPECT_EQ(summary.counts.at("pixels"), 4 * 96 * 72);
   EXPECT_EQ(summary.counts, all_in_one_go.counts);
   EXPECT_EQ(Manifest()["num_images"]["done"], 4);
@@ -157,7 +157,7 @@ TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
   WriteText(root_ / "images/v3.png", image);
   RefineOptions options;
   options.scene_planes = false;
-  // Of another time than before, so that all images are of another scene.
+  // Its time has changed, and with it the scene of all images.
   EXPECT_EQ(Refine(Options(root_), options).num_refined, 3);
   EXPECT_EQ(Refine().num_refined, 3);
 }
@@ -169,7 +169,7 @@ TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
   // Now v0 needs what v1 observes, and that needs the image of v3.
   std::filesystem::remove(Paths(0).confidence);
   const Tree before = MapsOf(root_);
-  // Damaged by the disk, perhaps: of the same size and time.
+  // As if damaged by the disk: of the same size and time.
   const std::filesystem::path photo = root_ / "images/v3.png";
   const auto time = std::filesystem::last_write_time(photo);
   WriteText(photo, WithZeros(ReadText(photo)));
@@ -186,7 +186,7 @@ TEST_F(RefineWorkspaceTest, WhatWasDoneBeforeStaysDoneWhereObservingItFails) {
   EXPECT_EQ(manifest["images"][2]["status"], "done");
   EXPECT_EQ(manifest["images"][2]["note"], "");
 
-  // Where the maps of v1 are others by now, it is v1 that fails.
+  // If the maps of v1 have changed meanwhile, v1 fails.
   WriteDepthMap(Paths(1).depth, Image<float>(96, 72, 5.5f));
   WriteNormalMap(Paths(1).normal,
                  Image<Vec3f>(96, 72, Vec3f{0.06f, 0.08f, -0.99499f}));

@@ -137,7 +137,7 @@ TEST_F(RefineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
   EXPECT_EQ(model.num_views, 16);
   EXPECT_EQ(model.max_kept_bytes + 16 * Plan().label_view,
             static_cast<int64_t>(options_.cache_size * kGigabyte));
-  // No view is labeled beside another one, and nothing is left.
+  // Views are labeled one at a time, and no memory is left.
   options_.cache_size = 0.001;
   EXPECT_EQ(Create(0).model.num_views, 1);
   EXPECT_EQ(Create(0).model.max_kept_bytes, 0);
@@ -165,7 +165,7 @@ TEST_F(RefineDevicesTest, EveryGpuGetsAnImageBeforeOneGetsTwo) {
   EXPECT_EQ(Names(Create(2, 3)),
             std::vector<std::string>(
                 {"GPU 0 (Card)", "GPU 0 (Card)", "GPU 1 (Card)"}));
-  // The next takes the place of one that cannot be used.
+  // The next one replaces one that cannot be used.
   without_code_ = {0};
   memory_[1] = 1;
   EXPECT_EQ(Names(Create(4, 1)), std::vector<std::string>({"GPU 2 (Card)"}));

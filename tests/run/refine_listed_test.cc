@@ -14,8 +14,8 @@ class RefineListedTest : public RefineWorkspaceTest {
     options.image_list_path = list_;
     return options;
   }
-  // Expects that these maps are of a workspace of which those of the named
-  // image alone have been refined, to what they are among all.
+  // Expects that only the maps of this image were refined, with the same result
+  // as in a run on all images.
   static void ExpectRefined(const Tree& maps,
                             const std::string& image,
                             const Tree& before,
@@ -58,7 +58,7 @@ TEST_F(RefineListedTest, RefinesThemAloneAsAmongAll) {
     EXPECT_EQ(Manifest()["runtime"]["listed_images"], "1");
     EXPECT_FALSE(std::filesystem::exists(root_ / "stereo/tsar/evidence"));
 
-    // The same list again, then all: those that are left come on top.
+    // The same list again, then all images: only the others are refined.
     const Tree listed = MapsOf(root_);
     const RunSummary again = Refine(Listed("left/v2.png\n"), refine);
     EXPECT_EQ(again.num_refined, 0);
@@ -72,7 +72,7 @@ TEST_F(RefineListedTest, RefinesThemAloneAsAmongAll) {
   }
 }
 
-// The images that are not listed are none of those that are done.
+// Images that are not listed do not count as done.
 TEST_F(RefineListedTest, AnInterruptionTellsOfTheListedAlone) {
   WorkspaceRefineOptions options = Listed("v1.png\nv3.png\n");
   options.devices.cache_size = 1e-6;  // One image at a time.
@@ -111,7 +111,7 @@ TEST_F(RefineListedTest, RefusesToLeaveOthersWithPlanesOfAnotherScene) {
               {list_.string() + ": leaves out v0.png", "output_path"},
               [&] { Refine(options, other); });
   ExpectSameFiles(ReadTree(root_), before);
-  // As they are, all fit.
+  // Unchanged, all match.
   EXPECT_EQ(Refine(options).num_skipped, 1);
   // Without such planes, images are refined by themselves.
   other.scene_planes = false;

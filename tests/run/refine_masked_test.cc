@@ -113,7 +113,7 @@ TEST_F(RefineMaskedTest, MaskedPixelsAreEmptyInAllMaps) {
   }
 }
 
-// Neither in their own image nor, as sources, in others.
+// Neither for their own image nor, as sources, for others.
 TEST_F(RefineMaskedTest, MaskedPixelsAreNoEvidence) {
   const std::filesystem::path other = folder_.Path() / "other";
   for (const bool scene_planes : {true, false}) {
@@ -129,7 +129,7 @@ TEST_F(RefineMaskedTest, MaskedPixelsAreNoEvidence) {
     Refine(Masked(other), refine);
     const Tree masked = GeometricMapsOf(root_);
     ExpectSameFiles(masked, GeometricMapsOf(other));
-    // What is masked would have changed something.
+    // Without the mask, its content changes the result.
     Refine(Options(root_), refine);
     for (const char* map : {"v0.png.geometric.bin", "v1.png.geometric.bin"}) {
       const std::string name = std::string("stereo/depth_maps/") + map;
@@ -245,7 +245,7 @@ TEST_F(RefineMaskedTest, RefusesMasksThatDoNotFitBeforeAnythingIsChanged) {
                 images);
 }
 
-// Whichever way it is read.
+// However the view is read.
 TEST_F(RefineMaskedTest, ViewsHaveNothingWhereTheyAreMasked) {
   PlanarMap costs;
   costs.width = kWidth;

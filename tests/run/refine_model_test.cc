@@ -1,8 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// The planes of the scene, from the pass that finds them to what is left of
-// them.
+// The planes of the scene, from the pass that finds them to the file that
+// remains.
 
 #include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"

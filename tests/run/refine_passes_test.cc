@@ -50,9 +50,8 @@ class BrokenDevice : public CountingDevice {
 
 class RefinePassesTest : public testing::Test {
  protected:
-  // Runs all images with one worker; what a stage throws is kept. With
-  // scene_planes, what they observe comes first, and where that fails, nothing
-  // more.
+  // Runs all images with one worker; exceptions are kept. With scene_planes,
+  // the images are observed first; if that fails, nothing else runs.
   void Run(std::unique_ptr<CountingDevice> device,
            bool scene_planes,
            bool finds_scenes_ahead = false) {
@@ -70,7 +69,7 @@ class RefinePassesTest : public testing::Test {
     const InputFingerprints inputs(workspace);
     EvidenceStore evidence(workspace, HashRefineOptions(options), 4);
     const std::vector<bool> all(4, true);
-    const RefinePlan plan(
+    const ImageSelection selection(
         workspace, inputs, all, all, CurrentRecord(workspace, options, inputs));
     const WorkspaceRefineOptions workspace_options;
     const std::vector<size_t> images = {0, 1, 2, 3};
@@ -86,7 +85,7 @@ class RefinePassesTest : public testing::Test {
                            images,
                            devices,
                            inputs,
-                           plan,
+                           selection,
                            evidence};
     std::vector<StageSeconds> seconds(4);
     if (scene_planes) {
@@ -100,13 +99,13 @@ class RefinePassesTest : public testing::Test {
       EXPECT_TRUE(run.HasCurrentPlanes() || ModelWorkspace(run));
     }
     ComposePass compose(run, seconds);
-    for (size_t index = 0; index < plan.NumImages(); ++index) {
-      composed_views_[plan.Reference(index)] = compose.Views(index);
+    for (size_t index = 0; index < selection.NumImages(); ++index) {
+      composed_views_[selection.Reference(index)] = compose.Views(index);
     }
     RunPipeline(compose, run);
     num_allocations_ = counter.NumAllocations();
   }
-  void RunPipeline(ImageTasks<RefineResult>& pass, const RefineRun& run) {
+  void RunPipeline(ImagePass<RefineResult>& pass, const RefineRun& run) {
     PipelineOutcome outcome = ImagePipeline<RefineResult>(pass,
                                                           run.images,
                                                           "",
@@ -123,7 +122,7 @@ class RefinePassesTest : public testing::Test {
         scene_planes,
         finds_scenes_ahead);
   }
-  // Anew, on a device that breaks.
+  // Runs on a new workspace and a device that breaks.
   void RunBroken(ErrorCode code, int num_allocations, bool scene_planes) {
     std::filesystem::remove_all(root_);
     MakeSyntheticWorkspace(root_);
@@ -137,8 +136,8 @@ class RefinePassesTest : public testing::Test {
                      [](const std::exception_ptr& f) { return f != nullptr; }) -
         failures_.begin());
   }
-  // That the failure names its image, which is as it was, and that those before
-  // it are refined.
+  // Expects that the failure names its image, which is unchanged, and that
+  // those before it are refined.
   void ExpectFailure(ErrorCode code) const {
     const size_t failed = FirstFailed();
     ASSERT_LT(failed, 4u);
@@ -157,7 +156,7 @@ class RefinePassesTest : public testing::Test {
       EXPECT_FALSE(failures_[i]);
     }
   }
-  // The files other than those of this program alone.
+  // All files but this program's own.
   std::map<std::string, std::string> ReadMaps() const {
     std::map<std::string, std::string> files = ReadTree(root_);
     std::erase_if(files, [](const auto& file) {
@@ -217,7 +216,7 @@ TEST_F(RefinePassesTest, AFailureWhileComposingLeavesTheOthersRefined) {
       RunBroken(code, num_allocations, true);
       ExpectFailure(code);
       EXPECT_EQ(FirstFailed(), num_allocations == num_observing ? 0u : 3u);
-      // What was observed still counts, also of images whose maps changed.
+      // Observations stay valid, even of images whose maps changed.
       Run(true);
       for (const ImageReport& report : observed_) {
         EXPECT_EQ(report.outcome, ImageReport::Outcome::kSkipped);
@@ -274,7 +273,7 @@ TEST_F(RefinePassesTest, ObservesOnlyWhatSomebodyNeeds) {
     EXPECT_EQ(observed_[i].outcome == ImageReport::Outcome::kDone, i < 2) << i;
     EXPECT_EQ(reports_[i].outcome == ImageReport::Outcome::kDone, i == 1) << i;
   }
-  // The time for both passes is booked, of the image at work alone.
+  // The times of both passes are recorded, for this image only.
   EXPECT_GT(reports_[1].seconds.at("superpixels"), 0.0);
   EXPECT_GT(reports_[1].seconds.at("labels"), 0.0);
 }

@@ -11,8 +11,8 @@
 
 namespace tsar {
 
-// All that does not tell the time. Equality of such trees is looked at as a
-// whole: a failure shall not print megabytes.
+// All files without times. Such trees are compared as a whole, since a failure
+// should not print megabytes.
 inline Tree ResultOf(const std::filesystem::path& root) {
   Tree tree = ReadTree(root);
   std::erase_if(tree, [](const auto& file) {
@@ -75,7 +75,7 @@ class RefineShardTest : public RefineWorkspaceTest {
     Tree before = ReadTree(root_);
     ExpectError(code, texts, [&] { Refine(options, refine); });
     Tree after = ReadTree(root_);
-    // What a shard leaves, whoever comes last takes.
+    // The last program removes what a shard leaves.
     before.erase("stereo/tsar/lock");
     after.erase("stereo/tsar/lock");
     EXPECT_TRUE(after == before);

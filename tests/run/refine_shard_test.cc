@@ -54,7 +54,7 @@ TEST_F(RefineShardTest, ShardsSideBySideGiveTheSame) {
           });
         }
       }
-      // What others read must not be what a shard is just writing.
+      // A shard must not write files that others are reading.
       for (int view = 0; view < 4; ++view) {
         EXPECT_EQ(std::filesystem::exists(Evidence(root_, view)), scene_planes);
         EXPECT_EQ(std::filesystem::exists(Paths(view).original_depth),
@@ -169,7 +169,7 @@ TEST_F(RefineShardTest, AFailureEndsItsShardAlone) {
   EXPECT_TRUE(ResultOf(root_) == ResultOf(Whole()));
 }
 
-// What a program that writes a file anew does to its time.
+// Changes a file's time, as a program that rewrites it does.
 void Touch(const std::filesystem::path& path) {
   std::filesystem::last_write_time(
       path, std::filesystem::last_write_time(path) + std::chrono::seconds(2));
@@ -224,7 +224,7 @@ TEST_F(RefineShardTest, RefusesOptionsThatContradictEachOther) {
   WorkspaceRefineOptions options = Options(root_, "observe", "0/2");
   options.output_path = folder_.Path() / "out";
   ExpectRefusal(ErrorCode::kBadOption, {"output_path", "cp -as"}, options);
-  // One of one is all.
+  // The only shard has all images.
   EXPECT_EQ(Run("all", "0/1").num_refined, 4);
 }
 

@@ -42,7 +42,7 @@ TEST_F(RefineWorkspaceTest, FillsTheBareWallAndKeepsTheOriginals) {
     }
     EXPECT_TRUE(std::filesystem::exists(paths.confidence));
     EXPECT_TRUE(std::filesystem::exists(paths.provenance));
-    // None was right before, apart from chance.
+    // Before, depths there were right only by chance.
     ExpectBareWallFilled(view);
   }
 }
@@ -58,7 +58,7 @@ TEST_F(RefineWorkspaceTest, RestoreRemovesWhatARunLeftThatChangedNoMap) {
   ExpectSameFiles(before, ReadTree(root_));
   ExpectError(
       ErrorCode::kNotFound, {"nothing to restore"}, [&] { Restore(root_); });
-  // Nor is the lock something.
+  // The lock is nothing to restore either.
   const WorkspaceLock lock(root_);
   ExpectError(
       ErrorCode::kNotFound, {"nothing to restore"}, [&] { Restore(root_); });
@@ -87,8 +87,8 @@ TEST_F(RefineWorkspaceTest, LeavesDoubtfulDepthsOut) {
     }
   }
   EXPECT_GT(num_left, 1000u);
-  // Nothing is certain: an empty map takes the place of the measured depths,
-  // all of which are doubtful.
+  // No depth is certain: an empty map replaces the measured depths, all of
+  // which are doubtful.
   options.min_confidence = 1.0;
   const RunSummary summary = Refine(Options(root_), options);
   EXPECT_EQ(summary.num_refined, 4);
@@ -199,8 +199,8 @@ TEST_F(RefineWorkspaceTest, ScalingTheSceneScalesTheDepthsAndNothingElse) {
     double tolerance;
     double min_share;
   };
-  // Powers of two change no digit of any number. Others are rounded, which may
-  // turn whether a superpixel gets a plane; each is more than 1 % of an image.
+  // Powers of two change no mantissa. Others are rounded, which may decide
+  // whether a superpixel gets a plane; each is more than 1 % of an image.
   for (const Case& c : {Case{1024.0, 0.0, 1.0},
                         Case{1.0 / 1024.0, 0.0, 1.0},
                         Case{1000.0, 1e-3, 0.95},
@@ -288,7 +288,7 @@ TEST_F(RefineWorkspaceTest, TakesPhotometricMapsWhereThereAreNoOthers) {
   EXPECT_EQ(Refine().type, MapType::kPhotometric);
   EXPECT_TRUE(
       std::filesystem::exists(Paths(0, MapType::kPhotometric).original_depth));
-  // Not against the user's word.
+  // Not if the user has chosen a type.
   WorkspaceRefineOptions options = Options(root_);
   options.input_type = MapType::kGeometric;
   ExpectError(ErrorCode::kNotFound,

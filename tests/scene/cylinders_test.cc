@@ -24,7 +24,7 @@ std::vector<ModelPlane> WallBehind() {
 
 // Superpixels that nobody measured.
 const ViewLabels kUnlabeled = {
-    {-1}, {LabelEvidence::kNone}, std::vector<LabelQuality>(1)};
+    {-1}, {LabelOrigin::kNone}, std::vector<LabelQuality>(1)};
 
 std::vector<ModelCylinder> Find(
     const DrawnViews& drawn,
@@ -69,7 +69,7 @@ void ExpectColumn(const std::vector<ModelCylinder>& found,
   const double top = point.z() + sign * cylinder.max_height;
   EXPECT_NEAR(std::min(bottom, top), column.bottom, 0.06);
   EXPECT_NEAR(std::max(bottom, top), column.top, 0.06);
-  // Of what a third of a pixel would make of it, at most.
+  // At most the error by a third of a pixel.
   const double pixel = 3.0 / DrawnViews::kFocal;
   EXPECT_GT(cylinder.covariance(2, 2), 0.0);
   EXPECT_LT(std::sqrt(cylinder.covariance(2, 2)), 0.33 * pixel);
@@ -167,7 +167,7 @@ TEST(CylindersTest, FindsTheBaseOfAColumnAndItsShaft) {
   EXPECT_NEAR(found[1].max_height - found[1].min_height, 0.9, 0.08);
 }
 
-// Views that saw what is behind it, all over it.
+// Views that measured surfaces behind it, over all of its area.
 TEST(CylindersTest, DropsWhatIsSeenThrough) {
   DrawnViews drawn(DrawnColumn(), 7);
   const auto set_depths = [&](float depth, int step) {
@@ -180,24 +180,24 @@ TEST(CylindersTest, DropsWhatIsSeenThrough) {
       }
     }
   };
-  // Some are wrong.
+  // A few depths there are wrong.
   set_depths(5.f, 8);
   EXPECT_EQ(Find(drawn).size(), 1u);
   set_depths(5.f, 2);
   EXPECT_TRUE(Find(drawn).empty());
-  // Something else is before it, as everywhere.
+  // An occluder in front of everything.
   set_depths(1.f, 1);
   EXPECT_EQ(Find(drawn).size(), 1u);
 }
 
 // Where views measured a plane between the outlines, these belong to something
-// else, such as windows beside a wall.
+// else, such as windows next to a wall.
 TEST(CylindersTest, DropsWhatWasMeasuredOnAPlane) {
   const DrawnViews drawn(DrawnColumn(), 7);
   ViewLabels labels = {
-      {0}, {LabelEvidence::kMeasured}, std::vector<LabelQuality>(1)};
+      {0}, {LabelOrigin::kMeasured}, std::vector<LabelQuality>(1)};
   EXPECT_TRUE(Find(drawn, {kUpright}, labels).empty());
-  labels.evidence = {LabelEvidence::kCarried};
+  labels.origins = {LabelOrigin::kCarried};
   EXPECT_EQ(Find(drawn, {kUpright}, labels).size(), 1u);
 }
 

@@ -135,7 +135,7 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
       if (surface >= 0 && surface != kCeilingSurface) {
         EXPECT_EQ(labels.planes[k], Find(room_.surfaces[surface], model))
             << view << " " << k;
-        EXPECT_EQ(labels.evidence[k], LabelEvidence::kMeasured);
+        EXPECT_EQ(labels.origins[k], LabelOrigin::kMeasured);
       }
     }
   }

@@ -30,7 +30,7 @@ class ModelSceneTest : public DrawnRoomTest {
         if (surface >= 0) {
           EXPECT_EQ(labels.planes[k], Find(room_.surfaces[surface], model))
               << view << " " << k;
-          EXPECT_EQ(labels.evidence[k], LabelEvidence::kMeasured);
+          EXPECT_EQ(labels.origins[k], LabelOrigin::kMeasured);
         }
       }
     }

@@ -28,7 +28,7 @@ constexpr double kFocal = 147.0;
 // Per pixel and direction: of the column's outlines, and of soft texture.
 constexpr int kOutlineSamples = 4;
 constexpr int kTextureSamples = 2;
-// Half the width of the windows that what makes maps matches.
+// Half the width of the matching windows of the simulated stereo.
 constexpr int kWindow = 6;
 
 // Planes of the room: a point on each, and its normal.
@@ -56,7 +56,7 @@ Camera CameraOf(int view) {
   camera.width = ColumnWorkspace::kWidth;
   camera.height = ColumnWorkspace::kHeight;
   camera.fx = camera.fy = kFocal;
-  // COLMAP's dense stage has no half pixels.
+  // As in COLMAP's dense stage, pixel centers have integer coordinates.
   camera.cx = 0.5 * ColumnWorkspace::kWidth;
   camera.cy = 0.5 * ColumnWorkspace::kHeight;
   camera.rotation.row(0) = right;

@@ -10,10 +10,10 @@
 namespace tsar {
 
 // A workspace that shows the corner of a textured room, a floor and two walls,
-// and in it a bare column at (0.1, 3) of radius 0.25, from -0.6 to 0.7 (world
-// frame, z upwards): seven views of 160 x 120 pixels around it. Their maps hold
-// the true depths with little noise, but on the column and where windows reach
-// over its outlines wrong ones, by up to a fifth.
+// and in it a textureless column at (0.1, 3) of radius 0.25, from -0.6 to 0.7
+// (world frame, z upwards): seven views of 160 x 120 pixels around it. Their
+// maps hold the true depths with little noise, except on the column and where
+// windows cross its outlines: there depths are wrong by up to a fifth.
 struct ColumnWorkspace {
   static constexpr int kWidth = 160;
   static constexpr int kHeight = 120;

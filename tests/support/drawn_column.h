@@ -15,11 +15,11 @@
 
 namespace tsar {
 
-// What a ray from a point shows, in gray levels. World frame, z upwards.
+// The gray level along a ray from a point. World frame, z upwards.
 using DrawnScene = std::function<double(const Eigen::Vector3d& from,
                                         const Eigen::Vector3d& direction)>;
 
-// A bare column before a bare background.
+// A textureless column before a textureless background.
 struct DrawnColumn {
   static constexpr double kBackground = 90.0;
   static constexpr double kColumn = 160.0;
@@ -49,7 +49,7 @@ class DrawnViews {
   static constexpr double kFocal = 220.0;
 
   // rotation: of the whole scene with its cameras. noise: its greatest value,
-  // in gray levels. scale: by which the scene is larger than it is drawn.
+  // in gray levels. scale: the factor by which the scene is enlarged.
   DrawnViews(const DrawnScene& scene,
              int num_views,
              const Eigen::Matrix3d& rotation = Eigen::Matrix3d::Identity(),
@@ -60,7 +60,7 @@ class DrawnViews {
   const std::vector<ObservedView>& Views() const { return views_; }
   ViewEvidence& Evidence(size_t view) { return evidence_[view]; }
 
-  // Every view looks at what the others look at.
+  // All views look at the same surfaces.
   std::vector<std::vector<size_t>> Neighbors() const {
     std::vector<std::vector<size_t>> neighbors(views_.size());
     for (size_t i = 0; i < views_.size(); ++i) {

@@ -18,7 +18,7 @@
 namespace tsar {
 
 // The planes of a scene that fits into one block of views, and what the first
-// view shows of them, after so many sweeps. Each view is a source of all
+// view shows of them, after this number of sweeps. Each view is a source of all
 // others.
 inline FoundScene FindSceneOfBlock(const std::vector<ObservedView>& views,
                                    const PlaneBlock& block,

@@ -14,7 +14,7 @@
 namespace tsar {
 
 // Labels the first view with discovered planes on one device. source_labels: of
-// the other views, in numbers of these planes; or none.
+// the other views, as indices of these planes; or none.
 inline ViewLabels LabelView(const std::vector<ObservedView>& views,
                             const DiscoveredPlanes& discovered,
                             const PlaneSupport& support,

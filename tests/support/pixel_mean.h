@@ -6,8 +6,8 @@
 namespace tsar {
 
 // The mean of kSamples x kSamples samples of a drawn pixel, sample(column,
-// row). Drawings have nothing that misses the four outermost ones, so that
-// where these are the same the others need not be taken.
+// row). No detail of drawings lies between the four outermost ones, so if these
+// are equal the others are skipped.
 template <int kSamples, typename Sample>
 double PixelMean(const Sample& sample) {
   constexpr int kLast = kSamples - 1;

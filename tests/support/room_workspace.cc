@@ -25,8 +25,7 @@ namespace {
 
 constexpr double kFocalLength = 160.0;
 
-// A point that x, y and z of the room's planes are given by, and a direction
-// that may point out of the room.
+// A plane in the room's coordinates; the normal may point outwards.
 struct RoomPlane {
   Eigen::Vector3d normal;
   Eigen::Vector3d point;

@@ -12,9 +12,10 @@
 namespace tsar {
 
 // A refined workspace of an empty room of 5 x 2.5 x 4 (x, y, z; y points down)
-// that eight cameras in its corners see all of. Its planes: floor, ceiling, the
-// walls at x = 0, x = 5, z = 0 and z = 4, and one that nothing shows. The last
-// wall has a window from (1.5, -0.6) to (3, 0.5), in which nothing is known.
+// that eight cameras in its corners see completely. Its planes: floor, ceiling,
+// the walls at x = 0, x = 5, z = 0 and z = 4, and one that no image shows. The
+// last wall has a window from (1.5, -0.6) to (3, 0.5), in which nothing is
+// known.
 struct RoomWorkspace {
   static constexpr int kWidth = 320;
   static constexpr int kHeight = 240;
@@ -35,7 +36,7 @@ struct RoomWorkspace {
 
   std::filesystem::path root;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  // So many of a thousand pixels are labeled with any plane.
+  // This many of a thousand pixels get a random label.
   int num_wrong_per_mille = 0;
 };
 

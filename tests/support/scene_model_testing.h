@@ -61,12 +61,11 @@ inline SceneModel MakeSceneModel() {
   model.cylinders.push_back(cylinder);
   model.views[0] = {
       {0, -1, 2},
-      {LabelEvidence::kMeasured, LabelEvidence::kNone, LabelEvidence::kCarried},
+      {LabelOrigin::kMeasured, LabelOrigin::kNone, LabelOrigin::kCarried},
       std::vector<LabelQuality>(3)};
   model.views[0].qualities[2].margin = ByteOf<-1, 2>(0.5f);
   model.views[3] = {};
-  model.views[7] = {
-      {1}, {LabelEvidence::kGuessed}, std::vector<LabelQuality>(1)};
+  model.views[7] = {{1}, {LabelOrigin::kGuessed}, std::vector<LabelQuality>(1)};
   return model;
 }
 

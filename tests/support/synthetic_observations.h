@@ -89,7 +89,7 @@ inline double NextNormal(Philox* random) {
   return radius * std::cos(2.0 * M_PI * random->NextFloat());
 }
 
-// The same depths with errors of the size that they are expected to have.
+// The same depths with errors of the expected size.
 inline std::vector<DepthObservation> AddNoise(
     std::vector<DepthObservation> observations, Philox* random) {
   for (DepthObservation& observation : observations) {

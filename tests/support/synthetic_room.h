@@ -3,7 +3,7 @@
 
 #pragma once
 
-// What several views measure in a room whose planes are known.
+// Measurements of several views in a room whose planes are known.
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/random.h"
@@ -20,7 +20,7 @@ namespace tsar {
 struct DrawnSurface {
   WorldPlane plane;
   Eigen::Vector3d middle;  // Of what is seen of it; on the plane.
-  // Which points of the plane there are; all where it is empty.
+  // Which points of the plane exist; all if empty.
   std::function<bool(const Eigen::Vector3d&)> holds;
 };
 
@@ -38,8 +38,8 @@ class SyntheticRoom {
   // Standard deviation of the depths, in pixels of disparity.
   static constexpr double kNoise = 0.3;
 
-  // A back wall, a wall on the left and a floor, and before them what is given,
-  // seen by three cameras.
+  // A back wall, a wall on the left and a floor, and the given surfaces before
+  // them, seen by three cameras.
   explicit SyntheticRoom(std::vector<DrawnSurface> others = {})
       : surfaces{Surface({0.1, 0.0, -1.0}, {-0.5, -0.2, 4.95}),
                  Surface({1.0, 0.0, 0.1}, {-2.0, 0.0, 4.0}),
@@ -85,7 +85,7 @@ class SyntheticRoom {
     return candidates;
   }
 
-  // Replaces the depths of a superpixel by any between 2 and 8.
+  // Replaces the depths of a superpixel by random ones between 2 and 8.
   void MakeNoise(int view, int superpixel, Philox* random) {
     ViewEvidence& of_view = evidence[view];
     for (int i = of_view.first_observation[superpixel];
@@ -95,7 +95,7 @@ class SyntheticRoom {
     }
   }
 
-  // Moves what a superpixel measured away from the camera, by so many pixels of
+  // Moves a superpixel's depths away from the camera, by this many pixels of
   // disparity.
   void MoveAway(int view, int superpixel, float pixels) {
     ViewEvidence& of_view = evidence[view];
@@ -203,7 +203,7 @@ class SyntheticRoom {
   }
 };
 
-// Takes away the observations i of superpixels k where is_gone(k, i).
+// Removes observation i of superpixel k if is_gone(k, i).
 template <typename Function>
 void Forget(const Function& is_gone, ViewEvidence* evidence) {
   ViewEvidence kept = *evidence;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-// Planes drawn into depth maps: inputs whose right answers are known.
+// Planes drawn into depth maps: inputs with known results.
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"

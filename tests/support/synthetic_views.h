@@ -3,7 +3,7 @@
 
 #pragma once
 
-// Planes seen by five cameras, as the stages get them.
+// Planes seen by five cameras, as inputs of the stages.
 
 #include "colmap_tsar/base/random.h"
 #include "colmap_tsar/view/view_data.h"
@@ -20,7 +20,7 @@ namespace tsar {
 // A surface; points are in the frame of the first camera.
 struct DrawnPart {
   Plane plane;
-  // Which points of the plane there are.
+  // Which points of the plane exist.
   std::function<bool(const Vec3f& point)> holds;
   // Without texture. There the maps hold nothing or, in one pixel of ten, a
   // wrong depth.
@@ -32,12 +32,12 @@ struct SyntheticViewsOptions {
   int height = 72;
   // Empty: a slanted wall.
   std::vector<DrawnPart> parts;
-  // Whether that wall has a bare rectangle in the middle of the first image.
+  // Whether that wall has a textureless middle in the first image.
   bool has_bare_part = true;
   // By how much the texture moves along x and y per unit of depth.
   float shear_x = 0.f;
   float shear_y = 0.f;
-  // The spread of the other depths, to either side.
+  // The largest relative error of the other depths.
   float noise = 1e-3f;
 };
 
@@ -54,7 +54,7 @@ struct SyntheticViews {
     }
     return sources;
   }
-  // Whether a point of the reference's frame is on the bare part.
+  // Whether a point of the reference's frame is on the textureless part.
   static bool IsBare(const Vec3f& point) {
     return std::abs(point.x) < 0.2f * point.z &&
            std::abs(point.y) < 0.15f * point.z;

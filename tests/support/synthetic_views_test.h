@@ -3,7 +3,7 @@
 
 #pragma once
 
-// Drawn views to be refined, and what must hold for the maps.
+// Drawn views to be refined, and checks of the maps.
 
 #include "colmap_tsar/compose/compose_image.h"
 #include "colmap_tsar/view/refine_option_list.h"
@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "tests/support/find_scene_in.h"
-#include "tests/support/observe_image.h"
+#include "tests/support/image_evidence.h"
 #include "tests/support/synthetic_views.h"
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ class SyntheticViewsTest : public testing::Test {
     return SyntheticViews::IsBare(
         drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
   }
-  // The first so many views, with all others as their sources.
+  // Of the first num_views views, with all others as their sources.
   std::vector<std::unique_ptr<ViewEvidence>> Observe(
       size_t num_views, const RefineOptions& options = {}) const {
     std::vector<std::unique_ptr<ViewEvidence>> evidence;
@@ -49,11 +49,11 @@ class SyntheticViewsTest : public testing::Test {
           sources.push_back(&view);
         }
       }
-      RefineResult result = ObserveImage(drawn_.views[i],
-                                         UploadViews(sources, *device_),
-                                         static_cast<uint32_t>(i),
-                                         options,
-                                         *device_);
+      RefineResult result = MakeImageEvidence(drawn_.views[i],
+                                              UploadViews(sources, *device_),
+                                              static_cast<uint32_t>(i),
+                                              options,
+                                              *device_);
       EXPECT_TRUE(result.maps.depth.Empty());
       evidence.push_back(std::move(result.evidence));
     }
@@ -73,7 +73,7 @@ class SyntheticViewsTest : public testing::Test {
                         options,
                         *device_);
   }
-  // What holds for the maps whatever the options.
+  // Checks that hold with any options.
   void ExpectSoundMaps(const RefinedMaps& maps) const {
     ASSERT_TRUE(maps.depth.HasSizeOf(Before()));
     const Intrinsics intrinsics = drawn_.views[0].camera.GetIntrinsics();
@@ -95,7 +95,7 @@ class SyntheticViewsTest : public testing::Test {
       }
     }
   }
-  // What holds for the part without texture: it gets the wall's plane.
+  // Checks that the part without texture gets the wall's plane.
   void ExpectBarePartIsFilled(const RefinedMaps& maps) const {
     int num_bare = 0;
     int num_right = 0;
@@ -114,7 +114,8 @@ class SyntheticViewsTest : public testing::Test {
     ASSERT_GT(num_bare, 500);
     EXPECT_GT(num_right, 0.95 * num_bare);
   }
-  // refine: of every bool among the options, turned, but for one of this name.
+  // refine: called with each bool among the options inverted, except one of
+  // this name.
   void ExpectSoundMapsOfEverySwitch(
       const std::function<RefineResult(const RefineOptions&)>& refine,
       const std::string& left_out = "") const {

@@ -12,7 +12,7 @@
 
 namespace tsar {
 
-// The device on which a stage is tested: the CPU with so many threads. In
+// The device on which a stage is tested: the CPU with this many threads. In
 // cuda_tests each test runs a second time, on a GPU, where all that it copies
 // to the host must have the same bytes. So what a stage reads and writes must
 // be in memory of the device.

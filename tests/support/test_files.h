@@ -15,7 +15,7 @@
 
 namespace tsar {
 
-// A test with an empty folder of its own, which goes away with it.
+// A test with an empty folder of its own, which it removes at its end.
 class FolderTest : public testing::Test {
  protected:
   FolderTest()

@@ -30,7 +30,7 @@ TemporaryFolder::~TemporaryFolder() {
 
 void WriteText(const std::filesystem::path& path, const std::string& text) {
   std::filesystem::create_directories(path.parent_path());
-  // A new file, not the old one with another content: other links to it keep
+  // A new file rather than the old one with new content: other hard links keep
   // theirs.
   std::filesystem::remove(path);
   std::ofstream(path, std::ios::binary) << text;
@@ -84,7 +84,7 @@ void WriteTestMaps(const std::filesystem::path& root,
   CreateFolders(paths.normal.Parent());
   WriteDepthMap(paths.depth, Image<float>(4, 3, depth));
   WriteNormalMap(paths.normal, Image<Vec3f>(4, 3, Vec3f{0.f, 0.f, -depth}));
-  // The clock of a file system may stand still between two writes of a test.
+  // The file system's clock may not advance between two writes of a test.
   static int num_seconds = 0;
   for (const ContainedPath& path : {paths.depth, paths.normal}) {
     std::filesystem::last_write_time(

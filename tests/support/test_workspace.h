@@ -18,7 +18,7 @@
 
 namespace tsar {
 
-// A folder that lives as long as the test.
+// A folder that exists as long as the test.
 class TemporaryFolder {
  public:
   TemporaryFolder();

@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/view/reduce_view.h"
 
-#include "colmap_tsar/compose/transfer_flags.h"
+#include "colmap_tsar/compose/upsample_depth_flags.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/device_views.h"
 
@@ -121,7 +121,7 @@ TEST(ReduceView, TakesTheLowerMedianAndItsCost) {
 }
 
 TEST(ReduceView, TakesTheOtherTypeWhereTheMapToRefineHasGaps) {
-  // Three squares of nine pixels: eight of the map to refine and one of the
+  // Three blocks of nine pixels: eight of the map to refine and one of the
   // other type, seven and two, and one and eight.
   ViewData view = FlatView(9, 3, 2.f);
   for (const auto& [x, y] : {std::pair{0, 0}, {3, 0}, {4, 0}}) {

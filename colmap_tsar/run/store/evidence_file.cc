@@ -15,7 +15,7 @@ static_assert(sizeof(Observation) == 16 && sizeof(RayDepth) == 12 &&
               sizeof(SuperpixelBorder) == 28 && sizeof(Plane) == 16 &&
               sizeof(Vec3f) == 12 && sizeof(Rgb) == 3);
 
-// Calls `use` for each number of a view's evidence beside its arrays, in the
+// Calls `use` for each number of a view's evidence besides its arrays, in the
 // order of the file.
 template <typename Evidence>
 void ForNumbers(Evidence& evidence, const auto& use) {

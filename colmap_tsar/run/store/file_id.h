@@ -10,8 +10,8 @@
 
 namespace tsar {
 
-// What tells a file from others of its name, without reading it. Links and
-// renaming keep it; where a copy has another time, the content tells.
+// Identifies the version of a file without reading it. Hard links and renaming
+// preserve it; if a copy has another time, its content is compared.
 struct FileId {
   uint64_t num_bytes = 0;
   int64_t time = 0;   // Of the last change, in nanoseconds.
@@ -31,7 +31,8 @@ std::optional<FileId> FindFileId(const std::filesystem::path& path);
 bool IsUnchanged(const std::filesystem::path& path, const FileId& written);
 
 // Whether both are one file, or have the same size, time and content: all files
-// of a copy may have one time, and maps of a scene have one size.
+// of a copied folder may have the same time, and all maps of a scene the same
+// size.
 bool AreSameFile(const std::filesystem::path& a,
                  const std::filesystem::path& b);
 

@@ -35,7 +35,7 @@ Image<uint8_t> MaskOf(const Workspace& workspace,
   return workspace.ReadMask(image, {depth.Width(), depth.Height()});
 }
 
-// Those of another program; maps of this one are as they should be.
+// Maps of other programs; those of this one follow COLMAP's conventions.
 MapConventions ConventionsOf(const Workspace& workspace, int image) {
   const MapType type = workspace.Type();
   return Exists(workspace.Paths(image, type).provenance) ||

@@ -62,8 +62,8 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image);
 // no other maps. Throws what Workspace::ReadOriginalMaps and ReadMask throw.
 ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image);
 
-// Warns of maps among these that are not of COLMAP's conventions, see
-// map_conventions.h. Throws what Workspace::OpenOriginalMaps throws.
+// Warns of maps that do not follow COLMAP's conventions, see map_conventions.h.
+// Throws what Workspace::OpenOriginalMaps throws.
 void WarnOfConventions(const Workspace& workspace,
                        const std::vector<int>& images);
 

@@ -14,13 +14,13 @@
 
 namespace tsar {
 
-// The account of one run over a workspace: stereo/tsar/manifest.json.
+// The manifest of one run over a workspace: stereo/tsar/manifest.json.
 struct Manifest {
   std::string version;
   std::string type;
   std::map<std::string, std::string> options;
-  // The runtime settings of the run; no result depends on them. For how many
-  // images masks and depth priors were used, where they were given.
+  // The runtime settings of the run; no result depends on them. Includes the
+  // numbers of images with a mask and with a depth prior, if given.
   std::map<std::string, std::string> runtime;
   // The inputs of the run, see InputFingerprints.
   std::map<std::string, std::string> inputs;

@@ -47,9 +47,9 @@ class OutputFolder {
   const std::filesystem::path& Temporary() const { return temporary_; }
 
   // Lists the written files and replaces the former folder, atomically where
-  // the file system can exchange two. The former one goes with this object.
-  // Throws what the constructor throws, since files may have been added
-  // meanwhile.
+  // the file system can exchange two. This object's destructor removes the
+  // former one. Throws what the constructor throws, since files may have been
+  // added meanwhile.
   void Commit();
 
  private:

@@ -18,11 +18,11 @@ void BeginOutputWorkspace(const Workspace& input,
 // Makes a second workspace in `output` that stereo_fusion can use, and opens
 // it: images, sparse model and maps are links to the input's, the maps to its
 // originals, and the configuration files copies. The input is not changed. From
-// then on it is a workspace as any other one.
+// then on it is a workspace like any other.
 //
 // A folder that an earlier call made for the same input is reused, with the
-// maps that were refined there; where an original of the input is another one
-// now, it takes its place. Throws Error: what BeginOutputWorkspace and
+// maps that were refined there; an original of the input that has changed since
+// replaces its former version. Throws Error: what BeginOutputWorkspace and
 // FindOriginals throw, kIo.
 Workspace CreateOutputWorkspace(const Workspace& input,
                                 const std::filesystem::path& output,

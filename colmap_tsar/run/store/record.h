@@ -26,9 +26,9 @@ enum class ImageStatus {
 std::string ToString(ImageStatus status);
 
 // The record of one image's maps of one type, stored as
-// stereo/tsar/records/NAME.TYPE.json. It is written before the first map gets
-// its name, so that a file in place is this program's if, and only if, the
-// record lists it. The caller of WriteRefined fills in what the maps were
+// stereo/tsar/records/NAME.TYPE.json. It is written before the first map is
+// renamed into place, so that a file there is this program's if, and only if,
+// the record lists it. The caller of WriteRefined fills in what the maps were
 // made from, counts, seconds and note, WriteRefined the rest.
 struct ImageRecord {
   std::string image;
@@ -50,8 +50,8 @@ struct ImageRecord {
   bool Has(const std::string& name, const std::filesystem::path& path) const;
 };
 
-// Flushes a file that is to be listed in a record, and describes it; renaming
-// changes nothing of that. path: its name; hash: of its content, 0 if unknown.
+// Flushes a file that is to be listed in a record, and returns its id, which
+// renaming does not change. path: its name; hash: of its content, 0 if unknown.
 FileId IdOfPrepared(const ContainedPath& path, AtomicFile* file, uint64_t hash);
 
 // Nothing where there is no such file; Error kCorrupt where it is not a record.

@@ -10,12 +10,12 @@ namespace tsar {
 
 struct RestoreResult {
   int num_restored = 0;  // Images and types whose originals were put back.
-  // Maps that were written in the place of refined ones, and stay.
+  // Maps that were written in the place of refined ones; they stay.
   std::vector<std::filesystem::path> kept;
-  // Refined maps without an original, which stay.
+  // Refined maps without an original; they stay.
   std::vector<std::filesystem::path> lost;
-  // The new paths of what was moved out of the way: the originals before those
-  // that stay, and what was no refined map and stood in an original's place.
+  // The new paths of what was moved out of the way: the originals of maps that
+  // stay, and files in an original's place that were not refined maps.
   std::vector<std::filesystem::path> superseded;
 };
 
@@ -24,8 +24,8 @@ struct RestoreResult {
 // stereo/tsar. No map but a refined one is removed, see originals.h.
 //
 // Can be called again after an interruption. The caller holds the
-// WorkspaceLock. Throws Error: kNotFound (nothing to restore), kCorrupt (what
-// stands in an original's place is no file), kIo (also where a folder cannot be
+// WorkspaceLock. Throws Error: kNotFound (nothing to restore), kCorrupt (the
+// path of an original is not a file), kIo (also where a folder cannot be
 // listed: its originals would be lost).
 RestoreResult Restore(const std::filesystem::path& root);
 

@@ -20,7 +20,7 @@
 namespace tsar {
 namespace {
 
-static_assert(sizeof(LabelEvidence) == 1 && sizeof(LabelQuality) == 4);
+static_assert(sizeof(LabelOrigin) == 1 && sizeof(LabelQuality) == 4);
 
 // Calls `use` for each number, vector and matrix of a plane or a cylinder, in
 // the order of the file.
@@ -129,7 +129,7 @@ void Write(const ContainedPath& path,
   writer.Add(images);
   for (const auto& [image, view] : model.views) {
     writer.Add(view.planes);
-    writer.Add(view.evidence);
+    writer.Add(view.origins);
     writer.Add(view.qualities);
   }
   writer.EndPart();
@@ -164,7 +164,7 @@ SceneModel ReadSceneModel(const std::filesystem::path& path,
     for (const int image : images) {
       ViewLabels& view = model.views[image];
       reader.Read(&view.planes);
-      reader.Read(&view.evidence);
+      reader.Read(&view.origins);
       reader.Read(&view.qualities);
     }
     reader.EndPart();

@@ -24,8 +24,8 @@ namespace tsar {
 // Binary files in which one pass of a run stores the input of the next ones:
 // arrays, little-endian and without padding. A header (magic, version, length,
 // checksum) and the key, a fingerprint of all that the content was made of, are
-// followed by parts, each of which ends with its checksum. The checksums tell
-// damage; the content is what the program once wrote.
+// followed by parts, each of which ends with its checksum. The checksums detect
+// damage; intact content is what the program once wrote.
 
 // A format of state files, with the texts of its errors.
 struct StateFileKind {

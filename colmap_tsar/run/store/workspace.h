@@ -144,11 +144,11 @@ class Workspace {
   // Error: what ReadPhoto throws, kMismatch (its size is not the camera's).
   Image<Rgb> ReadImage(int image, int width, int height) const;
 
-  // The maps as COLMAP wrote them, also where they have been refined since.
-  // Maps that were written anew after that are the originals. Other programs
-  // may be refining the image meanwhile. Throws Error: kNotFound (one of the
-  // two is missing), kMismatch (sizes differ; a map is not of the image's
-  // shape; or the original is lost), and what the readers of map_io.h throw.
+  // The maps as COLMAP wrote them, even if they have been refined since. Maps
+  // that were written after that are the originals. Other programs may be
+  // refining the image meanwhile. Throws Error: kNotFound (one of the two is
+  // missing), kMismatch (sizes differ; a map is not of the image's shape; or
+  // the original is lost), and what the readers of map_io.h throw.
   DepthNormal ReadOriginalMaps(int image, MapType type) const;
   DepthNormalReader OpenOriginalMaps(int image, MapType type) const;
   // The exported costs of one type of map, as they are beside depth maps of

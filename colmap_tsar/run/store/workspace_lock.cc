@@ -70,8 +70,8 @@ bool HasName(const File& file) {
 // Returns the locked file, or null where another program holds the lock. On
 // file systems without locks it only warns.
 File Lock(const ContainedPath& path, int operation) {
-  // A program that leaves holds the lock alone for a moment, and may remove the
-  // file and its folders while others make them.
+  // A program that ends holds the lock alone for a moment, and may remove the
+  // file and its folders while others create them.
   constexpr int kMaxAttempts = 20;
   for (int i = 1;; ++i) {
     File file = NoFile();

@@ -10,13 +10,13 @@
 namespace tsar {
 
 // A lock (flock) that a program holds while it changes a workspace; or a shared
-// one for programs that do not disturb each other: readers, and the shards of a
-// pass, each of which also has a lock of its own. The system releases the locks
-// also where the program is killed. Throws Error: kUnsupported, naming the
-// file, where another program is at work; kNotFound where there is no stereo
-// folder; kIo; for writing also what RequireFoldersInside throws. On file
-// systems without locks it only warns, as does a reader where the file cannot
-// be written.
+// one for programs that do not interfere with each other: readers, and the
+// shards of a pass, each of which also has a lock of its own. The system
+// releases the locks also where the program is killed. Throws Error:
+// kUnsupported, naming the file, where another program is at work; kNotFound
+// where there is no stereo folder; kIo; for writing also what
+// RequireFoldersInside throws. On file systems without locks it only warns, as
+// does a reader where the file cannot be written.
 class WorkspaceLock {
  public:
   // The name in stereo/tsar.

@@ -110,7 +110,7 @@ void WriteRefined(const Workspace& workspace,
     record.files[file.name] = {file.id};
   }
   const OriginalMaps originals = FindOriginals(paths);
-  // A refined map of an earlier run stays until its name is given away.
+  // A refined map of an earlier run stays until it is replaced.
   const auto list_earlier =
       [&](const OriginalMap& map, const char* name, const ContainedPath& path) {
         const std::optional<FileId> id = FindFileId(path);

@@ -225,8 +225,8 @@ class PlaneProblem {
  private:
   struct MovingPlane {
     Eigen::Vector3d normal;  // Before the turn.
-    // Amid its measurements, so that the errors of turn and shift are nearly
-    // independent; on the plane or off it.
+    // Near the center of its measurements, so that the errors of turn and shift
+    // are nearly independent; on the plane or off it.
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     double weight = 0.0;
     double* turn = nullptr;    // A quaternion.

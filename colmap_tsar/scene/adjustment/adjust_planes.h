@@ -20,7 +20,7 @@ using MeasurePlanes = std::function<std::vector<PlaneMeasurement>(
 // least squares (Ceres), and sets the centers, axes and covariances of the
 // planes. Planes of a frame stay exactly along its axes; others are softly tied
 // to the largest planes of their component that are parallel or orthogonal to
-// them within 3 degrees. Each of a few rounds measures the planes anew.
+// them within 3 degrees. The planes are measured again in each of a few rounds.
 //
 // model: planes by decreasing support, without labels. may_move: by plane,
 // alike for all planes of a component. Planes that may not move stay, as do
@@ -29,8 +29,8 @@ using MeasurePlanes = std::function<std::vector<PlaneMeasurement>(
 //
 // The covariances are marginalized over the other planes. The axes are the
 // principal ones of the error of the normal, with which they are a right-handed
-// basis. Turns known to no better than half a radian and shifts known to no
-// better than half of the scene's size have an infinite variance and no
+// basis. Rotations with a standard deviation above half a radian and shifts
+// with one above half of the scene's size get an infinite variance and no
 // correlation with others; nothing else is set where the shift is unknown.
 //
 // The same input gives the same bits; one thread. Neither the origin nor the

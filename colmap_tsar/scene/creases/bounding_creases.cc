@@ -90,7 +90,7 @@ class CreaseFinder {
     for (size_t i = 0; i < lines_.size(); ++i) {
       const PlaneLine& line = lines_[i];
       for (const int beyond : {0, 1}) {
-        // Edges that few views see begin no planes that nobody measured.
+        // Unmeasured planes do not begin at edges that few views see.
         if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line) &&
             (2 * line.num_views >= evidence_[i].sides[beyond].num_views ||
              FindPlane(line, PlaneAtLine(*model_, line, beyond)) >= 0)) {

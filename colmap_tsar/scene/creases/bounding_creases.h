@@ -19,7 +19,7 @@ struct BoundingCrease {
   int plane = -1;      // The plane that ends at the line.
   int beyond = -1;     // The plane that begins there.
   WorldPlane limit;    // `beyond`, oriented toward `plane`.
-  bool is_new = true;  // `beyond` is known by its creases alone.
+  bool is_new = true;  // `beyond` is known only from its creases.
 };
 
 // The lines at which planes end: the outermost lines that views share on a

@@ -78,8 +78,8 @@ WorldPlane PlaneAtLine(const SceneModel& model,
                        int side);
 
 // The largest distance between copies of a plane, as a share of the distance
-// from which they are seen: posters hang on a wall, and measurements next to
-// them lie between both.
+// from which they are seen: posters hang in front of a wall, and measurements
+// next to them lie between both.
 inline constexpr float kCopyTolerance = 0.015f;
 // The least cosine between the normals of such planes (3 degrees), where not
 // both lie along axes of one frame exactly.

@@ -5,9 +5,9 @@
 
 #include "colmap_tsar/scene/discovery/manhattan_frame.h"
 #include "colmap_tsar/scene/discovery/merge_planes.h"
-#include "colmap_tsar/scene/discovery/plane_estimator.h"
+#include "colmap_tsar/scene/discovery/observation_table.h"
 #include "colmap_tsar/scene/discovery/plane_ranking.h"
-#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/scene/discovery/score_planes.h"
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/evidence/superpixel_matches.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
@@ -32,21 +32,21 @@ constexpr int kMaxImprovingRounds = 20;
 
 class Discovery {
  public:
-  Discovery(const PlaneEstimator& estimator,
+  Discovery(const PlaneScorer& scorer,
             const SuperpixelMatches& matches,
             const DiscoverPlanesOptions& options)
-      : estimator_(estimator),
+      : scorer_(scorer),
         matches_(matches),
         options_(options),
-        num_superpixels_(estimator.Observations().Count()),
-        threads_(estimator.GetDevice().Threads()) {}
+        num_superpixels_(scorer.Observations().Count()),
+        threads_(scorer.GetDevice().Threads()) {}
 
   std::vector<ScoredPlane> Run(const std::vector<WorldPlane>& candidates) {
     ChooseCandidates(candidates, std::vector<float>(num_superpixels_, 0.f));
     do {
       FitToAssigned();
     } while (
-        DropAndMergePlanes(estimator_, matches_, options_.min_gain, &planes_));
+        DropAndMergePlanes(scorer_, matches_, options_.min_gain, &planes_));
     if (options_.manhattan_frame) {
       AlignPlanes();
     }
@@ -67,7 +67,7 @@ class Discovery {
  private:
   void ChooseCandidates(const std::vector<WorldPlane>& candidates,
                         std::vector<float> best) {
-    LazyGreedySelection selection(candidates, estimator_);
+    LazyGreedySelection selection(candidates, scorer_);
     while (static_cast<int>(planes_.size()) < options_.max_planes) {
       const LazyGreedySelection::Choice choice = selection.Next(best);
       if (choice.candidate < 0 || choice.gain < options_.min_gain) {
@@ -94,8 +94,8 @@ class Discovery {
           won.push_back(k);
         }
       }
-      ScoredPlane fitted = estimator_.ScoreOne(
-          estimator_.Fit(plane.plane, estimator_.Sample(won)));
+      ScoredPlane fitted =
+          scorer_.ScoreOne(scorer_.Fit(plane.plane, scorer_.Sample(won)));
       const double fitted_gain = PlaneGain(fitted, best_of);
       if (!(fitted_gain > gain)) {
         break;
@@ -118,10 +118,9 @@ class Discovery {
           AssignedSuperpixels(rankings, planes_.size());
       std::vector<WorldPlane> fits(num_planes);
       threads_.ForEach(fits.size(), [&](size_t p) {
-        fits[p] =
-            estimator_.Fit(planes_[p].plane, estimator_.Sample(members[p]));
+        fits[p] = scorer_.Fit(planes_[p].plane, scorer_.Sample(members[p]));
       });
-      std::vector<ScoredPlane> fitted = estimator_.Score(fits);
+      std::vector<ScoredPlane> fitted = scorer_.Score(fits);
       for (int p = 0; p < num_planes; ++p) {
         const auto best_of_others = [&](int k) {
           return rankings[k].BestWithout(p, p);
@@ -146,23 +145,23 @@ class Discovery {
     std::vector<MeasuredPlane> measured;
     for (size_t p = 0; p < planes_.size(); ++p) {
       measured.push_back(
-          {planes_[p].plane, supports[p], estimator_.Sample(members[p])});
+          {planes_[p].plane, supports[p], scorer_.Sample(members[p])});
     }
     const auto is_acceptable = [&](int p, const WorldPlane& plane) {
       const auto best_of_others = [&](int k) {
         return rankings[k].BestWithout(p, p);
       };
-      const ScoredPlane scored = estimator_.ScoreOne(plane);
+      const ScoredPlane scored = scorer_.ScoreOne(plane);
       const double loss = PlaneGain(planes_[p], best_of_others) -
                           PlaneGain(scored, best_of_others);
       return loss <=
              std::max(options_.min_gain, kMaxAlignmentLoss * supports[p]);
     };
-    planes_ = estimator_.Score(AlignToManhattanFrame(
-        measured, estimator_.LossScale(), is_acceptable, &frame_));
+    planes_ = scorer_.Score(AlignToManhattanFrame(
+        measured, scorer_.LossScale(), is_acceptable, &frame_));
   }
 
-  const PlaneEstimator& estimator_;
+  const PlaneScorer& scorer_;
   const SuperpixelMatches& matches_;
   const DiscoverPlanesOptions& options_;
   const int num_superpixels_;
@@ -196,14 +195,14 @@ void AddPlanesOfPriors(const std::vector<ObservedView>& views,
     return;
   }
   const Camera& reference = views[0].camera;
-  const SuperpixelObservations observations(views, ObservationsOf::kPriors);
-  const PlaneEstimator estimator(observations, options.tolerance, device);
+  const ObservationTable observations(views, ObservationsOf::kPriors);
+  const PlaneScorer scorer(observations, options.tolerance, device);
   std::vector<WorldPlane> known;
   for (const ScenePlane& plane : discovered->planes) {
     known.push_back(FromWorld(plane.plane, reference));
   }
   std::vector<float> best(observations.Count(), 0.f);
-  for (const ScoredPlane& plane : estimator.Score(known)) {
+  for (const ScoredPlane& plane : scorer.Score(known)) {
     for (const int k : plane.superpixels) {
       best[k] = std::max(best[k], plane.scores[k]);
     }
@@ -218,7 +217,7 @@ void AddPlanesOfPriors(const std::vector<ObservedView>& views,
     }
   }
   for (const ScoredPlane& plane :
-       Discovery(estimator, matches, options).Extend(candidates, best)) {
+       Discovery(scorer, matches, options).Extend(candidates, best)) {
     const auto index = static_cast<int>(discovered->planes.size());
     double support = 0.0;
     for (const int k : plane.superpixels) {
@@ -257,7 +256,7 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
   if (views.empty()) {
     return result;
   }
-  const SuperpixelObservations observations(views);
+  const ObservationTable observations(views);
   if (observations.Count() == 0) {
     return result;
   }
@@ -268,8 +267,8 @@ DiscoveredPlanes DiscoverPlanes(const std::vector<ObservedView>& views,
     local_candidates.push_back(FromWorld(candidates[i], reference));
   }
   const SuperpixelMatches matches(views);
-  const PlaneEstimator estimator(observations, options.tolerance, device);
-  Discovery discovery(estimator, matches, options);
+  const PlaneScorer scorer(observations, options.tolerance, device);
+  Discovery discovery(scorer, matches, options);
   const std::vector<ScoredPlane> planes = discovery.Run(local_candidates);
   const std::optional<ManhattanFrame>& frame = discovery.Frame();
   if (frame) {

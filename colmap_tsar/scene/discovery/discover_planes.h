@@ -21,16 +21,16 @@ std::vector<WorldPlane> CollectCandidates(
     const std::vector<ObservedView>& views);
 
 // The largest weight of a superpixel, in pixels of full confidence, so that the
-// sizes of superpixels and of the raster matter little. As many count as one
-// measurement: errors of neighbors are correlated.
+// sizes of superpixels and of the raster matter little. This many pixels count
+// as one measurement, since errors of neighbors are correlated.
 inline constexpr double kMaxSuperpixelWeight = 40.0;
 
 // The expected error of one observation, as a share of the tolerance.
 inline constexpr double kErrorShare = 0.25;
 
 struct DiscoverPlanesOptions {
-  // The residual from which a depth is no inlier of a plane, in relative depths
-  // of one pixel of disparity (DepthResolution::RelativeDepthError).
+  // The residual from which on a depth is an outlier of a plane, in relative
+  // depths of one pixel of disparity (DepthResolution::RelativeDepthError).
   double tolerance = 1.0;
   // The least gain of a plane, in pixels of full confidence that lie exactly on
   // it.
@@ -63,7 +63,7 @@ struct DiscoveredPlanes {
 };
 
 // Selects, from many candidates in the world frame, the few planes that
-// together explain best the observations of a view and its neighbors: facility
+// together best explain the observations of a view and its neighbors: facility
 // location, where a plane costs min_gain and is assigned superpixels. A plane's
 // score for a superpixel is the sum over its observations of 1 - (residual /
 // tolerance)^2, never below 0, times the confidences, scaled to a sum of the

@@ -4,7 +4,7 @@
 #include "colmap_tsar/scene/discovery/join_planes.h"
 
 #include "colmap_tsar/scene/discovery/merge_planes.h"
-#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/scene/discovery/observation_table.h"
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
 #include "colmap_tsar/view/planes/world_plane.h"
@@ -299,8 +299,8 @@ std::vector<MeasuredScenePlane> MeasureScenePlanes(
   if (discovered.planes.empty()) {
     return {};
   }
-  const SuperpixelObservations observations(views);
-  const SuperpixelObservations of_priors(views, ObservationsOf::kPriors);
+  const ObservationTable observations(views);
+  const ObservationTable of_priors(views, ObservationsOf::kPriors);
   const std::vector<std::vector<int>> members = MembersOf(discovered);
   const Eigen::Matrix3d to_world = views[0].camera.rotation.transpose();
   const Eigen::Vector3d origin = views[0].camera.Center();
@@ -308,14 +308,14 @@ std::vector<MeasuredScenePlane> MeasureScenePlanes(
   for (size_t p = 0; p < members.size(); ++p) {
     MeasuredScenePlane plane;
     plane.found = discovered.planes[p];
-    const auto count_of = [&](const SuperpixelObservations& of_members) {
+    const auto count_of = [&](const ObservationTable& of_members) {
       size_t count = 0;
       for (const int k : members[p]) {
         count += of_members.NumObservations(k);
       }
       return count;
     };
-    const SuperpixelObservations& sampled =
+    const ObservationTable& sampled =
         count_of(observations) > 0 ? observations : of_priors;
     const size_t count = count_of(sampled);
     sampled.Sample(members[p], kMaxPlaneSamples, [&](DepthObservation sample) {

@@ -60,17 +60,17 @@ struct JoinedPlanes {
   std::vector<std::vector<int>> indices;
 };
 
-// Replaces planes of neighboring blocks that are one surface by a joint fit:
-// as long as the loss of score is at most min_gain or a tenth of the smaller
-// support, in the order of the loss. A joint plane belongs to the blocks of
-// both, so that a wall along many blocks becomes one plane. Planes of one block
-// are joined only as parts of such a wall.
+// Replaces planes of neighboring blocks that are one surface by a joint fit: in
+// the order of their loss of score, as long as it is at most min_gain or a
+// tenth of the smaller support. A joint plane belongs to the blocks of both, so
+// that a wall along many blocks becomes one plane. Planes of one block are
+// joined only as parts of such a wall.
 //
 // min_gain: see DiscoverPlanesOptions. device: for its threads; the result does
 // not depend on their number. Memory and time grow with the number of blocks,
-// as long as each has few neighbors and no plane runs along more than a
-// thousand of them, since each plane joined into it is compared with all along
-// it. The samples of the blocks' planes are moved to the joined ones.
+// as long as each has few neighbors and no plane spans more than a thousand of
+// them, since each plane joined into it is compared with all the others. The
+// samples of the blocks' planes are moved to the joined ones.
 JoinedPlanes JoinPlanes(std::vector<PlaneBlock>* blocks,
                         double min_gain,
                         Device& device);

@@ -35,7 +35,7 @@ struct ManhattanFrame {
 // planes at once, and gives each of these planes exactly its direction: a wall
 // that only a band of posters measures may lean by a degree and still fit its
 // observations. Other planes that are orthogonal to a direction within 5
-// degrees, such as a pillar's faces, become exactly so.
+// degrees, such as a pillar's faces, become exactly orthogonal.
 //
 // loss_scale: see FitPlane. is_acceptable(p, plane): whether this plane may
 // replace planes[p]; otherwise that one stays, and the directions are fitted

@@ -143,14 +143,14 @@ struct Losses {
 
 class PlaneMerger {
  public:
-  PlaneMerger(const PlaneEstimator& estimator,
+  PlaneMerger(const PlaneScorer& scorer,
               const SuperpixelMatches& matches,
               double min_gain,
               std::vector<ScoredPlane>* planes)
-      : estimator_(estimator),
+      : scorer_(scorer),
         matches_(matches),
         min_gain_(min_gain),
-        threads_(estimator.GetDevice().Threads()),
+        threads_(scorer.GetDevice().Threads()),
         planes_(*planes),
         ids_(planes->size()) {
     std::iota(ids_.begin(), ids_.end(), 0);
@@ -176,7 +176,7 @@ class PlaneMerger {
   // exceed their limits.
   std::optional<Change> CheapestChange() {
     const std::vector<Ranking> rankings =
-        Rank(planes_, estimator_.Observations().Count(), threads_);
+        Rank(planes_, scorer_.Observations().Count(), threads_);
     const VotesOfViews votes(matches_, rankings, planes_.size(), threads_);
     const Losses losses(rankings, planes_.size());
     std::optional<Change> cheapest;
@@ -227,10 +227,10 @@ class PlaneMerger {
   // the largest distance for merging.
   bool IsNear(const WorldPlane& plane, const std::vector<int>& members) const {
     size_t num_near = 0;
-    const size_t num_samples = estimator_.Observations().Sample(
+    const size_t num_samples = scorer_.Observations().Sample(
         members, kNumMergeSamples, [&](const DepthObservation& sample) {
           num_near += std::abs(NormalizedResidual(plane, sample)) <
-                      kMaxMergeDistance * estimator_.Tolerance();
+                      kMaxMergeDistance * scorer_.Tolerance();
         });
     return 2 * num_near >= num_samples;
   }
@@ -263,7 +263,7 @@ class PlaneMerger {
     for (size_t begin = 0; begin < planes.size(); begin += kMaxJointFits) {
       const size_t end = std::min(begin + kMaxJointFits, planes.size());
       std::vector<ScoredPlane> scored =
-          estimator_.Score({planes.begin() + begin, planes.begin() + end});
+          scorer_.Score({planes.begin() + begin, planes.begin() + end});
       for (size_t k = begin; k < end; ++k) {
         owners[k]->push_back(std::move(scored[k - begin]));
       }
@@ -283,8 +283,8 @@ class PlaneMerger {
     }
     std::vector<int> both;
     std::ranges::merge(members_a, members_b, std::back_inserter(both));
-    const FitSamples samples = estimator_.Sample(both);
-    return {estimator_.Fit(plane_a, samples), estimator_.Fit(plane_b, samples)};
+    const FitSamples samples = scorer_.Sample(both);
+    return {scorer_.Fit(plane_a, samples), scorer_.Fit(plane_b, samples)};
   }
 
   // The merge by the better of the two fits.
@@ -305,7 +305,7 @@ class PlaneMerger {
     return change;
   }
 
-  const PlaneEstimator& estimator_;
+  const PlaneScorer& scorer_;
   const SuperpixelMatches& matches_;
   double min_gain_;
   ThreadPool& threads_;
@@ -322,11 +322,11 @@ bool MayBeMerged(const WorldPlane& a, const WorldPlane& b) {
   return std::abs(a.normal.dot(b.normal)) >= kMinMergeCosine;
 }
 
-bool DropAndMergePlanes(const PlaneEstimator& estimator,
+bool DropAndMergePlanes(const PlaneScorer& scorer,
                         const SuperpixelMatches& matches,
                         double min_gain,
                         std::vector<ScoredPlane>* planes) {
-  return PlaneMerger(estimator, matches, min_gain, planes).Run();
+  return PlaneMerger(scorer, matches, min_gain, planes).Run();
 }
 
 }  // namespace tsar

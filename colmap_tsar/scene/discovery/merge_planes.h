@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/scene/discovery/plane_estimator.h"
+#include "colmap_tsar/scene/discovery/score_planes.h"
 #include "colmap_tsar/scene/evidence/superpixel_matches.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
@@ -18,16 +18,16 @@ inline constexpr double kMaxMergeDistance = 10.0;
 // Whether the angle between the planes allows a merge.
 bool MayBeMerged(const WorldPlane& a, const WorldPlane& b);
 
-// Drops planes and replaces pairs by a joint fit as long as the loss of score
-// by some change is below its limit; the smallest ratio of the two comes first.
-// The limit for dropping a plane is min_gain; the loss of each superpixel is
-// weighted by the share of the views that assign its matches to the plane, too.
-// The limit for merging two is min_gain or, if larger, the support of the
-// smaller one times the square of its confusion with the larger one: the share
-// of other views that assign the matches of its superpixels to that one;
-// squared, since two views must confuse them. Returns whether there was any
-// change, which does not depend on the threads.
-bool DropAndMergePlanes(const PlaneEstimator& estimator,
+// Drops planes and replaces pairs by a joint fit as long as some change loses
+// less score than its limit; the one with the smallest ratio of loss to limit
+// comes first. The limit for dropping a plane is min_gain; the loss of each
+// superpixel is weighted by the share of the views that assign its matches to
+// the plane, too. The limit for merging two is min_gain or, if larger, the
+// support of the smaller one times the square of its confusion with the larger
+// one: the share of other views that assign the matches of its superpixels to
+// that one; squared, since two views must confuse them. Returns whether there
+// was any change, which does not depend on the threads.
+bool DropAndMergePlanes(const PlaneScorer& scorer,
                         const SuperpixelMatches& matches,
                         double min_gain,
                         std::vector<ScoredPlane>* planes);

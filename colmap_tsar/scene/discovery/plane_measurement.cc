@@ -3,7 +3,7 @@
 
 #include "colmap_tsar/scene/discovery/plane_measurement.h"
 
-#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/scene/discovery/observation_table.h"
 
 #include <cmath>
 #include <cstddef>
@@ -104,7 +104,7 @@ std::vector<PlaneMeasurement> MeasureView(const ObservedView& view,
                                           const std::vector<int>& assignment,
                                           const std::vector<ModelPlane>& planes,
                                           double tolerance) {
-  const SuperpixelObservations observations({view});
+  const ObservationTable observations({view});
   std::map<int, std::vector<int>> superpixels;  // Indexed by plane.
   for (size_t k = 0; k < assignment.size(); ++k) {
     if (assignment[k] >= 0) {

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/device/thread_pool.h"
-#include "colmap_tsar/scene/discovery/plane_estimator.h"
+#include "colmap_tsar/scene/discovery/score_planes.h"
 
 #include <algorithm>
 #include <vector>

@@ -8,9 +8,9 @@
 namespace tsar {
 
 // Foreground fattening: matching finds the depth of the texture in a patch.
-// Where that is an edge at the patch's rim and the pixel itself lies on a bare
-// surface, the pixel gets the depth of the edge: a wall beside a picture frame
-// takes the frame's.
+// Where that is an edge at the patch's border and the pixel itself lies on a
+// textureless surface, the pixel gets the depth of the edge: a wall next to a
+// picture frame gets the frame's.
 
 // The share of a patch's texture that is the pixel's own, from 0 to 1: twice
 // the ratio of the contrast close to the pixel to that of the whole patch.

@@ -47,8 +47,8 @@ struct GatheredEvidence {
 };
 
 // The measurements to which a prior is aligned: those with texture of their
-// own. On bare surfaces whole areas share errors, in all views alike, and a
-// prior would follow them. The arguments are those of EvidenceInputs.
+// own. On textureless surfaces whole areas share errors, in all views alike,
+// and a prior would follow them. The arguments are those of EvidenceInputs.
 Image<RayDepth> SamplesToAlignBy(Image<RayDepth> samples,
                                  const Image<float>& texture,
                                  const Image<float>& fattening_weight);

@@ -55,7 +55,7 @@ struct LabelOptions {
   // a higher cost is not chosen, unless the pairwise costs outweigh that.
   float cost_of_unexplained = 0.6f;
   // The cost of an outlier depth that other views confirm and the view did not
-  // trust: most of these are wrong on bare surfaces, but many together
+  // trust: most of these are wrong on textureless surfaces, but many together
   // distinguish a chest from the wall behind it.
   float confirmed_weight = 0.2f;
   // The share of measured pixels at which ViewLabels::strengths is half of its
@@ -95,8 +95,8 @@ struct LabelOptions {
   float crease_reach = 10.f;
 };
 
-// The evidence for the plane of a superpixel.
-enum class LabelEvidence : uint8_t {
+// What a label is based on.
+enum class LabelOrigin : uint8_t {
   kNone = 0,      // There is no plane.
   kGuessed = 1,   // Only the neighbors in the image support it.
   kCarried = 2,   // Other views measured the plane there.
@@ -106,7 +106,7 @@ enum class LabelEvidence : uint8_t {
 // The label of each superpixel of a view.
 struct ViewLabels {
   std::vector<int> planes;  // Indices of planes; -1: none.
-  std::vector<LabelEvidence> evidence;
+  std::vector<LabelOrigin> origins;
   // All 0 where there is no plane.
   std::vector<LabelQuality> qualities;
   // How strongly the superpixel's measurements support its plane, from 0 to 1

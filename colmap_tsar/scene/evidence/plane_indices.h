@@ -9,9 +9,9 @@
 namespace tsar {
 
 // Planes are named by their indices in a list: the planes of a block of views,
-// of the scene (SceneModel::planes), or those that one view may show.
-// kNoPlane stands for none. Whoever moves planes to another list renumbers what
-// names them.
+// of the scene (SceneModel::planes), or those that one view may show. kNoPlane
+// stands for none. Code that moves planes to another list renumbers their
+// references.
 constexpr int kNoPlane = -1;
 
 // Replaces indices in one list by those in another. new_indices: by old index;

@@ -40,8 +40,8 @@ struct AxisFrame {
 // position.
 struct ModelPlane {
   WorldPlane plane;
-  // A point on the plane amid its measurements, and two orthogonal unit vectors
-  // in the plane.
+  // A point on the plane near the center of its measurements, and two
+  // orthogonal unit vectors in the plane.
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d axis_s = Eigen::Vector3d::UnitX();
   Eigen::Vector3d axis_t = Eigen::Vector3d::UnitY();

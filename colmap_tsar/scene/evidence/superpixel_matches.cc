@@ -5,7 +5,7 @@
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/median.h"
-#include "colmap_tsar/scene/evidence/source_surface.h"
+#include "colmap_tsar/scene/evidence/render_source_depth.h"
 
 #include <cmath>
 #include <cstdint>

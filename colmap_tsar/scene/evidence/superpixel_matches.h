@@ -13,13 +13,13 @@ namespace tsar {
 
 // The superpixels of other views that show the surface observed by a
 // superpixel. Superpixels are indexed across all views, as in
-// SuperpixelObservations.
+// ObservationTable.
 class SuperpixelMatches {
  public:
   // One of a superpixel's observations is projected into each other view. It
-  // matches the superpixel there if the median depth of that one's observations
-  // is within 4 % of its own: an occluder is no evidence. A view without a
-  // raster of superpixels has no matches.
+  // matches the superpixel there if the median depth of that superpixel's
+  // observations is within 4 % of its own: an occluder is no evidence. A view
+  // without a raster of superpixels has no matches.
   explicit SuperpixelMatches(const std::vector<ObservedView>& views);
 
   // The matches of a superpixel, at most one per other view.

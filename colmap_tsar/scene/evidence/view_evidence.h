@@ -33,8 +33,8 @@ enum class ObservationSource : uint8_t {
 };
 
 // Residuals of a prior up to one tolerance count as 0, and those of two in
-// full: its errors are correlated over whole surfaces, and no plane is
-// preferred for following them.
+// full: its errors are correlated over whole surfaces, and a plane that follows
+// them should not be preferred.
 constexpr float kSlackOfPrior = 1.f;
 
 // The common border of two superpixels.
@@ -121,9 +121,9 @@ struct ViewEvidence {
 };
 
 // Removes the values and observations of a prior. Candidate planes, which
-// measurements have to support, stay, and pixels in whose place the prior was
-// observed, since it contradicted the plane of their region, have no
-// observation. A prior in use gets the verdict kOthersUnlike.
+// measurements have to support, stay, and pixels at which the prior replaced
+// the contradicting plane of their region have no observation. A prior in use
+// gets the verdict kOthersUnlike.
 void RemovePrior(ViewEvidence* evidence);
 
 // The number of pixels of each superpixel.

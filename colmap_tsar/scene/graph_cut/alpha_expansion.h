@@ -11,8 +11,8 @@
 namespace tsar {
 
 // The energy of a labeling of a graph's nodes: a sum of unary costs of nodes
-// and pairwise costs of edges. Costs may have any sign and unit, but must be
-// finite, their sum too.
+// and pairwise costs of edges. Costs may have any sign and unit; they and their
+// sum must be finite.
 struct LabelGraph {
   int num_nodes = 0;
   int num_labels = 0;  // At least 1 where there are nodes.

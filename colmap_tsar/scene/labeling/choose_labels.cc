@@ -112,7 +112,7 @@ ViewLabels ChooseLabels(const ObservedView& view,
   const int num_planes = static_cast<int>(planes.size());
   ViewLabels result;
   result.planes.assign(num_superpixels, kNoPlane);
-  result.evidence.assign(num_superpixels, LabelEvidence::kNone);
+  result.origins.assign(num_superpixels, LabelOrigin::kNone);
   result.qualities.resize(num_superpixels);
   result.strengths.assign(num_superpixels, 0.f);
   if (num_planes == 0 || num_superpixels == 0) {
@@ -147,9 +147,9 @@ ViewLabels ChooseLabels(const ObservedView& view,
     result.qualities[s] = ScoreLabel(
         cost, {&graph.unary[s * num_labels], num_labels}, k, num_pixels[s]);
     result.strengths[s] = cost.strength;
-    result.evidence[s] = cost.explained > 0.f   ? LabelEvidence::kMeasured
-                         : cost.confirmed > 0.f ? LabelEvidence::kCarried
-                                                : LabelEvidence::kGuessed;
+    result.origins[s] = cost.explained > 0.f   ? LabelOrigin::kMeasured
+                        : cost.confirmed > 0.f ? LabelOrigin::kCarried
+                                               : LabelOrigin::kGuessed;
   }
   return result;
 }

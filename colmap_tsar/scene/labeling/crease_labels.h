@@ -14,10 +14,10 @@
 
 namespace tsar {
 
-// The evidence of a view whose image the creases cut where new planes begin:
-// with `sides`, and with little weight for what was measured along them.
-// Nothing but the crease is textured there. A window on it holds two planes,
-// and where it runs along the baseline, any depth matches.
+// The evidence of a view cut at the creases where new planes begin: with
+// `sides`, and with little weight for what was measured along them. Only the
+// crease itself is textured there. A window on it contains two planes, and
+// where it runs along the baseline, any depth matches.
 ViewEvidence CutAtCreases(const ObservedView& view,
                           const std::vector<ModelPlane>& planes,
                           const std::vector<BoundingCrease>& creases);
@@ -25,10 +25,10 @@ ViewEvidence CutAtCreases(const ObservedView& view,
 // Adds the costs of a view's labels where planes end at creases, of superpixels
 // (row) on planes (column): on planes behind one that begins at a crease, which
 // hides them, the one that ends there among them, and on one that begins at a
-// crease where the superpixel does not lie beyond it. Beyond it that plane
-// costs nothing for being unknown, and its uncertainty is at most one half.
-// indices: of the columns in the model, ascending; creases: of these planes;
-// votes: of the size of the costs, or empty.
+// crease where the superpixel does not lie beyond it. Beyond it that plane has
+// no cost for being unknown, and its uncertainty is at most one half. indices:
+// of the columns in the model, ascending; creases: of these planes; votes: of
+// the size of the costs, or empty.
 void AddCreaseVotes(const ObservedView& view,
                     const std::vector<ModelPlane>& planes,
                     const std::vector<int>& indices,

@@ -6,7 +6,7 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/scene/evidence/observed_source.h"
-#include "colmap_tsar/scene/evidence/source_surface.h"
+#include "colmap_tsar/scene/evidence/render_source_depth.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
 #include <cmath>
@@ -194,7 +194,7 @@ Image<float> ComputeLabelVotes(const LabelInputs& inputs,
     const std::vector<Plane> moved =
         MovePlanes(planes, views[0].camera, views[j].camera);
     planes_of_sources.emplace_back(device, moved);
-    fronts.push_back(DrawIntoReference(
+    fronts.push_back(RenderSourceDepth(
         views[0],
         views[j],
         DepthOfPlanes(views[j], FirmPlanes(labels[j - 1], moved), device)

@@ -17,10 +17,9 @@ namespace tsar {
 // plane (column) by votes of the sources' labels. A pixel on a plane costs less
 // for each view with the same label at its projection, and more for each with
 // another plane nearby, or one behind it: surfaces within each other's errors
-// are one, and views do not see through surfaces. Votes are weighted by the
-// strengths of labels. inputs: with superpixels; planes: in
-// the reference camera's frame. labels: of the sources, as indices of these
-// planes.
+// are the same, and views do not see through surfaces. Votes are weighted by
+// the strengths of labels. inputs: with superpixels; planes: in the reference
+// camera's frame. labels: of the sources, as indices of these planes.
 Image<float> ComputeLabelVotes(const LabelInputs& inputs,
                                const std::vector<Plane>& planes,
                                const std::vector<ViewLabels>& labels,

@@ -25,7 +25,7 @@ struct DepthEvaluationOptions {
   // Folder of masks (io/image_masks.h), or empty. Masked pixels do not
   // count.
   std::filesystem::path mask_path;
-  // Correct depths are off by less, in units of the model; ascending, > 0.
+  // Depths with smaller errors are correct; in model units, ascending, > 0.
   std::vector<double> tolerances = {0.02, 0.1};
 };
 

@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// The formats of maps by program.
+// The formats of maps, by program.
 enum class ExternalFormat {
   kAcm,      // .dmb of Gipuma, ACMH, ACMM, ACMP, ACMMP.
   kApd,      // .dmb or .bin of APD and its successors.

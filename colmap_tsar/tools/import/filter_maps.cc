@@ -19,9 +19,9 @@
 namespace tsar {
 namespace {
 
-class FilterTask : public ImageTasks<StereoMaps> {
+class FilterPass : public ImagePass<StereoMaps> {
  public:
-  FilterTask(const Workspace& workspace, std::vector<RefineWorker>& workers)
+  FilterPass(const Workspace& workspace, std::vector<RefineWorker>& workers)
       : workspace_(workspace), workers_(workers) {}
 
   ImageReport Begin(size_t /*index*/) override { return {}; }
@@ -92,10 +92,10 @@ void FilterMaps(const Workspace& workspace,
   }
   RefineDevices devices = CreateRefineDevices(
       device_options, PlanStereo(overview), static_cast<int>(images.size()));
-  FilterTask task(workspace, devices.workers);
+  FilterPass pass(workspace, devices.workers);
   const PipelineOutcome outcome =
       ImagePipeline<StereoMaps>(
-          task,
+          pass,
           std::move(images),
           "Filtering:",
           devices.at_work,

@@ -11,10 +11,10 @@
 
 namespace tsar {
 
-// Programs that fill bare walls from a prior or by chance leave no holes, and
-// neighboring views agree on what they fill in. Writes, for each image with
-// photometric maps, geometric ones: those depths that enough sources confirm
-// (see FilterHypotheses), and their normals.
+// Writes, for each image with photometric maps, geometric ones: those depths
+// that enough sources confirm (see FilterHypotheses), and their normals.
+// Programs that fill textureless walls from a prior or by chance leave no
+// holes, and neighboring views agree on what they fill in.
 //
 // Throws kInterrupted once should_stop returned true, and the errors of
 // CheckWorkspace, CreateRefineDevices and the readers and writers of maps.

@@ -22,7 +22,7 @@ struct AssignedCamera {
 // camera matches if its rotation is within 1 degree, its center times `scale`
 // within 1 % of the extent of all camera centers, and its ratios of principal
 // point and focal lengths, which do not depend on the image's size, within 2 %.
-// For closer images, none may match ten times as well as the assigned one.
+// Of closer images, no other may match ten times as well as the assigned one.
 //
 // Throws Error kMismatch with a camera's file, the image and the cause: the
 // camera of another image, or of none.

@@ -57,10 +57,10 @@ int64_t CountDepths(const Image<float>& depth) {
   return std::ranges::count_if(depth, [](float value) { return value > 0.f; });
 }
 
-// Gives an empty folder what COLMAP's dense stage needs beside maps: the photos
-// of the model's images, as hard links where the file system allows, a copy of
-// the model's files, and configuration files with all images and `__auto__,
-// 20`. Photos that are missing are left out.
+// Gives an empty folder what COLMAP's dense stage needs besides maps: the
+// photos of the model's images, as hard links where the file system allows, a
+// copy of the model's files, and configuration files with all images and
+// `__auto__, 20`. Photos that are missing are left out.
 void WriteInputs(const fs::path& source,
                  const SparseModel& model,
                  const ContainedPath& root) {
@@ -293,7 +293,7 @@ class Importer {
       ExternalMaps external =
           ReadExternalMaps(map.files, options_.match.format);
       ClearNoDepth(map.no_depth, external.depth);
-      // A map that holds nothing else tells of nothing that is too far.
+      // In a map with one value only, no other value shows that it is too far.
       const auto [least, most] = std::ranges::minmax(external.depth);
       if (least == most && no_depths_.contains(most)) {
         ClearNoDepth(most, external.depth);

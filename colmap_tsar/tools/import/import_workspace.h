@@ -27,8 +27,8 @@ struct ImportSummary {
   int num_without_image = 0;  // Maps of images that the model does not hold.
   int num_with_normals = 0;   // Images with imported normals.
   int64_t num_pixels = 0;
-  int64_t num_with_depth = 0;  // As they came, and
-  int64_t num_kept = 0;        // in the maps that were written.
+  int64_t num_with_depth = 0;  // Pixels with depth before the filter, and
+  int64_t num_kept = 0;        // in the written maps.
   // Ratios of depths to those of the sparse points, before scale_to_sparse.
   ScaleVerdict scale;
   bool has_own_scales = false;  // With scale_to_sparse.
@@ -37,7 +37,7 @@ struct ImportSummary {
 };
 
 struct ImportOptions {
-  // Of it, images/ and sparse/ are read, and nothing is changed.
+  // Only its images/ and sparse/ are read, and nothing is changed.
   std::filesystem::path workspace_path;
   std::filesystem::path output_path;
   // The files to import; match.type is also the type of the written maps.

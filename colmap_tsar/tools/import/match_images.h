@@ -50,8 +50,8 @@ struct MatchedMaps {
 // Throws Error: kNotFound (no folder, no maps, no image list), kMismatch (two
 // maps for one image, an index out of range, a name that matches several images
 // or none; the list is empty, or a line of it names no image or one twice),
-// kUnsupported (what has the name of a map is a folder, a FIFO, a device or a
-// dangling link: its image would count as one without a map).
+// kUnsupported (the path of a map is a folder, a FIFO, a device or a dangling
+// link: its image would count as one without a map).
 MatchedMaps MatchImages(const MatchOptions& options, const SparseModel& model);
 
 }  // namespace tsar

@@ -63,7 +63,7 @@ void RequirePlanesOfMaps(const Workspace& workspace,
   }
 }
 
-// What the views tell of each plane of the scene model.
+// What the views show of each plane of the scene model.
 struct PlaneObservations {
   std::vector<PlaneCoordinates> coordinates;
   std::vector<PlaneStatistics> statistics;

@@ -58,8 +58,8 @@ PlaneClass ClassifyPlane(const Eigen::Vector3d& normal,
                          const std::vector<Eigen::Vector3d>& cameras,
                          const Vertical& vertical);
 
-// A plane of the scene as it is given to others. Frame and units are those of
-// the sparse model, unless TurnUp() or ScaleToMeters() changed them.
+// A plane of the scene in its exported form. Frame and units are those of the
+// sparse model, unless TurnUp() or ScaleToMeters() changed them.
 struct ExportedPlane {
   int id = 0;  // In planes.bin; plane maps hold 1 + id.
   PlaneClass plane_class = PlaneClass::kOther;

@@ -27,7 +27,7 @@ struct FloorPlan {
   bool in_meters = false;  // False: in units of the sparse model.
 };
 
-// Planes lean less than this, in degrees, to be walls of a plan.
+// The largest deviation of a wall of a plan from the vertical, in degrees.
 inline constexpr double kMaxLean = 5.0;
 
 // Throws Error kUnsupported without a vertical, kNotFound without outlined

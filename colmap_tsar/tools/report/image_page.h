@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// What the page tells of one refined image, besides its pictures.
+// What the page shows about one refined image, besides its pictures.
 struct ImagePage {
   std::string name;
   std::string folder;  // Folder of its pictures, below that of all images.

@@ -62,7 +62,7 @@ std::vector<KeptImage> ListKept(const Workspace& workspace,
   return kept;
 }
 
-// The options in the account of the last run; none where there is no account.
+// The options in the manifest of the last run; none where there is no manifest.
 std::map<std::string, std::string> ReadRunOptions(const Workspace& workspace) {
   InputFile file(GetTsarFolder(workspace.Root()) / "manifest.json");
   const nlohmann::json json =

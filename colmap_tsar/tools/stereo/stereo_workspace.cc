@@ -14,9 +14,9 @@
 #include "colmap_tsar/io/photo.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/run/image_pipeline.h"
+#include "colmap_tsar/run/image_selection.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/refine_devices.h"
-#include "colmap_tsar/run/refine_plan.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
@@ -107,9 +107,9 @@ class StereoPasses {
 
 // One pass over images by their indices in Problems(). Those done before and
 // those without sources are skipped.
-class StereoTask : public ImageTasks<StereoMaps> {
+class StereoPass : public ImagePass<StereoMaps> {
  public:
-  StereoTask(const Workspace& workspace,
+  StereoPass(const Workspace& workspace,
              const StereoOptions& options,
              const StereoPasses& passes,
              int pass,
@@ -304,8 +304,8 @@ void RunPasses(const Workspace& workspace,
   for (int pass = 0; pass < passes.NumPasses(); ++pass) {
     const std::string name =
         std::to_string(pass + 1) + " of " + std::to_string(passes.NumPasses());
-    StereoTask task(workspace, options, passes, pass, devices.workers);
-    PipelineOutcome outcome = ImagePipeline<StereoMaps>(task,
+    StereoPass stereo_pass(workspace, options, passes, pass, devices.workers);
+    PipelineOutcome outcome = ImagePipeline<StereoMaps>(stereo_pass,
                                                         images[pass],
                                                         "Pass " + name + ":",
                                                         devices.at_work,

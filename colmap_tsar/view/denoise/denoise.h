@@ -9,9 +9,9 @@
 
 namespace tsar {
 
-// Non-local means (Buades et al., CVPR 2005) with weights that follow the
-// noise: where it is weak, little changes, and a step that stands out of the
-// noise stays as sharp as it is. gray: brightness of the same pixels, 0-255.
+// Non-local means (Buades et al., CVPR 2005) with weights adapted to the noise:
+// where it is weak, little changes, and steps above the noise stay sharp. gray:
+// brightness of the same pixels, 0-255.
 DeviceImage<Rgb> Denoise(ImageView<const Rgb> color,
                          ImageView<const float> gray,
                          const NoiseCurve& noise,

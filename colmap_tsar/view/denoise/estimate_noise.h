@@ -32,15 +32,15 @@ struct BlockStatistics {
 };
 
 // Fits the curve to the variances of the flattest blocks of every brightness,
-// which hold noise alone. Blocks of underexposed or overexposed areas, where
-// levels are clipped, are ignored. Without any others, the result is the noise
-// of rounding to 8 bits.
+// which contain only noise. Blocks of underexposed or overexposed areas, where
+// levels are clipped, are ignored. If there are no others, the result is the
+// noise of rounding to 8 bits.
 NoiseCurve FitNoiseCurve(const std::vector<BlockStatistics>& blocks);
 
 // Estimates the noise of a gray image (0-255) from its flattest blocks of 8 x 8
 // pixels. Compression and resizing correlate the noise of adjacent pixels,
 // which the variance of blocks shows and differences between adjacent pixels do
-// not. A block whose variance exceeds that of differences by far holds smooth
+// not. A block whose variance far exceeds that of differences contains smooth
 // texture.
 NoiseCurve EstimateNoise(ImageView<const float> gray, Device& device);
 

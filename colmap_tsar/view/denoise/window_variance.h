@@ -22,8 +22,8 @@ TSAR_HD inline float WindowVariance(const ImageView<const float>& gray,
   for (int v = y - radius; v <= y + radius; ++v) {
     for (int u = x - radius; u <= x + radius; ++u) {
       if (gray.Contains(u, v)) {
-        // Levels are taken relative to the center: their plain squares would
-        // lose the digits in which flat windows differ.
+        // Levels are relative to the center: the squares of absolute levels
+        // would lose the digits in which flat windows differ.
         const float difference = gray(u, v) - middle;
         ++count;
         sum += difference;
@@ -35,9 +35,9 @@ TSAR_HD inline float WindowVariance(const ImageView<const float>& gray,
   return squares / count - mean * mean;
 }
 
-// A pixel's own texture: the variance of the gray levels, of 0-255, in the 5
-// x 5 pixels around it. Matching windows are wider: without texture of its own
-// a pixel takes the depth of any edge in its window.
+// A pixel's own texture: the variance of the gray levels, of 0-255, in the 5 x
+// 5 pixels around it. Matching windows are wider: without texture of its own, a
+// pixel gets the depth of any edge in its window.
 TSAR_HD inline float OwnTexture(const ImageView<const float>& gray,
                                 int x,
                                 int y) {

@@ -19,12 +19,11 @@ struct ReliabilityOptions {
 
 // n_aggr of Eq. 2, tau n_cost + (1 - tau) n_disp, for pixels with a depth; 0
 // for the others. Where agreement is not empty, (n_aggr + 2 min(agreeing
-// sources, 4) / 4) / 3 replaces it: the number of views that see the same depth
-// ranks pixels better than any cost, and both together rank best. Both are
-// about 1 for correct pixels, so that one threshold serves both. confidence and
-// discontinuity may be empty (the ablation of the term): then the other one
-// takes the full weight; without both, the score is the share of agreeing
-// sources.
+// sources, 4) / 4) / 3 replaces it: the number of agreeing views ranks pixels
+// better than any cost, and both together rank best. Both are about 1 for
+// correct pixels, so one threshold serves both. confidence and discontinuity
+// may be empty (the ablation of the term): then the other one gets the full
+// weight; without both, the score is the share of agreeing sources.
 DeviceImage<float> AggregateScores(ImageView<const float> depth,
                                    ImageView<const float> confidence,
                                    ImageView<const float> discontinuity,

@@ -50,8 +50,8 @@ struct DepthObservation {
 };
 
 // The absolute change of the ray's height over the plane per unit of depth.
-// Never below the slope of a ray at 3 degrees to the plane: flatter ones cross
-// it far from what they measured, or never.
+// Never below the slope of a ray at 3 degrees to the plane: flatter ones
+// intersect it far from the measured point, or never.
 double RaySlope(const WorldPlane& plane, const DepthObservation& observation);
 
 // The residual of the depth along the ray, in its expected errors.

@@ -18,13 +18,13 @@ DeviceImage<uint8_t> DetectRobertsEdges(ImageView<const Rgb> color,
                                         Device& device);
 
 // The edges together with the straight segments through them, by a Hough
-// transform: every edge pixel votes for all lines through it and then takes the
-// one with most votes. If it has five, the first of adjacent pixels on one line
-// follows it in both directions over gaps of at most t_c = min(0.1 * length,
-// max_gap), and draws the segment that it finds, unless that is shorter than a
-// thirtieth of the image's shorter side. Segments are 8-connected, which keeps
-// 4-connected regions apart. Both images are nonzero on edges. max_gap,
-// upsilon: in pixels.
+// transform: every edge pixel votes for all lines through it and then selects
+// the one with most votes. If that has five, the line is followed from the
+// first of adjacent pixels on it in both directions, over gaps of at most t_c =
+// min(0.1 * length, max_gap), and the segment found is drawn, unless it is
+// shorter than a thirtieth of the image's shorter side. Segments are
+// 8-connected, which keeps 4-connected regions apart. Both images are nonzero
+// on edges. max_gap, upsilon: in pixels.
 DeviceImage<uint8_t> DrawLineSegments(ImageView<const uint8_t> edges,
                                       int max_gap,
                                       Device& device);

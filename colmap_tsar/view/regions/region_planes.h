@@ -27,8 +27,8 @@ struct RegionPlaneOptions {
   // The least number of samples that support a plane, in the core or on the
   // rim.
   int min_samples = 50;
-  // Samples of the core support a plane if they are this many times denser
-  // around it than beside it; noise has the same density everywhere.
+  // Samples of the core support a plane if they are this many times denser at
+  // the plane than next to it; noise has the same density everywhere.
   float min_core_contrast = 1.5f;
   // Samples of the rim support a plane if this share of them lies on it.
   float min_rim_share = 0.3f;

@@ -78,7 +78,7 @@ struct PlaneRaster {
 };
 
 // The image reduced to the raster: the mean of the pixels under each reduced
-// one, weighted by the area that it covers of them, rounded.
+// one, weighted by the covered areas, rounded.
 DeviceImage<Rgb> ReduceColor(ImageView<const Rgb> color,
                              const ReducedRaster& raster,
                              Device& device);

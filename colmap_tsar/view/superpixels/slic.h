@@ -26,10 +26,10 @@ Superpixels ComputeSuperpixels(ImageView<const Rgb> color,
                                int superpixel_size,
                                Device& device);
 
-// Turns nonnegative labels into ones whose segments are 4-connected and have at
-// least min_size pixels: in each round, every smaller one joins its largest
-// adjacent segment, among equals the one whose first pixel comes first. Labels
-// become 0 ... count - 1 in the order of their first pixel. Returns the count.
+// Relabels nonnegative labels so that segments are 4-connected and have at
+// least min_size pixels: in each round, every smaller segment is merged into
+// its largest adjacent one, among equals the one whose first pixel comes first.
+// Labels become 0 ... count - 1 in the order of first pixels. Returns count.
 int MergeFragments(DeviceImage<int>& labels, int min_size, Device& device);
 
 }  // namespace tsar

@@ -10,7 +10,7 @@ namespace tsar {
 
 // The plane of each superpixel from its reliable samples; invalid where a
 // superpixel has too little support or its plane leaves [0.8 D_min, 1.2 D_max]
-// at the superpixel's center (Eq. 4; the bounds as printed enclose nothing).
+// at the superpixel's center (Eq. 4, whose printed bounds are empty).
 // superpixels: the pixels of each; samples: reliable measurements on their
 // raster, z = 0 elsewhere; intrinsics: those of that raster. min_support,
 // sigma: the least share of a superpixel's pixels that must be reliable, and of

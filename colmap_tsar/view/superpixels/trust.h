@@ -37,10 +37,11 @@ struct TrustGate {
 };
 
 // A round of R1: trusts the pixels whose own disparity passes the gate around
-// the estimate (Eq. 9), which is the plane of the superpixel, else the trusted
-// pixel's own, filtered by F_A. own: 0 = no depth; planes: on the map's pixels;
-// filter: null for none, its min_support is ignored; estimate: working memory;
-// all of the map's size. Changes trusted to 1 or 0.
+// the estimate (Eq. 9). The estimate is the plane of the superpixel, or the
+// trusted pixel's own if there is none, filtered by F_A. own: 0 = no depth;
+// planes: on the map's pixels; filter: null for none, its min_support is
+// ignored; estimate: working memory; all of the map's size. Sets trusted to 1
+// or 0.
 void GateRound(const DepthNormalViews& own,
                const PlaneRaster& planes,
                ImageView<const Rgb> color,

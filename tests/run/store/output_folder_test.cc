@@ -152,7 +152,7 @@ TEST_F(OutputFolderTest, ReplacesNoneWithoutItsWholeList) {
     WriteText(path_ / kReport.list_file, part);
     ExpectUntouched(texts, [&] { OutputFolder(kReport, path_, true); });
   }
-  // One that names what is nowhere is as good as any.
+  // A list may name files that do not exist.
   WriteText(path_ / kReport.list_file, "/etc/passwd\n../../a\n" + list);
   WritePageWith("new", true);
   EXPECT_EQ(ReadText(path_ / kReport.known_file), "new");
@@ -166,7 +166,7 @@ TEST_F(OutputFolderTest, FollowsNoLinks) {
   fs::create_directory_symlink(mine, link);
   ExpectUntouched({"link", "is a link"},
                   [&] { OutputFolder(kReport, link, true); });
-  // A page in the place of which a link was put, and in that of its folders.
+  // A link in the place of the page, and in that of one of its folders.
   fs::remove(link);
   fs::create_directory_symlink(path_, link);
   ExpectUntouched({"link", "is a link"},
@@ -211,7 +211,7 @@ TEST_F(OutputFolderTest, IsWrittenByOneProgramAtATime) {
                   [&] { OutputFolder(kReport, path_, false); });
 }
 
-// As soon as a folder is complete, the next one may be begun beside it.
+// As soon as a folder is complete, the next one may be begun.
 TEST_F(OutputFolderTest, RemovesNoFolderOfAnotherProgram) {
   std::optional<OutputFolder> first(std::in_place, kReport, path_, false);
   WriteText(first->Temporary() / kReport.known_file, "first");
@@ -221,7 +221,7 @@ TEST_F(OutputFolderTest, RemovesNoFolderOfAnotherProgram) {
   first.reset();
   second.Commit();
   EXPECT_EQ(ReadText(path_ / kReport.known_file), "second");
-  // The former one is removed by the program that replaced it alone.
+  // Only the program that replaced the former folder removes it.
   ExpectError(ErrorCode::kUnsupported, {"another tsar_report"}, [&] {
     OutputFolder(kReport, path_, true);
   });

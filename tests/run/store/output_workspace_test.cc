@@ -63,7 +63,7 @@ TEST_F(OutputWorkspaceTest, HoldsEverythingThatTheInputHolds) {
   }
 }
 
-// COLMAP, which is to fuse its maps, knows no other place.
+// COLMAP, which is to fuse its maps, looks nowhere else.
 TEST_F(OutputWorkspaceTest, HasTheModelInSparseItself) {
   std::filesystem::rename(root_ / "sparse", root_ / "0");
   std::filesystem::create_directory(root_ / "sparse");
@@ -75,7 +75,7 @@ TEST_F(OutputWorkspaceTest, HasTheModelInSparseItself) {
   EXPECT_EQ(ReadText(output_ / "sparse/images.txt"),
             ReadText(root_ / "sparse/0/images.txt"));
   EXPECT_EQ(ReadTree(root_), before);
-  // Of a model that is there later, the output takes that.
+  // A model that appears there later takes precedence.
   for (const char* name : {"cameras.txt", "images.txt", "points3D.txt"}) {
     std::filesystem::copy(root_ / "sparse/0" / name, root_ / "sparse" / name);
   }
@@ -111,7 +111,7 @@ TEST_F(OutputWorkspaceTest, GoesOnWhereItStopped) {
   EXPECT_EQ(Depth(Create(), 0), 2.f);
 }
 
-// Of what is made, only the link to the images is there.
+// Only the link to the images is left.
 TEST_F(OutputWorkspaceTest, TakesUpAnInterruptedBeginning) {
   Create();
   std::filesystem::remove_all(output_ / "stereo");
@@ -139,7 +139,7 @@ TEST_F(OutputWorkspaceTest, TakesTheOriginalsThatTheInputHasNow) {
   EXPECT_EQ(OriginalDepth(output), 2.f);
   WriteTestMaps(root_, "a.png", kGeometric, 9.f);
   EXPECT_EQ(OriginalDepth(Create()), 9.f);
-  // What somebody wrote into the output has to make room, and is not lost.
+  // Files that somebody wrote into the output are superseded, not lost.
   const auto superseded =
       GetSupersededFolder(output_) / "depth_maps/a.png.geometric.bin";
   std::filesystem::remove(output.DepthPath(0, kGeometric));

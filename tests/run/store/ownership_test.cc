@@ -22,23 +22,23 @@ constexpr const char* kOriginal = "the original";
 constexpr const char* kRefined = "the refined one";
 constexpr const char* kOther = "another one";
 
-// What somebody does to the files of a refined image's depth map, and what
-// becomes of them.
+// A change to the files of a refined image's depth map, and the expected
+// results.
 struct Case {
   const char* name;
   std::function<void(const MapPaths& paths)> change;
-  // Restoring leaves this in place, and supersedes that.
+  // Contents after restoring: of the map, and of the superseded file.
   const char* restored;
   const char* superseded = kNone;
-  // Refining again keeps this as the original, and supersedes that; nothing
-  // where it is refused with the text.
+  // Contents after refining again: of the kept original, and of the superseded
+  // file; none if it is refused with the text.
   const char* kept = kNone;
   const char* superseded_by_refining = kNone;
   const char* refusal = "";
   bool is_lost = false;
 };
 
-// With another time than that of the file before, as a clock may stand still.
+// With a time of its own, since the clock may not have advanced.
 void WriteAnew(const std::filesystem::path& path, const std::string& bytes) {
   const auto time = std::filesystem::exists(path)
                         ? std::filesystem::last_write_time(path)
@@ -191,7 +191,7 @@ TEST_P(OwnershipTest, Restore) {
   EXPECT_EQ(Which(paths_.depth), GetParam().restored);
   EXPECT_EQ(Which(Superseded()), GetParam().superseded);
   EXPECT_EQ(result.lost.size(), GetParam().is_lost ? 1u : 0u);
-  // Of one that is lost, nothing else changes.
+  // If the original is lost, nothing else changes.
   EXPECT_EQ(std::filesystem::exists(paths_.record), GetParam().is_lost);
   EXPECT_EQ(std::filesystem::exists(paths_.confidence), GetParam().is_lost);
   if (!GetParam().is_lost) {
@@ -314,8 +314,8 @@ TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
   }
 }
 
-// Refined maps without stereo/tsar are no originals; each file beside them
-// tells it alone, and lies in one of the folders to delete.
+// Refined maps without stereo/tsar are no originals; each result file alone
+// shows that, and lies in one of the folders to delete.
 TEST_F(WriteBackTest, RefinedMapsWithoutTheirOriginalsLeaveTraces) {
   const MapPaths paths = workspace().Paths(0, MapType::kGeometric);
   for (const ResultFile& result : ResultFiles(paths)) {

@@ -265,7 +265,7 @@ TEST(SceneModelFile, GivesBackWhatWasWritten) {
   ASSERT_EQ(read.views.size(), written.views.size());
   for (const auto& [image, view] : written.views) {
     EXPECT_EQ(read.views.at(image).planes, view.planes);
-    EXPECT_EQ(read.views.at(image).evidence, view.evidence);
+    EXPECT_EQ(read.views.at(image).origins, view.origins);
     EXPECT_TRUE(read.views.at(image).qualities == view.qualities);
   }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kDepth = 4.f;
 constexpr float kErrorPerDepth = 0.001f;
-// Of one superpixel by the defaults: a quarter of a pixel of disparity.
+// The sigma of one superpixel by default: a quarter of a pixel of disparity.
 constexpr double kSigma = 0.25 * kDepth * kDepth * kErrorPerDepth;
 
 // A wall across the optical axis, at kDepth in the frame of a camera, whose
@@ -61,7 +61,7 @@ class PlaneSupportTest : public testing::Test {
     }
   }
 
-  // As many observations at each place, which are `step` apart.
+  // count x count places, `step` apart, each with as many observations.
   void AddGrid(float s, float t, int count, float step, int repeated) {
     std::vector<PlanePoint> points;
     for (int row = 0; row < count; ++row) {
@@ -128,7 +128,7 @@ TEST_F(PlaneSupportTest, SuperpixelsCountByTheirWeightUpToOne) {
 TEST_F(PlaneSupportTest, WeakObservationsAndThoseOffThePlaneMeasureNothing) {
   const std::vector<PlanePoint> points(4, {0.f, 0.f});
   AddSuperpixel(points);
-  // Of the confidences 2 of 2.5 speak, and then, beside one off the plane, 1.
+  // Inliers have 2 of the 2.5 confidences, and then, with one off the plane, 1.
   evidence_.observations[2].confidence = 0.25f;
   evidence_.observations[3].confidence = 0.25f;
   EXPECT_NEAR(
@@ -189,7 +189,7 @@ TEST_F(PlaneSupportTest, CellsThatWereHardlySeenHoldNoise) {
   EXPECT_TRUE(HasCellAt(Find(), 0.3f, 0.3f));
   EXPECT_FALSE(HasCellAt(Find(), 3.f, 0.f));
   EXPECT_TRUE(HasCellAt(Find(), 0.f, 3.f));
-  // Among cells that were seen 175 times, twice is nothing.
+  // If cells were seen 175 times, two observations are noise.
   for (int i = 0; i < 8; ++i) {
     AddGrid(0.f, 0.f, 8, 0.1f, 20);
   }

@@ -148,10 +148,10 @@ class LabelViewTest : public testing::Test {
     }
   }
 
-  static void ExpectEvidence(const ViewLabels& view,
-                             const std::vector<LabelEvidence>& expected) {
+  static void ExpectOrigins(const ViewLabels& view,
+                            const std::vector<LabelOrigin>& expected) {
     for (int s = 0; s < kNumSuperpixels; ++s) {
-      EXPECT_EQ(view.evidence[s], expected[s % kNumColumns])
+      EXPECT_EQ(view.origins[s], expected[s % kNumColumns])
           << "column " << s % kNumColumns << ", row " << s / kNumColumns;
     }
   }

@@ -27,7 +27,7 @@ TEST_F(LabelViewTest, SpreadsLabelsUpToAnEdgeOfTheImage) {
 }
 
 TEST_F(LabelViewTest, ChangesWithoutAnEdgeWhereTwoPlanesMeet) {
-  // They meet at x = 50, not in the middle of what was not measured.
+  // They meet at x = 50, not in the middle of the unmeasured part.
   const Vec3f crease = inputs_.intrinsics.Ray(49.5f, 0.f);
   const Plane left =
       Plane::FromPoint(crease, 5.f, Normalized({-0.2f, 0.f, -1.f}));
@@ -62,8 +62,8 @@ TEST_F(LabelViewTest, NearlyEqualPlanesDoNotShareASurface) {
   ExpectColumns(Label({wall, copy}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
-// A bare box before a wall: in the other views its right part would lie beside
-// itself, on the wall, if it were part of that.
+// A textureless box before a wall: if its right part were on the wall, it would
+// project next to the box in the other views.
 TEST_F(LabelViewTest, ColorsOfOtherViewsTellABareBoxFromTheWallBehindIt) {
   constexpr float kBox = 3.f;
   constexpr float kWall = 5.f;
@@ -101,7 +101,7 @@ TEST_F(LabelViewTest, ColorsOfOtherViewsTellABareBoxFromTheWallBehindIt) {
   EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 1));
   options_.color_cost = 0.f;
   EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 0));
-  // Two views are too few to tell.
+  // Two views are too few to decide.
   options_ = {};
   pictures_.pop_back();
   EXPECT_EQ(labels_of_right_part(), std::vector<int>(2, 0));
@@ -116,7 +116,7 @@ TEST_F(LabelViewTest, APlaneObservedOnOneSideDoesNotSpreadFar) {
     EXPECT_EQ(near.planes[row * kNumColumns + 2], 0);
     EXPECT_EQ(near.planes[row * kNumColumns + 7], -1);
   }
-  // Next to where it was observed it is known.
+  // Close to its observations the plane is known.
   EXPECT_EQ(near.planes[2 * kNumColumns + 3], 0);
   options_.extrapolation_uncertainty = 0.f;
   ExpectColumns(Label({WallAt(5.f)}), {0, 0, 0, 0, 0, 0, 0, 0});
@@ -163,7 +163,7 @@ TEST_F(LabelViewTest, APlaneObservedAllAroundIsKnownInTheMiddle) {
 TEST_F(LabelViewTest, APlaneIsUncertainWhereItsDepthIsUnknown) {
   options_.extrapolation_uncertainty = 0.f;
   DrawEdgesEverywhere();
-  // Along one row alone, about which the plane could turn.
+  // Measured only along one row, about which the plane could rotate.
   Measure(WallAt(5.f), 0, 7);
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -190,15 +190,15 @@ TEST_F(LabelViewTest, ObservationsThatFitNoPlaneGetNone) {
   const ViewLabels view = Label({WallAt(5.f), WallAt(5.5f)});
   for (int s = 0; s < kNumSuperpixels; ++s) {
     EXPECT_EQ(view.planes[s], s == noisy ? -1 : 0);
-    EXPECT_EQ(view.evidence[s],
-              s == noisy ? LabelEvidence::kNone : LabelEvidence::kMeasured);
+    EXPECT_EQ(view.origins[s],
+              s == noisy ? LabelOrigin::kNone : LabelOrigin::kMeasured);
   }
   options_.cost_of_unexplained = 2.f;
   EXPECT_NE(Label({WallAt(5.f), WallAt(5.5f)}).planes[noisy], -1);
 }
 
-// A chest before a wall: the wall was measured around, and on the chest there
-// are but depths that other views confirm.
+// A chest before a wall: the wall was measured around it; on the chest there
+// are only depths that other views confirm.
 TEST_F(LabelViewTest, ConfirmedDepthsTellAPlaneFromTheOneBehindIt) {
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 5);
@@ -210,7 +210,7 @@ TEST_F(LabelViewTest, ConfirmedDepthsTellAPlaneFromTheOneBehindIt) {
   const ViewLabels confirmed = Label(planes);
   EXPECT_EQ(confirmed.planes[chest], 1);
   EXPECT_GT(confirmed.strengths[chest], 0.8f);
-  // Without them, nothing measures the superpixel.
+  // Without them, the superpixel has no measurements.
   inputs_.confirmed_samples = {};
   EXPECT_EQ(Label(planes).strengths[chest], 0.f);
 }
@@ -240,7 +240,7 @@ TEST_F(LabelViewTest, QualityTellsClearLabelsFromDoubtfulOnes) {
   const LabelQuality& doubtful = view.qualities[unmeasured];
   EXPECT_EQ(doubtful.strength.Value(), 0.f);
   EXPECT_LT(doubtful.margin.Value(), 0.1f);
-  // A plane that says nearly the same takes the margin away.
+  // A nearly equal plane removes the margin.
   EXPECT_LT(Label({WallAt(5.f), WallAt(5.001f)})
                 .qualities[unmeasured + 1]
                 .margin.Value(),
@@ -253,7 +253,7 @@ TEST_F(LabelViewTest, APlaneBehindTheCameraIsNoLabel) {
   Measure(WallAt(5.f), 0, 2);
   ExpectColumns(Label({behind, WallAt(5.f)}), {1, 1, 1, 1, 1, 1, 1, 1});
   ExpectColumns(Label({behind}), {-1, -1, -1, -1, -1, -1, -1, -1});
-  // Nothing tells of depths.
+  // No depths at all.
   inputs_.samples = Image<RayDepth>(kWidth, kHeight);
   ExpectColumns(Label({behind}), {-1, -1, -1, -1, -1, -1, -1, -1});
   ExpectColumns(Label({WallAt(5.f)}), {-1, -1, -1, -1, -1, -1, -1, -1});
@@ -278,15 +278,15 @@ TEST_F(LabelViewTest, TellsHowEachSuperpixelCameByItsPlane) {
   AddSource([](int x, int) { return x >= 4 && x < 13 ? 3.f : 0.f; });
   const ViewLabels view = Label({WallAt(3.f)});
   ExpectColumns(view, {0, 0, 0, 0, 0, 0, -1, -1});
-  ExpectEvidence(view,
-                 {LabelEvidence::kMeasured,
-                  LabelEvidence::kMeasured,
-                  LabelEvidence::kMeasured,
-                  LabelEvidence::kCarried,
-                  LabelEvidence::kGuessed,
-                  LabelEvidence::kGuessed,
-                  LabelEvidence::kNone,
-                  LabelEvidence::kNone});
+  ExpectOrigins(view,
+                {LabelOrigin::kMeasured,
+                 LabelOrigin::kMeasured,
+                 LabelOrigin::kMeasured,
+                 LabelOrigin::kCarried,
+                 LabelOrigin::kGuessed,
+                 LabelOrigin::kGuessed,
+                 LabelOrigin::kNone,
+                 LabelOrigin::kNone});
 }
 
 TEST_F(LabelViewTest, PlanesFarFromAllDepthsAreImpossible) {
@@ -314,7 +314,7 @@ TEST_F(LabelViewTest, DoesNotDependOnThePoseOfTheReference) {
   camera_.translation = {1e5, -2e5, 300.0};
   const ViewLabels view = Label({WallAt(3.f)});
   EXPECT_EQ(view.planes, expected.planes);
-  EXPECT_EQ(view.evidence, expected.evidence);
+  EXPECT_EQ(view.origins, expected.origins);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ DeviceImage<float> SeenDepth(const ObservedView& view,
 // Renders the depth map of a source into the reference: for each pixel of its
 // raster the nearest depth around; infinite where the source shows none. depth:
 // on the source's raster; 0 where there is none.
-DeviceImage<float> DrawIntoReference(const ObservedView& reference,
+DeviceImage<float> RenderSourceDepth(const ObservedView& reference,
                                      const ObservedView& source,
                                      ImageView<const float> depth,
                                      Device& device);

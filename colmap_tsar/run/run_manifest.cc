@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/run_account.h"
+#include "colmap_tsar/run/run_manifest.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
@@ -62,7 +62,8 @@ Manifest Build(const RefineRun& run) {
       BuildManifest(run.workspace, run.refine_options, run.inputs.States());
   manifest.runtime.merge(RuntimeText(run.options.devices, run.devices));
   if (!run.options.image_list_path.empty()) {
-    manifest.runtime["listed_images"] = std::to_string(run.plan.NumListed());
+    manifest.runtime["listed_images"] =
+        std::to_string(run.selection.NumListed());
   }
   return manifest;
 }
@@ -88,7 +89,7 @@ void MarkFailures(const RefineRun& run,
     }
     ImageRecord& entry = manifest->images[i];
     entry.note = FailureText(outcome.failures[i]);
-    if (run.plan.HasBeenRefined(i)) {
+    if (run.selection.HasBeenRefined(i)) {
       // The image was only to be observed, and its maps are as valid as before.
       entry.note = "cannot be observed for other images: " + entry.note;
     } else {
@@ -127,13 +128,13 @@ void RequireAllDone(const Workspace& workspace,
 
 }  // namespace
 
-void BeginAccount(const RefineRun& run) {
+void BeginManifest(const RefineRun& run) {
   if (run.options.pass == RefinePass::kAll) {
     WriteManifest(run.workspace, Build(run));
   }
 }
 
-void EndAccount(const RefineRun& run, const PipelineOutcome& outcome) {
+void FinishManifest(const RefineRun& run, const PipelineOutcome& outcome) {
   if (run.options.pass != RefinePass::kAll) {
     RequireComplete(outcome, run.images.size());
     return;
@@ -147,7 +148,7 @@ void EndAccount(const RefineRun& run, const PipelineOutcome& outcome) {
     outcome.RethrowFailure();
     throw;
   }
-  RequireComplete(outcome, run.plan.NumListed());
+  RequireComplete(outcome, run.selection.NumListed());
   Finish(run.workspace, run.refine_options);
 }
 

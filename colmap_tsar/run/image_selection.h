@@ -24,29 +24,29 @@ namespace tsar {
 std::vector<bool> FindListedImages(const Workspace& workspace,
                                    const std::filesystem::path& list);
 
-// What the records of images that are refined with these options tell of what
-// they are made from: the options, the inputs and, where images share them, the
-// planes of the scene as they are now.
+// The part of the records of images refined with these options that says what
+// they were made from: the options, the inputs and, if images share them, the
+// current planes of the scene.
 ImageRecord CurrentRecord(const Workspace& workspace,
                           const RefineOptions& options,
                           const InputFingerprints& inputs);
 
-// What a run is to do for which image: the images by their indices in
-// Workspace::Problems(), the maps that they have, and whether they are to be
-// refined. Images of the sparse model, which may also be sources alone, are
-// called `image` and given by their indices there. Reads records and the states
-// of files, no pixels. Can be used from several threads.
-class RefinePlan {
+// Which images a run refines: for each image, by its index in
+// Workspace::Problems(), whether it has maps and whether it is to be refined.
+// Images of the sparse model, which may be sources only, are called `image` and
+// given by their indices there. Reads records and the states of files, no
+// pixels. Can be used from several threads.
+class ImageSelection {
  public:
   // All references must outlive this object. has_maps: see WorkspaceOverview.
   // is_listed: the images that are to be refined; the others stay as they are
-  // and serve as sources alone. expected: see CurrentRecord; images with other
+  // and serve only as sources. expected: see CurrentRecord; images with other
   // records are refined again. Throws what ReadRecord throws.
-  RefinePlan(const Workspace& workspace,
-             const InputFingerprints& inputs,
-             std::vector<bool> has_maps,
-             std::vector<bool> is_listed,
-             const ImageRecord& expected);
+  ImageSelection(const Workspace& workspace,
+                 const InputFingerprints& inputs,
+                 std::vector<bool> has_maps,
+                 std::vector<bool> is_listed,
+                 const ImageRecord& expected);
 
   size_t NumImages() const { return workspace_.Problems().size(); }
   const StereoProblem& Problem(size_t index) const {
@@ -72,13 +72,13 @@ class RefinePlan {
   // Whether the image is listed, can be refined, and has not been refined
   // before the run.
   bool IsToBeRefined(size_t index) const;
-  // Whether the image, or one whose source it is, is to be refined.
+  // Whether the image, or one that uses it as a source, is to be refined.
   bool IsNeeded(size_t index) const { return is_needed_[Reference(index)]; }
   // Whether some image is to be refined.
   bool IsAnyNeeded() const { return is_any_needed_; }
 
-  // For images that share the planes of the scene, which are found anew where
-  // any image is to be refined: throws kUnsupported, naming the list, where an
+  // For images that share the planes of the scene, which are recomputed if any
+  // image is to be refined: throws kUnsupported, naming the list, where an
   // image that is not listed was refined before the run with other options, or
   // from inputs that have changed since.
   void RequireOthersFit(const std::filesystem::path& list) const;
@@ -86,9 +86,8 @@ class RefinePlan {
   // again, and says which input has changed.
   void WarnOfChanges() const;
 
-  // The report of the image before it is refined, with the outcome kNotDone
-  // where it is to be; else the outcome is final, and kKept comes with the
-  // reason.
+  // The report of the image before it is refined. The outcome is kNotDone if it
+  // is to be refined; otherwise it is final, with the reason for kKept.
   ImageReport Begin(size_t index) const;
 
  private:

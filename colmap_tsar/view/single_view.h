@@ -16,7 +16,7 @@
 namespace tsar {
 
 // The results of the single-view stages.
-struct Surfaces {
+struct SingleViewResult {
   DeviceImage<float> score;  // n_aggr of Eq. 2, with the agreement of views.
   // The Confirmation of each hypothesis. Empty without
   // RefineOptions::confirmed_depths or view_agreement.
@@ -32,11 +32,11 @@ struct Surfaces {
 
 // Runs filtering, refinement and segmentation, the paper's three stages.
 // Releases the sources of the views as early as possible.
-Surfaces FindSurfaces(const ViewData& reference,
-                      uint32_t image_id,
-                      const RefineOptions& options,
-                      DeviceViews* views,
-                      Device& device,
-                      StageTimer* timer);
+SingleViewResult RunSingleViewStages(const ViewData& reference,
+                                     uint32_t image_id,
+                                     const RefineOptions& options,
+                                     DeviceViews* views,
+                                     Device& device,
+                                     StageTimer* timer);
 
 }  // namespace tsar

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/refine_plan.h"
+#include "colmap_tsar/run/image_selection.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
@@ -59,11 +59,11 @@ ImageRecord CurrentRecord(const Workspace& workspace,
   return record;
 }
 
-RefinePlan::RefinePlan(const Workspace& workspace,
-                       const InputFingerprints& inputs,
-                       std::vector<bool> has_maps,
-                       std::vector<bool> is_listed,
-                       const ImageRecord& expected)
+ImageSelection::ImageSelection(const Workspace& workspace,
+                               const InputFingerprints& inputs,
+                               std::vector<bool> has_maps,
+                               std::vector<bool> is_listed,
+                               const ImageRecord& expected)
     : workspace_(workspace),
       inputs_(inputs),
       has_maps_(std::move(has_maps)),
@@ -87,7 +87,7 @@ RefinePlan::RefinePlan(const Workspace& workspace,
   }
 }
 
-std::vector<int> RefinePlan::Sources(size_t index) const {
+std::vector<int> ImageSelection::Sources(size_t index) const {
   std::vector<int> sources;
   std::ranges::copy_if(Problem(index).sources,
                        std::back_inserter(sources),
@@ -95,25 +95,25 @@ std::vector<int> RefinePlan::Sources(size_t index) const {
   return sources;
 }
 
-std::vector<int> RefinePlan::SourcesAndReference(size_t index) const {
+std::vector<int> ImageSelection::SourcesAndReference(size_t index) const {
   std::vector<int> views = Sources(index);
   views.push_back(Reference(index));
   return views;
 }
 
-bool RefinePlan::CanRefine(size_t index) const {
+bool ImageSelection::CanRefine(size_t index) const {
   return HasMaps(Reference(index)) && !Sources(index).empty();
 }
 
-size_t RefinePlan::NumListed() const {
+size_t ImageSelection::NumListed() const {
   return static_cast<size_t>(std::ranges::count(is_listed_, true));
 }
 
-bool RefinePlan::IsToBeRefined(size_t index) const {
+bool ImageSelection::IsToBeRefined(size_t index) const {
   return IsListed(index) && CanRefine(index) && !HasBeenRefined(index);
 }
 
-void RefinePlan::RequireOthersFit(const std::filesystem::path& list) const {
+void ImageSelection::RequireOthersFit(const std::filesystem::path& list) const {
   for (size_t index = 0; index < NumImages(); ++index) {
     if (!IsListed(index) && IsAnyNeeded() && records_[index] &&
         !is_done_[index]) {
@@ -129,7 +129,7 @@ void RefinePlan::RequireOthersFit(const std::filesystem::path& list) const {
   }
 }
 
-void RefinePlan::WarnOfChanges() const {
+void ImageSelection::WarnOfChanges() const {
   std::string first;
   int num_again = 0;
   for (size_t index = 0; index < NumImages(); ++index) {
@@ -153,7 +153,7 @@ void RefinePlan::WarnOfChanges() const {
        ": refined again, since " + reason);
 }
 
-ImageReport RefinePlan::Begin(size_t index) const {
+ImageReport ImageSelection::Begin(size_t index) const {
   const int image = Reference(index);
   const std::string type = ToString(workspace_.Type());
   ImageReport report;

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/scene/discovery/observation_table.h"
 #include "colmap_tsar/view/planes/fit_plane.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
@@ -49,17 +49,17 @@ struct ScoredPlane {
 // The scale of Cauchy's loss in fits of planes, as a share of the tolerance.
 inline constexpr double kCauchyShare = 0.5;
 
-// Fits planes to observations of superpixels, and scores them for all
-// superpixels on a device, by the score of DiscoverPlanes. Planes are in the
-// frame of the first camera. Keeps references to the arguments.
-class PlaneEstimator {
+// Scores planes for all superpixels on a device, by the score of
+// DiscoverPlanes, and fits them to observations of superpixels. Planes are in
+// the frame of the first camera. Keeps references to the arguments.
+class PlaneScorer {
  public:
   // tolerance: see DiscoverPlanesOptions.
-  PlaneEstimator(const SuperpixelObservations& observations,
-                 double tolerance,
-                 Device& device);
+  PlaneScorer(const ObservationTable& observations,
+              double tolerance,
+              Device& device);
 
-  const SuperpixelObservations& Observations() const { return observations_; }
+  const ObservationTable& Observations() const { return observations_; }
   double Tolerance() const { return tolerance_; }
   Device& GetDevice() const { return device_; }
   // See FitPlane.
@@ -80,7 +80,7 @@ class PlaneEstimator {
   Buffer<float> ScoreOnDevice(const std::vector<WorldPlane>& planes) const;
 
  private:
-  const SuperpixelObservations& observations_;
+  const ObservationTable& observations_;
   double tolerance_;
   Device& device_;
   Buffer<int> views_;
@@ -91,8 +91,7 @@ class PlaneEstimator {
 
 // Greedy choice among candidate planes: finds the one that raises the best
 // scores of the superpixels most. Lazy evaluation: a candidate's gain never
-// grows, so that an old gain is an upper bound, and most are never computed
-// anew.
+// grows, so that an old gain is an upper bound, and most are never recomputed.
 class LazyGreedySelection {
  public:
   struct Choice {
@@ -101,7 +100,7 @@ class LazyGreedySelection {
   };
 
   LazyGreedySelection(const std::vector<WorldPlane>& candidates,
-                      const PlaneEstimator& estimator);
+                      const PlaneScorer& scorer);
 
   // The score of a candidate for each superpixel.
   std::vector<float> Scores(int candidate) const;

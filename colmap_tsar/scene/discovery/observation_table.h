@@ -22,12 +22,11 @@ enum class ObservationsOf { kViews, kPriors };
 // The input of DiscoverPlanes: the superpixels of all views, in the order of
 // the views, with their observations in the frame of the first camera. Keeps
 // pointers into the views' evidence.
-class SuperpixelObservations {
+class ObservationTable {
  public:
   // The weight of a superpixel is at most kMaxSuperpixelWeight.
-  explicit SuperpixelObservations(
-      const std::vector<ObservedView>& views,
-      ObservationsOf which = ObservationsOf::kViews);
+  explicit ObservationTable(const std::vector<ObservedView>& views,
+                            ObservationsOf which = ObservationsOf::kViews);
 
   int Count() const { return static_cast<int>(views_.size()); }
   // The index of each superpixel's view.

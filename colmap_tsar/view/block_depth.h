@@ -15,10 +15,9 @@
 
 namespace tsar {
 
-// Finds the pixel whose hypothesis represents a square of pixels of a map (see
-// ReduceView()). Uses no buffer and no sorting, as suits a GPU thread: squares
-// are small.
-struct SquareHypothesis {
+// Finds the pixel whose hypothesis represents a block of pixels of a map (see
+// ReduceView()), for GPU threads without a buffer or sorting: blocks are small.
+struct BlockDepth {
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
   // Nonzero where the hypothesis is from the map to refine; empty: everywhere.
@@ -28,14 +27,14 @@ struct SquareHypothesis {
   int first_row = 0;  // Row of the full map at which the rasters start.
 
   // The index of the pixel in the rasters, or -1 if there is none. (x, y):
-  // indices of the square in the rasters.
+  // indices of the block in the rasters.
   TSAR_HD ptrdiff_t Find(int x, int y) const {
-    const Square square = {x * factor,
-                           y * factor,
-                           Smaller(x * factor + factor, depth.width),
-                           Smaller(y * factor + factor, depth.height)};
-    const ptrdiff_t own = FindOf(square, true);
-    return own >= 0 || is_to_refine.Empty() ? own : FindOf(square, false);
+    const Block block = {x * factor,
+                         y * factor,
+                         Smaller(x * factor + factor, depth.width),
+                         Smaller(y * factor + factor, depth.height)};
+    const ptrdiff_t own = FindOf(block, true);
+    return own >= 0 || is_to_refine.Empty() ? own : FindOf(block, false);
   }
 
   // The depth of a pixel's hypothesis, moved along its plane to another ray.
@@ -55,7 +54,7 @@ struct SquareHypothesis {
                           static_cast<float>(first_row + row));
   }
 
-  // The least number of depths of a valid square: one pixel in kPixelsPerGap
+  // The least number of depths of a valid block: one pixel in kPixelsPerGap
   // may have none.
   TSAR_HD static int MinCount(int num_pixels) {
     constexpr int kPixelsPerGap = 8;
@@ -67,7 +66,7 @@ struct SquareHypothesis {
                                 const Vec3f& ray,
                                 const Plane& plane,
                                 float depth_of_plane) {
-    // The largest residual of a square's depths to its plane, as a fraction of
+    // The largest residual of a block's depths to its plane, as a fraction of
     // depth.
     constexpr float kMaxResidual = 0.005f;
     const float expected = DepthOnRay(plane, depth_of_plane, ray);
@@ -87,7 +86,7 @@ struct SquareHypothesis {
   }
 
   // The half-open pixel ranges [begin, end).
-  struct Square {
+  struct Block {
     int begin_x;
     int begin_y;
     int end_x;
@@ -111,25 +110,25 @@ struct SquareHypothesis {
            (is_to_refine.Empty() || is_to_refine.data[pixel] != 0) == is_own;
   }
 
-  TSAR_HD ptrdiff_t FindOf(const Square& square, bool is_own) const {
-    const int min_count = MinCount((square.end_x - square.begin_x) *
-                                   (square.end_y - square.begin_y));
+  TSAR_HD ptrdiff_t FindOf(const Block& block, bool is_own) const {
+    const int min_count =
+        MinCount((block.end_x - block.begin_x) * (block.end_y - block.begin_y));
     int count = 0;
-    square.ForEach([&](int x, int y) {
+    block.ForEach([&](int x, int y) {
       count += Counts(depth.Index(x, y), is_own) ? 1 : 0;
     });
     if (count < min_count) {
       return -1;
     }
-    const ptrdiff_t median = Median(square, is_own, (count - 1) / 2);
-    return CountOnPlane(square, is_own, median) >= min_count ? median : -1;
+    const ptrdiff_t median = Median(block, is_own, (count - 1) / 2);
+    return CountOnPlane(block, is_own, median) >= min_count ? median : -1;
   }
 
   // The first pixel with the median depth.
-  TSAR_HD ptrdiff_t Median(const Square& square, bool is_own, int rank) const {
+  TSAR_HD ptrdiff_t Median(const Block& block, bool is_own, int rank) const {
     ptrdiff_t median = -1;
-    for (int y = square.begin_y; y < square.end_y; ++y) {
-      for (int x = square.begin_x; x < square.end_x; ++x) {
+    for (int y = block.begin_y; y < block.end_y; ++y) {
+      for (int x = block.begin_x; x < block.end_x; ++x) {
         const size_t pixel = depth.Index(x, y);
         if (!Counts(pixel, is_own)) {
           continue;
@@ -138,7 +137,7 @@ struct SquareHypothesis {
         const float one = depth.data[pixel];
         int num_nearer = 0;
         int num_as_near = 0;
-        square.ForEach([&](int u, int v) {
+        block.ForEach([&](int u, int v) {
           const size_t other = depth.Index(u, v);
           const int counts = Counts(other, is_own) ? 1 : 0;
           num_nearer += depth.data[other] < one ? counts : 0;
@@ -152,13 +151,13 @@ struct SquareHypothesis {
     return median;
   }
 
-  // How many of the square's depths lie on the plane of one of them.
-  TSAR_HD int CountOnPlane(const Square& square,
+  // How many of the block's depths lie on the plane of one of them.
+  TSAR_HD int CountOnPlane(const Block& block,
                            bool is_own,
                            ptrdiff_t one) const {
     const Plane plane = PlaneOf(one);
     int count = 0;
-    square.ForEach([&](int x, int y) {
+    block.ForEach([&](int x, int y) {
       const size_t pixel = depth.Index(x, y);
       if (Counts(pixel, is_own) &&
           IsOnPlane(depth.data[pixel], RayOf(x, y), plane, depth.data[one])) {

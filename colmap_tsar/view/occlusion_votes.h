@@ -18,15 +18,15 @@ namespace tsar {
 
 // The numbers of source views that see a surface at the depth of a pixel, in
 // front of it on the reference's ray, which would occlude it, and behind it on
-// their own rays, which it would occlude. Beside them, how well its color fits.
-struct ViewVotes {
+// their own rays, which it would occlude. Also, how well its color fits.
+struct OcclusionVotes {
   static constexpr uint8_t kNoColor = 255;
 
   uint8_t agreeing = 0;
   uint8_t in_front = 0;
   uint8_t behind = 0;
-  // The two smallest color differences to the source views in which nothing
-  // hides the point, from 0 to 254 at 20 gray levels over the three channels;
+  // The two smallest color differences to the source views in which the point
+  // is not occluded, from 0 to 254 at 20 gray levels over the three channels;
   // kNoColor where fewer views see it.
   uint8_t color = kNoColor;
   uint8_t second_color = kNoColor;
@@ -46,7 +46,7 @@ struct ViewSurfaces {
 
 // The votes of all sources on the depths of some maps of the reference, which
 // have one size and these intrinsics; no votes where a depth is 0.
-std::vector<DeviceImage<ViewVotes>> CountViewVotes(
+std::vector<DeviceImage<OcclusionVotes>> CountOcclusionVotes(
     const ViewSurfaces& surfaces,
     const Intrinsics& intrinsics,
     const std::vector<ImageView<const float>>& depths,

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/compose/transfer_flags.h"
+#include "colmap_tsar/compose/upsample_depth_flags.h"
 
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/view/filter/confirmation.h"
@@ -21,12 +21,12 @@ namespace tsar {
 namespace {
 
 constexpr int kFactor = 3;
-// u(z) is at its lower bound, so that 0.3 % is what counts.
+// u(z) is at its lower bound, so that the tolerance is 0.3 %.
 const DepthResolution kFine = {1e-6f};
 
-class TransferFlagsTest : public testing::Test {
+class UpsampleDepthFlagsTest : public testing::Test {
  protected:
-  TransferFlagsTest() {
+  UpsampleDepthFlagsTest() {
     SyntheticViewsOptions options;
     options.width = 31;
     options.height = 24;
@@ -35,7 +35,7 @@ class TransferFlagsTest : public testing::Test {
     const SyntheticViews drawn = MakeSyntheticViews(options);
     view_ = drawn.views[0];
     Reduce();
-    // A number for each square.
+    // A number for each block.
     ratings_ = Image<uint8_t>(reduced_.depth.Width(), reduced_.depth.Height());
     ForEachPixel(ratings_.Width(), ratings_.Height(), [&](int x, int y) {
       ratings_(x, y) = FlagsOf(x, y);
@@ -51,7 +51,7 @@ class TransferFlagsTest : public testing::Test {
     ViewEvidence evidence;
     evidence.resolution = resolution;
     evidence.flags = ratings_;
-    return TransferFlags(
+    return UpsampleDepthFlags(
                evidence, view_, DeviceReference(view_, *device_), *device_)
         .ToHost();
   }
@@ -62,7 +62,7 @@ class TransferFlagsTest : public testing::Test {
   Image<uint8_t> ratings_;
 };
 
-TEST_F(TransferFlagsTest, PixelsOfAPlaneTakeTheirSquaresFlags) {
+TEST_F(UpsampleDepthFlagsTest, PixelsOfAPlaneTakeTheirBlocksFlags) {
   const Image<uint8_t> transferred = Transfer();
   ASSERT_TRUE(transferred.HasSizeOf(view_.depth));
   ForEachPixel(transferred.Width(), transferred.Height(), [&](int x, int y) {
@@ -71,9 +71,10 @@ TEST_F(TransferFlagsTest, PixelsOfAPlaneTakeTheirSquaresFlags) {
   });
 }
 
-TEST_F(TransferFlagsTest, PixelsOfASquareAcrossAnEdgeTakeTheirNeighborsFlags) {
-  // A nearer surface over the right third of column 4 of the squares and what
-  // lies right of it: no depth stands for the squares of column 4.
+TEST_F(UpsampleDepthFlagsTest,
+       PixelsOfABlockAcrossAnEdgeTakeTheirNeighborsFlags) {
+  // A nearer surface over the right third of column 4 of the blocks and what
+  // lies right of it: no depth represents the blocks of column 4.
   ForEachPixel(
       14, view_.depth.Width(), 0, view_.depth.Height(), [&](int x, int y) {
         view_.depth(x, y) *= 0.8f;
@@ -81,7 +82,7 @@ TEST_F(TransferFlagsTest, PixelsOfASquareAcrossAnEdgeTakeTheirNeighborsFlags) {
   Reduce();
   ASSERT_EQ(reduced_.depth(4, 3), 0.f);
   const Image<uint8_t> transferred = Transfer();
-  // The nearest of the column beside is the one in the same row.
+  // The nearest in the adjacent column is the one in the same row.
   for (const int y : {9, 10, 11}) {
     EXPECT_EQ(transferred(12, y), FlagsOf(3, 3));
     EXPECT_EQ(transferred(13, y), FlagsOf(3, 3));
@@ -90,7 +91,7 @@ TEST_F(TransferFlagsTest, PixelsOfASquareAcrossAnEdgeTakeTheirNeighborsFlags) {
   }
 }
 
-TEST_F(TransferFlagsTest, OtherDepthsGetNone) {
+TEST_F(UpsampleDepthFlagsTest, OtherDepthsGetNone) {
   view_.depth(10, 10) *= 1.05f;
   view_.depth(20, 10) = 0.f;
   Reduce();
@@ -100,18 +101,18 @@ TEST_F(TransferFlagsTest, OtherDepthsGetNone) {
   EXPECT_EQ(transferred(11, 10), FlagsOf(3, 3));
 }
 
-TEST_F(TransferFlagsTest, TheToleranceIsHalfOfWhatMatchingCanTell) {
+TEST_F(UpsampleDepthFlagsTest, TheToleranceIsHalfOfWhatMatchingCanTell) {
   const Image<float> depth = view_.depth;
   view_.depth(10, 10) *= 1.0025f;
   EXPECT_EQ(Transfer()(10, 10), FlagsOf(3, 3));
   view_.depth = depth;
   view_.depth(13, 10) *= 1.0035f;
   EXPECT_EQ(Transfer()(13, 10), 0);
-  // u(z) = 0.008 and more: as precise as that.
+  // u(z) is 0.008 and more, so the tolerance is half of that.
   EXPECT_EQ(Transfer({0.01f / view_.depth(13, 10)})(13, 10), FlagsOf(4, 3));
 }
 
-TEST_F(TransferFlagsTest, TheTrustOfAWholeMapStaysAsItIs) {
+TEST_F(UpsampleDepthFlagsTest, TheTrustOfAWholeMapStaysAsItIs) {
   const DeviceReference reference(view_, *device_);
   ViewEvidence evidence;
   evidence.flags = Image<uint8_t>(31, 24);
@@ -120,16 +121,16 @@ TEST_F(TransferFlagsTest, TheTrustOfAWholeMapStaysAsItIs) {
   }
   view_.depth(3, 3) = 0.f;
   const Image<uint8_t> transferred =
-      TransferFlags(evidence, view_, reference, *device_).ToHost();
+      UpsampleDepthFlags(evidence, view_, reference, *device_).ToHost();
   EXPECT_TRUE(SameBytes(transferred, evidence.flags));
 }
 
-TEST_F(TransferFlagsTest, RefusesTheTrustOfAnotherMap) {
+TEST_F(UpsampleDepthFlagsTest, RefusesTheTrustOfAnotherMap) {
   const DeviceReference reference(view_, *device_);
   ViewEvidence evidence;
   evidence.flags = Image<uint8_t>(12, 8);
   ExpectError(ErrorCode::kMismatch, {"12x8", "31x24", "run again"}, [&] {
-    TransferFlags(evidence, view_, reference, *device_);
+    UpsampleDepthFlags(evidence, view_, reference, *device_);
   });
 }
 

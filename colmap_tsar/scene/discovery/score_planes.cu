@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/discovery/plane_estimator.h"
+#include "colmap_tsar/scene/discovery/score_planes.h"
 
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/device/parallel_for.h"
@@ -154,9 +154,9 @@ struct GainKernel {
 
 }  // namespace
 
-PlaneEstimator::PlaneEstimator(const SuperpixelObservations& observations,
-                               double tolerance,
-                               Device& device)
+PlaneScorer::PlaneScorer(const ObservationTable& observations,
+                         double tolerance,
+                         Device& device)
     : observations_(observations),
       tolerance_(tolerance),
       device_(device),
@@ -200,7 +200,7 @@ PlaneEstimator::PlaneEstimator(const SuperpixelObservations& observations,
   balls_ = Buffer<Ball>(device, balls);
 }
 
-FitSamples PlaneEstimator::Sample(const std::vector<int>& members) const {
+FitSamples PlaneScorer::Sample(const std::vector<int>& members) const {
   FitSamples samples;
   observations_.Sample(
       members, kMaxFittedObservations, [&](const DepthObservation& sample) {
@@ -209,7 +209,7 @@ FitSamples PlaneEstimator::Sample(const std::vector<int>& members) const {
   return samples;
 }
 
-Buffer<float> PlaneEstimator::ScoreOnDevice(
+Buffer<float> PlaneScorer::ScoreOnDevice(
     const std::vector<WorldPlane>& planes) const {
   const int num_superpixels = observations_.Count();
   const int num_views = observations_.NumViews();
@@ -254,7 +254,7 @@ ScoredPlane::ScoredPlane(const WorldPlane& plane, std::vector<float> scores)
   }
 }
 
-std::vector<ScoredPlane> PlaneEstimator::Score(
+std::vector<ScoredPlane> PlaneScorer::Score(
     const std::vector<WorldPlane>& planes) const {
   const Buffer<float> scores = ScoreOnDevice(planes);
   std::vector<ScoredPlane> scored(planes.size());
@@ -266,10 +266,10 @@ std::vector<ScoredPlane> PlaneEstimator::Score(
 }
 
 LazyGreedySelection::LazyGreedySelection(
-    const std::vector<WorldPlane>& candidates, const PlaneEstimator& estimator)
-    : num_superpixels_(estimator.Observations().Count()),
-      device_(estimator.GetDevice()),
-      scores_(estimator.ScoreOnDevice(candidates)),
+    const std::vector<WorldPlane>& candidates, const PlaneScorer& scorer)
+    : num_superpixels_(scorer.Observations().Count()),
+      device_(scorer.GetDevice()),
+      scores_(scorer.ScoreOnDevice(candidates)),
       best_(device_, num_superpixels_),
       gains_(candidates.size(), std::numeric_limits<float>::infinity()),
       order_(candidates.size()) {
@@ -284,7 +284,7 @@ LazyGreedySelection::Choice LazyGreedySelection::Next(
     const std::vector<float>& best) {
   // Gains never grow, computed ones included, since rounding is monotonic: once
   // a gain exceeds the old ones of all remaining candidates, these need not be
-  // computed anew.
+  // recomputed.
   best_.Upload(best.data());
   std::sort(order_.begin(), order_.end(), [&](int a, int b) {
     return gains_[a] != gains_[b] ? gains_[a] > gains_[b] : a < b;

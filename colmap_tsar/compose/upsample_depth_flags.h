@@ -13,21 +13,20 @@
 
 namespace tsar {
 
-// Transfers ViewEvidence::flags, those of a view reduced by any factor, to the
-// pixels of the map: each takes that of the reduced pixel that covers it, if
+// Upsamples ViewEvidence::flags of a view reduced by any factor to the pixels
+// of the map. A pixel gets the flags of the reduced pixel that covers it, if
 // its own depth lies on the plane of the hypothesis judged there; otherwise
-// that of the nearest of the eight pixels around for which this holds, since no
-// depth represents a square across an edge; and 0 if there is none. A depth
-// lies on the plane within half of RelativeDepthError() of the judged map, and
-// within 0.3 % in any case. A factor of 1 leaves the flags unchanged. view: the
-// reference in the device's memory. Throws kMismatch where it is of another
-// map.
-DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
-                                   const ViewData& reference,
-                                   const DeviceReference& view,
-                                   Device& device);
+// those of the nearest of the eight pixels around for which this holds, since
+// no depth represents a block across an edge; and 0 if there is none. The
+// tolerance is half of RelativeDepthError() of the judged map, and at least 0.3
+// % of the depth. A factor of 1 leaves the flags unchanged. view: the reference
+// in the device's memory. Throws kMismatch if it is of another map.
+DeviceImage<uint8_t> UpsampleDepthFlags(const ViewEvidence& evidence,
+                                        const ViewData& reference,
+                                        const DeviceReference& view,
+                                        Device& device);
 
-// The MeasurementFlags of each pixel. trusted: other than 0 where its depth is
+// The MeasurementFlags of each pixel. trusted: nonzero where its depth is
 // trusted. confirmations: its Confirmation; may be empty.
 DeviceImage<uint8_t> PackFlags(ImageView<const uint8_t> trusted,
                                ImageView<const uint8_t> confirmations,

@@ -1,14 +1,14 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/discovery/superpixel_observations.h"
+#include "colmap_tsar/scene/discovery/observation_table.h"
 
 #include <algorithm>
 
 namespace tsar {
 
-SuperpixelObservations::SuperpixelObservations(
-    const std::vector<ObservedView>& views, ObservationsOf which) {
+ObservationTable::ObservationTable(const std::vector<ObservedView>& views,
+                                   ObservationsOf which) {
   slack_ = which == ObservationsOf::kPriors ? kSlackOfPrior : 0.0;
   const Camera& reference = views[0].camera;
   const Eigen::Vector3d origin = reference.Center();
@@ -51,7 +51,7 @@ SuperpixelObservations::SuperpixelObservations(
   }
 }
 
-DepthObservation SuperpixelObservations::At(int superpixel, int index) const {
+DepthObservation ObservationTable::At(int superpixel, int index) const {
   const Entry& entry = entries_[superpixel];
   const Frame& frame = frames_[views_[superpixel]];
   const Observation& observed = entry.observations[index];

@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/view_votes.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/scene/evidence/observed_source.h"
-#include "colmap_tsar/scene/evidence/source_surface.h"
+#include "colmap_tsar/scene/evidence/render_source_depth.h"
 #include "colmap_tsar/view/superpixels/samples.h"
 
 #include <cmath>
@@ -33,14 +33,14 @@ struct VoteKernel {
   ImageView<const float> front;
   ObservedSource source;
   ImageView<const float> surface;
-  ImageView<ViewVotes> votes;
+  ImageView<OcclusionVotes> votes;
 
   TSAR_HD void operator()(int x, int y) const {
     const float own = depth(x, y);
     if (!(own > 0.f)) {
       return;
     }
-    ViewVotes& of_pixel = votes(x, y);
+    OcclusionVotes& of_pixel = votes(x, y);
     if (ValueOnMap(front, x, y, depth.width, depth.height) <
         (1.f - kOtherSurface) * own) {
       Count(&of_pixel.in_front);
@@ -66,7 +66,7 @@ struct VoteKernel {
   // surface are off by up to a pixel.
   TSAR_HD void AddColor(const Rgb& own,
                         const SeenPoint& seen,
-                        ViewVotes* of_pixel) const {
+                        OcclusionVotes* of_pixel) const {
     constexpr float kFull = kFullDifference * kFullDifference;
     float least = kFull;
     for (int v = seen.row - 1; v <= seen.row + 1; ++v) {
@@ -81,7 +81,7 @@ struct VoteKernel {
       }
     }
     const auto difference =
-        static_cast<uint8_t>((ViewVotes::kNoColor - 1) * (least / kFull));
+        static_cast<uint8_t>((OcclusionVotes::kNoColor - 1) * (least / kFull));
     if (difference < of_pixel->color) {
       of_pixel->second_color = of_pixel->color;
       of_pixel->color = difference;
@@ -93,23 +93,23 @@ struct VoteKernel {
 
 }  // namespace
 
-std::vector<DeviceImage<ViewVotes>> CountViewVotes(
+std::vector<DeviceImage<OcclusionVotes>> CountOcclusionVotes(
     const ViewSurfaces& surfaces,
     const Intrinsics& intrinsics,
     const std::vector<ImageView<const float>>& depths,
     Device& device) {
   const std::vector<ObservedView>& views = surfaces.views;
-  std::vector<DeviceImage<ViewVotes>> votes;
+  std::vector<DeviceImage<OcclusionVotes>> votes;
   for (const ImageView<const float>& map : depths) {
     votes.emplace_back(device, map.width, map.height);
-    Fill(device, votes.back().View().data, map.NumPixels(), ViewVotes{});
+    Fill(device, votes.back().View().data, map.NumPixels(), OcclusionVotes{});
   }
   const DeviceImage<Rgb> color(device, views[0].evidence->color);
   for (size_t j = 1; j < views.size(); ++j) {
     const DeviceImage<float> seen =
         SeenDepth(views[j], surfaces.planes_of_sources[j - 1], device);
     const DeviceImage<float> front =
-        DrawIntoReference(views[0], views[j], seen.View(), device);
+        RenderSourceDepth(views[0], views[j], seen.View(), device);
     const DeviceImage<Rgb> source_color(device, views[j].evidence->color);
     ObservedSource source = MakeObservedSource(views[0], views[j]);
     source.color = source_color.View();

@@ -1,16 +1,16 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/compose/transfer_flags.h"
+#include "colmap_tsar/compose/upsample_depth_flags.h"
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/plane.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
+#include "colmap_tsar/view/block_depth.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 #include "colmap_tsar/view/reduce_view.h"
-#include "colmap_tsar/view/square_hypothesis.h"
 
 #include <climits>
 #include <cmath>
@@ -22,7 +22,7 @@ namespace {
 constexpr float kToleranceInErrors = 0.5f;
 constexpr float kMinTolerance = 3e-3f;
 
-struct TransferFlagsKernel {
+struct UpsampleDepthFlagsKernel {
   // Of a reduced view (ReduceView): its MeasurementFlags and hypotheses.
   ImageView<const uint8_t> judged;
   DepthNormalViews hypotheses;
@@ -62,8 +62,8 @@ struct TransferFlagsKernel {
           if (!judged.Contains(column, row)) {
             continue;
           }
-          // The offset from the center of the square, in half pixels; the
-          // square that covers the pixel is the nearest.
+          // The offset from the center of the block, in half pixels; the
+          // block that covers the pixel is the nearest.
           const int to_x = 2 * (x - column * factor) - (factor - 1);
           const int to_y = 2 * (y - row * factor) - (factor - 1);
           const int distance = to_x * to_x + to_y * to_y;
@@ -92,7 +92,7 @@ struct PackFlagsKernel {
 };
 
 struct ReduceKernel {
-  SquareHypothesis squares;
+  BlockDepth blocks;
   Intrinsics reduced;
   ImageView<float> depth;
   ImageView<Vec3f> normal;
@@ -100,20 +100,20 @@ struct ReduceKernel {
   TSAR_HD void operator()(int x, int y) const {
     depth(x, y) = 0.f;
     normal(x, y) = {};
-    const ptrdiff_t found = squares.Find(x, y);
+    const ptrdiff_t found = blocks.Find(x, y);
     if (found >= 0) {
-      depth(x, y) = squares.DepthOnRay(found, reduced.Ray(x, y));
-      normal(x, y) = squares.normal.data[found];
+      depth(x, y) = blocks.DepthOnRay(found, reduced.Ray(x, y));
+      normal(x, y) = blocks.normal.data[found];
     }
   }
 };
 
 }  // namespace
 
-DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
-                                   const ViewData& reference,
-                                   const DeviceReference& view,
-                                   Device& device) {
+DeviceImage<uint8_t> UpsampleDepthFlags(const ViewEvidence& evidence,
+                                        const ViewData& reference,
+                                        const DeviceReference& view,
+                                        Device& device) {
   const int factor = FactorBetween(view.Width(),
                                    view.Height(),
                                    evidence.flags.Width(),
@@ -138,13 +138,14 @@ DeviceImage<uint8_t> TransferFlags(const ViewEvidence& evidence,
       device,
       view.Width(),
       view.Height(),
-      TransferFlagsKernel{flags.View(),
-                          reduced.Views(),
-                          ReduceCamera(view.camera, factor).GetIntrinsics(),
-                          factor,
-                          view.hypotheses.depth.View(),
-                          view.MapIntrinsics(),
-                          evidence.resolution});
+      UpsampleDepthFlagsKernel{
+          flags.View(),
+          reduced.Views(),
+          ReduceCamera(view.camera, factor).GetIntrinsics(),
+          factor,
+          view.hypotheses.depth.View(),
+          view.MapIntrinsics(),
+          evidence.resolution});
 }
 
 DeviceImage<uint8_t> PackFlags(ImageView<const uint8_t> trusted,

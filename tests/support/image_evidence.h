@@ -12,15 +12,15 @@
 
 namespace tsar {
 
-// The evidence of an image; arguments as MeasureImage.
-inline RefineResult ObserveImage(
+// The evidence of an image; arguments as ObserveImage.
+inline RefineResult MakeImageEvidence(
     const ViewData& reference,
     std::vector<std::shared_ptr<const UploadedView>> sources,
     uint32_t image_id,
     const RefineOptions& options,
     Device& device) {
   RefineResult result =
-      MeasureImage(reference, std::move(sources), image_id, options, device);
+      ObserveImage(reference, std::move(sources), image_id, options, device);
   MakeEvidence(options, device, &result);
   return result;
 }

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/find_surfaces.h"
+#include "colmap_tsar/view/single_view.h"
 
 #include "colmap_tsar/matching/agreement.h"
 #include "colmap_tsar/matching/matching_cost.h"
@@ -23,20 +23,20 @@ namespace {
 // A threshold below every score.
 constexpr float kAnyScore = -1.f;
 
-// FindSurfaces() with its arguments.
-struct SurfaceFinder {
+// RunSingleViewStages() with its arguments.
+struct SingleViewStages {
   const ViewData& reference;
   const uint32_t image_id;
   const RefineOptions& options;
   DeviceViews& views;
   Device& device;
   StageTimer& timer;
-  Surfaces surfaces{};
+  SingleViewResult result{};
 
-  Surfaces Run() {
+  SingleViewResult Run() {
     ScoreHypotheses();
     DeviceImage<uint8_t> reliable = SelectReliable(
-        surfaces.score.View(),
+        result.score.View(),
         options.filter ? static_cast<float>(options.min_aggregated_score)
                        : kAnyScore,
         device);
@@ -44,9 +44,9 @@ struct SurfaceFinder {
     views.ReleaseSources();
     RefineReliability(std::move(reliable));
     if (options.segment) {
-      surfaces.region_planes = FindRegionPlanes();
+      result.region_planes = FindRegionPlanes();
     }
-    return std::move(surfaces);
+    return std::move(result);
   }
 
   DeviceImage<float> ScoreMatches() const {
@@ -70,14 +70,14 @@ struct SurfaceFinder {
           CountAgreeingSources(views.Reference(), views.Sources(), device);
       if (options.confirmed_depths) {
         const ImageView<const float> gray = views.Reference().gray;
-        // Depths that COLMAP's consistency check rejected are no candidates,
-        // lest they be confirmed by chance.
+        // Depths that COLMAP's consistency check rejected are no candidates:
+        // chance could confirm them.
         const DeviceImage<uint8_t> is_to_refine(device, reference.is_to_refine);
-        surfaces.confirmations = ConfirmDepths(gray,
-                                               agreement.View(),
-                                               is_to_refine.View(),
-                                               EstimateNoise(gray, device),
-                                               device);
+        result.confirmations = ConfirmDepths(gray,
+                                             agreement.View(),
+                                             is_to_refine.View(),
+                                             EstimateNoise(gray, device),
+                                             device);
       }
     }
     timer.Finish("matching");
@@ -91,22 +91,22 @@ struct SurfaceFinder {
         static_cast<float>(options.confidence_weight);
     reliability.saturating_agreement = std::clamp(
         views.NumSourcesWithDepth(), 1, reliability.saturating_agreement);
-    surfaces.score = AggregateScores(depth,
-                                     confidence.View(),
-                                     discontinuity.View(),
-                                     agreement.View(),
-                                     reliability,
-                                     device);
+    result.score = AggregateScores(depth,
+                                   confidence.View(),
+                                   discontinuity.View(),
+                                   agreement.View(),
+                                   reliability,
+                                   device);
   }
 
   // Computes the superpixels, their planes and the trusted pixels.
   void RefineReliability(DeviceImage<uint8_t> reliable) {
     if (!options.refine) {
-      surfaces.trusted = std::move(reliable);
+      result.trusted = std::move(reliable);
       return;
     }
-    const ImageView<const float> score = surfaces.score.View();
-    surfaces.superpixels =
+    const ImageView<const float> score = result.score.View();
+    result.superpixels =
         ComputeSuperpixels(views.RasterColor(),
                            ReduceNearest(score, views.Raster(), device).View(),
                            options.superpixel_size,
@@ -115,12 +115,12 @@ struct SurfaceFinder {
     CorrelationResult correlation = RefineByCorrelation(views,
                                                         score,
                                                         std::move(reliable),
-                                                        surfaces.superpixels,
+                                                        result.superpixels,
                                                         options,
                                                         image_id,
                                                         device);
-    surfaces.superpixel_planes = std::move(correlation.planes);
-    surfaces.trusted = std::move(correlation.trusted);
+    result.superpixel_planes = std::move(correlation.planes);
+    result.trusted = std::move(correlation.trusted);
     timer.Finish("refinement");
   }
 
@@ -143,8 +143,8 @@ struct SurfaceFinder {
         MakeRegionPlaneOptions(options, views.RasterScale(), image_id);
     const DeviceImage<RayDepth> samples =
         SampleMeasurements(views.Hypotheses().depth,
-                           surfaces.score.View(),
-                           surfaces.trusted.View(),
+                           result.score.View(),
+                           result.trusted.View(),
                            views.MapIntrinsics(),
                            views.Raster(),
                            device);
@@ -164,13 +164,13 @@ struct SurfaceFinder {
 
 }  // namespace
 
-Surfaces FindSurfaces(const ViewData& reference,
-                      uint32_t image_id,
-                      const RefineOptions& options,
-                      DeviceViews* views,
-                      Device& device,
-                      StageTimer* timer) {
-  return SurfaceFinder{reference, image_id, options, *views, device, *timer}
+SingleViewResult RunSingleViewStages(const ViewData& reference,
+                                     uint32_t image_id,
+                                     const RefineOptions& options,
+                                     DeviceViews* views,
+                                     Device& device,
+                                     StageTimer* timer) {
+  return SingleViewStages{reference, image_id, options, *views, device, *timer}
       .Run();
 }
 

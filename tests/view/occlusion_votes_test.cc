@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/view_votes.h"
+#include "colmap_tsar/view/occlusion_votes.h"
 
 #include "colmap_tsar/view/depth_confidence.h"
 
@@ -21,9 +21,9 @@ constexpr Rgb kGray = {100, 100, 100};
 
 // A wall that faces the reference and sources to its right, each of which sees
 // it by the planes of its only superpixel.
-class ViewVotesTest : public testing::Test {
+class OcclusionVotesTest : public testing::Test {
  protected:
-  explicit ViewVotesTest(int num_sources = 3) : evidence_(4) {
+  explicit OcclusionVotesTest(int num_sources = 3) : evidence_(4) {
     for (size_t i = 0; i < evidence_.size(); ++i) {
       ViewEvidence& evidence = evidence_[i];
       evidence.width = kWidth;
@@ -46,17 +46,17 @@ class ViewVotesTest : public testing::Test {
   }
 
   // Of the middle of the image, if it had this depth.
-  ViewVotes VotesOn(float depth) const {
+  OcclusionVotes VotesOn(float depth) const {
     const Image<float> depths(kWidth, kHeight, depth);
     const DeviceImage<float> on_device(*device_, depths);
-    const auto votes = CountViewVotes({views_, planes_},
-                                      views_[0].camera.GetIntrinsics(),
-                                      {on_device.View()},
-                                      *device_);
+    const auto votes = CountOcclusionVotes({views_, planes_},
+                                           views_[0].camera.GetIntrinsics(),
+                                           {on_device.View()},
+                                           *device_);
     return votes[0].ToHost()(kWidth / 2, kHeight / 2);
   }
 
-  static void Expect(const ViewVotes& votes,
+  static void Expect(const OcclusionVotes& votes,
                      int agreeing,
                      int in_front,
                      int behind) {
@@ -71,23 +71,23 @@ class ViewVotesTest : public testing::Test {
   std::vector<std::vector<Plane>> planes_;
 };
 
-TEST_F(ViewVotesTest, ViewsAgreeWithASurfaceAndContradictOthersBothWays) {
+TEST_F(OcclusionVotesTest, ViewsAgreeWithASurfaceAndContradictOthersBothWays) {
   Expect(VotesOn(kWall), 3, 0, 0);
   Expect(VotesOn(1.01f * kWall), 3, 0, 0);
-  // Neither one surface nor clearly two.
+  // Neither the same surface nor clearly two.
   Expect(VotesOn(1.03f * kWall), 0, 0, 0);
   Expect(VotesOn(1.1f * kWall), 0, 3, 0);
   Expect(VotesOn(0.9f * kWall), 0, 0, 3);
   Expect(VotesOn(0.f), 0, 0, 0);
 }
 
-TEST_F(ViewVotesTest, WhatASourceMeasuredCountsForItsPlane) {
+TEST_F(OcclusionVotesTest, WhatASourceMeasuredCountsForItsPlane) {
   evidence_[2].confident_depth = Image<float>(kWidth, kHeight, 0.8f * kWall);
   Expect(VotesOn(kWall), 2, 1, 0);
   Expect(VotesOn(0.8f * kWall), 1, 0, 2);
 }
 
-TEST_F(ViewVotesTest, ASpeckInFrontHidesNothing) {
+TEST_F(OcclusionVotesTest, ASpeckInFrontHidesNothing) {
   planes_[0][0] = {};
   planes_[1][0] = {};
   Image<float>& measured = evidence_[3].confident_depth;
@@ -113,12 +113,13 @@ TEST(MeasurementSupportTest, WhatSpeaksForADepthRaisesItsOdds) {
   more = support;
   more.is_trusted = true;
   EXPECT_GT(LogOddsAgainst(plane, more), odds);
-  for (const ViewVotes& votes : {ViewVotes{2, 5, 1}, ViewVotes{2, 1, 5}}) {
+  for (const OcclusionVotes& votes :
+       {OcclusionVotes{2, 5, 1}, OcclusionVotes{2, 1, 5}}) {
     MeasurementSupport less = support;
     less.votes = votes;
     EXPECT_LT(LogOddsAgainst(plane, less), odds);
   }
-  // What speaks for the plane speaks against it.
+  // Evidence for the plane is evidence against the measurement.
   Rival better = plane;
   better.votes = {6, 0, 0};
   EXPECT_LT(LogOddsAgainst(better, support), odds);
@@ -132,7 +133,7 @@ TEST(MeasurementSupportTest, WhatSpeaksForADepthRaisesItsOdds) {
 }
 
 // A red post, narrower than its parallax before the wall.
-TEST_F(ViewVotesTest, ColorsFitWhatIsThinAndNotTheWallBehindIt) {
+TEST_F(OcclusionVotesTest, ColorsFitWhatIsThinAndNotTheWallBehindIt) {
   constexpr float kPost = 2.f;
   for (size_t i = 0; i < evidence_.size(); ++i) {
     const int middle = kWidth / 2 - static_cast<int>(4 * i);
@@ -142,21 +143,21 @@ TEST_F(ViewVotesTest, ColorsFitWhatIsThinAndNotTheWallBehindIt) {
       }
     }
   }
-  const ViewVotes on_post = VotesOn(kPost);
-  const ViewVotes on_wall = VotesOn(kWall);
+  const OcclusionVotes on_post = VotesOn(kPost);
+  const OcclusionVotes on_wall = VotesOn(kWall);
   EXPECT_EQ(on_post.color, 0);
   EXPECT_EQ(on_post.second_color, 0);
-  EXPECT_EQ(on_wall.second_color, ViewVotes::kNoColor - 1);
+  EXPECT_EQ(on_wall.second_color, OcclusionVotes::kNoColor - 1);
   EXPECT_GT(MisfitOf(on_wall, on_post), 0.4f);
   EXPECT_EQ(MisfitOf(on_post, on_wall), -MisfitOf(on_wall, on_post));
 }
 
-TEST_F(ViewVotesTest, ColorsOfWhatHidesAPointDoNotCount) {
+TEST_F(OcclusionVotesTest, ColorsOfWhatHidesAPointDoNotCount) {
   for (size_t j = 1; j < evidence_.size(); ++j) {
     evidence_[j].confident_depth = Image<float>(kWidth, kHeight, 0.5f * kWall);
     evidence_[j].color = Image<Rgb>(kWidth, kHeight, Rgb{0, 0, 0});
   }
-  EXPECT_EQ(VotesOn(kWall).color, ViewVotes::kNoColor);
+  EXPECT_EQ(VotesOn(kWall).color, OcclusionVotes::kNoColor);
 }
 
 }  // namespace

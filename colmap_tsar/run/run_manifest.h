@@ -10,24 +10,24 @@
 
 namespace tsar {
 
-// The account of a run over all images, stereo/tsar/manifest.json, tells the
-// user and later runs its state. Shards leave none before they are merged.
+// The manifest of a run over all images, stereo/tsar/manifest.json, records its
+// state for the user and later runs. Shards write none before they are merged.
 
 // Called before any image is changed.
-void BeginAccount(const RefineRun& run);
+void BeginManifest(const RefineRun& run);
 
 // Called when the last pass has ended or had to stop: then throws the failure
 // of an image, or kInterrupted. When all images are done, the files that only
 // an unfinished run needs are removed.
-void EndAccount(const RefineRun& run, const PipelineOutcome& outcome);
+void FinishManifest(const RefineRun& run, const PipelineOutcome& outcome);
 
-// What a summary tells of the inputs. references: of the images of the run.
+// The part of a summary about the inputs. references: of the images of the run.
 RunSummary SummarizeInputs(const Workspace& workspace,
                            RefinePass pass,
                            const std::vector<int>& references);
 
-// Ends the work of shards: writes the account of all images and removes the
-// evidence. Opens no map. Once more, it changes nothing. Throws Error, and
+// Ends the work of shards: writes the manifest of all images and removes the
+// evidence. Opens no map. A second call changes nothing. Throws Error, and
 // changes nothing: kNotFound, naming one, where images have not been composed
 // with these options from what is there now; what WorkspaceLock throws, for
 // example while a shard is at work.

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/scene/evidence/source_surface.h"
+#include "colmap_tsar/scene/evidence/render_source_depth.h"
 
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/device/atomic.h"
@@ -147,7 +147,7 @@ DeviceImage<float> SeenDepth(const ObservedView& view,
   return depth;
 }
 
-DeviceImage<float> DrawIntoReference(const ObservedView& reference,
+DeviceImage<float> RenderSourceDepth(const ObservedView& reference,
                                      const ObservedView& source,
                                      ImageView<const float> depth,
                                      Device& device) {
