@@ -16,7 +16,7 @@ BUDGETS = (
     ("colmap_tsar/compose", SOURCES, 2180),
     ("colmap_tsar/device", SOURCES, 1610),
     ("colmap_tsar/fusion", SOURCES, 1520),
-    ("colmap_tsar/io", SOURCES, 4190),
+    ("colmap_tsar/io", SOURCES, 4235),
     ("colmap_tsar/matching", SOURCES, 1940),
     ("colmap_tsar/priors", SOURCES, 1830),
     ("colmap_tsar/run", SOURCES, 7980),
@@ -27,7 +27,7 @@ BUDGETS = (
     ("colmap_tsar/tools/report", SOURCES, 930),
     ("colmap_tsar/tools/stereo", SOURCES, 1340),
     ("colmap_tsar/view", SOURCES, 7000),
-    ("tests", SOURCES + SCRIPTS, 43740),
+    ("tests", SOURCES + SCRIPTS, 43790),
     ("docs", (".md",), 4300),
 )
 
