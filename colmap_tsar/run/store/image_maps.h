@@ -63,9 +63,12 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image);
 ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image);
 
 // Warns of maps among these that are not of COLMAP's conventions, see
-// map_conventions.h. Throws what Workspace::OpenOriginalMaps throws.
+// map_conventions.h, or copied. Throws what Workspace::OpenOriginalMaps throws.
 void WarnOfConventions(const Workspace& workspace,
                        const std::vector<int>& images);
+// Warns of original depth maps of two images that are the same, byte for byte.
+void WarnOfCopiedMaps(const Workspace& workspace,
+                      const std::vector<int>& images);
 
 // Reads the depth map alone; errors as ReadImageMaps().
 Image<float> ReadImageDepth(const Workspace& workspace, int image);
