@@ -107,7 +107,8 @@ std::vector<int> ImagesWithMaps(const ExportSource& source) {
         ErrorCode::kNotFound,
         workspace.Root().string(),
         "no image has " + ToString(workspace.Type()) + " depth and normal maps",
-        "run patch_match_stereo or tsar_stereo on it first");
+        "run patch_match_stereo or tsar_stereo on it first, or " +
+            AdviceOfTypes(workspace.Root()));
   }
   return images;
 }

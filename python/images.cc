@@ -140,14 +140,7 @@ py::tuple ReadDepthMapSize(const std::filesystem::path& workspace_path,
 }  // namespace
 
 MapType ToMapType(const std::string& input_type) {
-  for (const MapType type : {MapType::kGeometric, MapType::kPhotometric}) {
-    if (ToString(type) == input_type) {
-      return type;
-    }
-  }
-  throw Error(ErrorCode::kBadOption,
-              "input_type: '" + input_type +
-                  "' is not known; give geometric or photometric");
+  return MapType::Parse(input_type);
 }
 
 void BindImages(py::module_* module) {

@@ -50,12 +50,12 @@ void ImportCommand::AddTo(OptionSet* set) {
            "For depth: a folder with normal maps (EXR, TIFF, PFM or NPY of "
            "three channels, x right, y down, z forward). If empty, normals "
            "are computed from depth.");
-  AddMapType(
+  set->AddEnum<MapType>(
       "output_type",
       &options.match.type,
+      {MapType::kGeometric, MapType::kPhotometric},
       "The type of maps to write; for acm also which of its depth maps is "
-      "taken. Photometric maps are not filtered.",
-      set);
+      "taken. Photometric maps are not filtered.");
   set->Add("image_list",
            &options.match.image_list,
            "A file with one image name per line, for the numbers 0, 1, 2, ... "

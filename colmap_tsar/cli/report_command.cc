@@ -27,8 +27,7 @@ constexpr const char* kSummary =
 void ReportCommand::AddTo(OptionSet* options) {
   options->AddRequired(
       "workspace_path", &workspace_path, "The refined dense workspace.");
-  AddMapType(
-      "input_type",
+  AddInputType(
       &input_type,
       "The maps that were refined. If not given: geometric, or photometric "
       "where only those were.",

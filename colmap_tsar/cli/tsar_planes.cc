@@ -16,6 +16,7 @@
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <iostream>
 #include <iterator>
@@ -61,8 +62,7 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                &command->plan_path,
                "A floor plan to write: the walls seen from above, as a picture "
                "with a scale bar (.svg) or for CAD programs (.dxf).");
-  AddMapType(
-      "input_type",
+  AddInputType(
       &command->input_type,
       "The maps that were refined. If not given: geometric, or photometric "
       "where only those were refined.",
@@ -158,9 +158,18 @@ void CheckUse(const PlanesCommand& command) {
 // Whether a file begins as those of this command. DXF has no name in it, but
 // layers of planes at its begin.
 bool IsOfPlanes(const std::string& begin) {
-  return begin.find("tsar_planes") != std::string::npos ||
-         (begin.find("AC1009") != std::string::npos &&
-          begin.find("\nFLOOR\n") != std::string::npos);
+  const auto has = [&](const char* text) {
+    return begin.find(text) != std::string::npos;
+  };
+  std::string dense;
+  std::ranges::copy_if(begin, std::back_inserter(dense), [](char c) {
+    return std::isspace(static_cast<unsigned char>(c)) == 0;
+  });
+  return dense.starts_with(R"({"format":"tsar_planes","version":)") ||
+         begin.starts_with("# planes of the scene, by tsar_planes\n") ||
+         (begin.starts_with("<?xml ") && has(", by tsar_planes</title>\n")) ||
+         (begin.starts_with("  0\nSECTION\n") && has("AC1009") &&
+          has("\nFLOOR\n"));
 }
 
 // Checks the paths of what is to be written.

@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstddef>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -26,15 +27,21 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path) {
   InputFile file(path);
   file.RequireOpened("file of a box",
                      "check " + OptionName("bounding_box_path"));
+  std::stringstream words;
+  std::string line;
+  for (bool is_first = true; ReadLine(file, is_first, &line);
+       is_first = false) {
+    words << line.substr(0, line.find('#')) << "\n";
+  }
   std::array<double, 6> numbers = {};
   bool is_complete = true;
   for (double& number : numbers) {
-    const std::optional<double> parsed = ReadNumber<double>(file);
+    const std::optional<double> parsed = ReadNumber<double>(words);
     is_complete &= parsed.has_value();
     number = parsed.value_or(0.0);
   }
   std::string rest;
-  is_complete &= !(file >> rest);
+  is_complete &= !(words >> rest);
   const Eigen::AlignedBox3d box(Eigen::Vector3d::Map(&numbers[0]),
                                 Eigen::Vector3d::Map(&numbers[3]));
   if (!is_complete || !(box.min().array() <= box.max().array()).all()) {

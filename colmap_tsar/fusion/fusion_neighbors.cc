@@ -96,9 +96,9 @@ FusionPlan PlanFusion(const Workspace& workspace,
         workspace.Root().string(),
         "no image to fuse has " + ToString(workspace.Type()) +
             " depth and normal maps",
-        "run patch_match_stereo or tsar_stereo on it first, choose the other "
-        "--input_type, or see which images stereo/fusion.cfg and the image "
-        "list name");
+        "run patch_match_stereo or tsar_stereo on it first, see which images "
+        "stereo/fusion.cfg and the image list name, or " +
+            AdviceOfTypes(workspace.Root()));
   }
   std::vector<std::vector<int>> matched(model.images.size());
   for (const StereoProblem& problem : workspace.Problems()) {

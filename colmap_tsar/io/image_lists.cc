@@ -108,6 +108,9 @@ class ConfigParser {
     std::erase_if(lines, [](const Line& line) { return line.text[0] == '#'; });
     std::vector<StereoProblem> problems;
     for (size_t i = 0; i < lines.size(); i += 2) {
+      if (model_.without_pose.contains(lines[i].text)) {
+        continue;
+      }
       StereoProblem problem;
       problem.reference = FindImage(lines[i], lines[i].text);
       if (!references_.insert(problem.reference).second) {
@@ -162,16 +165,19 @@ class ConfigParser {
                                int reference) const {
     std::vector<int> sources;
     std::unordered_set<int> seen = {reference};
+    if (names.empty()) {
+      throw Corrupt(line, "lists no source image");
+    }
     for (const std::string& name : names) {
+      if (model_.without_pose.contains(name)) {
+        continue;
+      }
       sources.push_back(FindImage(line, name));
       if (!seen.insert(sources.back()).second) {
         throw Corrupt(
             line,
             "lists " + name + ", which is the reference or already listed");
       }
-    }
-    if (sources.empty()) {
-      throw Corrupt(line, "lists no source image");
     }
     return sources;
   }
@@ -223,8 +229,10 @@ std::vector<ListedImage> ReadImageList(const std::filesystem::path& path,
                         "line " + std::to_string(number) + " is no image name",
                         "give a text file with one image name per line");
     }
-    images.push_back(
-        {IndexOf(name, model, path, number, "correct the line"), number});
+    if (!model.without_pose.contains(name)) {
+      images.push_back(
+          {IndexOf(name, model, path, number, "correct the line"), number});
+    }
   }
   if (images.empty()) {
     throw Error::File(ErrorCode::kMismatch,

@@ -12,6 +12,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <unordered_set>
@@ -350,13 +351,27 @@ void SortById(const Path& path, const char* kind, std::vector<WithId<T>>* all) {
   }
 }
 
+// Names what is left out, if anything, by the first.
+void WarnOfLeftOut(const Path& path,
+                   const std::string& what,
+                   const std::string& first,
+                   size_t count) {
+  if (count > 0) {
+    Warn(path.string() + ": the " + what + " " + AndMore(first, count) +
+         " is not valid; left out");
+  }
+}
+
 using Images = std::vector<WithId<SparseModel::ModelImage>>;
 
+// without_pose: gets the ids and names of the images that are left out.
 template <typename Reader>
-Images ReadImages(const Path& path, const Cameras& cameras) {
+Images ReadImages(const Path& path,
+                  const Cameras& cameras,
+                  std::map<uint64_t, std::string>* without_pose) {
   Reader reader(path, 73);
   Images images;
-  while (reader.NextRecord()) {
+  for (int index_in_file = 0; reader.NextRecord(); ++index_in_file) {
     SparseModel::ModelImage image;
     const auto id = reader.template Read<uint32_t>();
     Eigen::Quaterniond rotation;
@@ -384,14 +399,24 @@ Images ReadImages(const Path& path, const Cameras& cameras) {
     }
     const double norm = rotation.norm();
     if (!(norm > 0.0) || !std::isfinite(norm) || !translation.allFinite()) {
-      throw CorruptModel(path,
-                         text + " (" + image.name + ") has no valid pose");
+      without_pose->emplace(id, image.name);
+      continue;
     }
     image.camera = camera->second;
     image.camera.rotation = rotation.normalized().toRotationMatrix();
     image.camera.translation = translation;
-    image.index_in_file = static_cast<int>(images.size());
+    image.index_in_file = index_in_file;
     images.push_back({id, std::move(image)});
+  }
+  if (!without_pose->empty()) {
+    const auto& [id, name] = *without_pose->begin();
+    WarnOfLeftOut(path,
+                  "pose of image",
+                  std::to_string(id) + " (" + name + ")",
+                  without_pose->size());
+  }
+  if (images.empty() && !without_pose->empty()) {
+    throw CorruptModel(path, "no image has a valid pose");
   }
   SortById(path, "image", &images);
   // "./a.png" and "a.png" are different names of the same maps.
@@ -408,7 +433,10 @@ Images ReadImages(const Path& path, const Cameras& cameras) {
 
 // Also adds the points to the images that see them.
 template <typename Reader>
-std::vector<Eigen::Vector3d> ReadPoints(const Path& path, Images* images) {
+std::vector<Eigen::Vector3d> ReadPoints(
+    const Path& path,
+    const std::map<uint64_t, std::string>& without_pose,
+    Images* images) {
   struct Point {
     Eigen::Vector3d position;
     // The range [track_begin, track_end) in image_ids.
@@ -444,6 +472,9 @@ std::vector<Eigen::Vector3d> ReadPoints(const Path& path, Images* images) {
       continue;
     }
     for (size_t i = point.track_begin; i < point.track_end; ++i) {
+      if (without_pose.contains(image_ids[i])) {
+        continue;
+      }
       const auto image = image_of_id.find(image_ids[i]);
       if (image == image_of_id.end()) {
         throw CorruptModel(
@@ -456,20 +487,21 @@ std::vector<Eigen::Vector3d> ReadPoints(const Path& path, Images* images) {
     }
     positions.push_back(point.position);
   }
-  if (num_left_out > 0) {
-    Warn(path.string() + ": the position of point " +
-         AndMore(std::to_string(first_left_out), num_left_out) +
-         " is not a number; left out");
-  }
+  WarnOfLeftOut(
+      path, "position of point", std::to_string(first_left_out), num_left_out);
   return positions;
 }
 
 template <typename Reader>
 SparseModel ReadFiles(const std::array<Path, 3>& paths) {
   const Cameras cameras = ReadCameras<Reader>(paths[0]);
-  Images images = ReadImages<Reader>(paths[1], cameras);
+  std::map<uint64_t, std::string> without_pose;
+  Images images = ReadImages<Reader>(paths[1], cameras, &without_pose);
   SparseModel model;
-  model.points = ReadPoints<Reader>(paths[2], &images);
+  model.points = ReadPoints<Reader>(paths[2], without_pose, &images);
+  for (auto& [id, name] : without_pose) {
+    model.without_pose.insert(std::move(name));
+  }
   for (auto& [id, image] : images) {
     model.images.push_back(std::move(image));
   }

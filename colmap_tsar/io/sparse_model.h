@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -31,6 +32,8 @@ class SparseModel {
 
   std::vector<ModelImage> images;       // By ascending COLMAP image id.
   std::vector<Eigen::Vector3d> points;  // World frame.
+  // Names of images that are left out, whose poses are no numbers.
+  std::set<std::string> without_pose;
 
   // The image of this name, or nullptr or -1 if there is none.
   const ModelImage* Find(const std::string& name) const;
@@ -55,7 +58,8 @@ std::array<std::filesystem::path, 3> FindSparseModelFiles(
 // Throws Error: those of FindSparseModelFiles(), kUnsupported (a camera model
 // other than PINHOLE and SIMPLE_PINHOLE), kCorrupt (anything that breaks the
 // format: truncated files, counts larger than the file, ids that do not exist,
-// duplicates, focal lengths that are not positive, NaN).
+// duplicates, focal lengths that are not positive). Warns of images and points
+// that it leaves out, whose poses and positions are no numbers.
 SparseModel ReadSparseModel(const std::filesystem::path& sparse_folder);
 
 // The folder that holds the sparse model of a dense workspace: `sparse`, where

@@ -11,6 +11,7 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
@@ -146,8 +147,7 @@ Error NoMaps(const Workspace& workspace) {
       AdviceForMissing(
           workspace.DepthPath(workspace.Problems().front().reference,
                               workspace.Type()),
-          "run patch_match_stereo first, or choose the other " +
-              OptionName("input_type")));
+          "run patch_match_stereo first, or " + AdviceOfTypes(root)));
 }
 
 // On case-insensitive file systems, two images may have the same map.
@@ -218,6 +218,7 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
     }
   }
   std::ranges::for_each(remarks.Lines(), &Warn);
+  WarnOfCopiedMaps(workspace, {images.begin(), images.end()});
   bool any_reference = false;
   for (const StereoProblem& problem : workspace.Problems()) {
     if (!overview.has_maps[problem.reference]) {

@@ -84,7 +84,7 @@ def evaluate_depth(
     Args:
         workspace_path: The dense workspace; its images are needed to find the
             textureless areas.
-        input_type: The maps to score: "geometric" or "photometric".
+        input_type: The maps to score: such as "geometric".
         ground_truth_path: Folder with IMAGE_NAME.bin, depth maps in COLMAP's format
             (0: unknown). None: ground_truth/depth in the workspace.
         mask_path: The folder with masks of the undistorted images, named as for

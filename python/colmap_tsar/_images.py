@@ -70,7 +70,7 @@ class WorkspaceImage:
 
     @property
     def input_type(self) -> str:
-        """Which maps these are: "geometric" or "photometric"."""
+        """Which maps these are: such as "geometric"."""
         return self._input_type
 
     @functools.cached_property

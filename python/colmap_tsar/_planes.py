@@ -34,7 +34,7 @@ class Planes:
     sparse model; docs/planes.md tells how each is found."""
 
     input_type: str
-    """The maps that they are of: "geometric" or "photometric"."""
+    """The maps that they are of: such as "geometric"."""
     num_images: int
     """How many images have plane maps."""
     vertical: Optional["_Array"]
@@ -128,7 +128,7 @@ def read_planes(
 
     Args:
         workspace_path: The refined dense workspace.
-        input_type: The maps that were refined, "geometric" or "photometric". None:
+        input_type: The maps that were refined, such as "geometric". None:
             geometric, or photometric where only those have planes.
         min_area: Planes of a smaller area, in square units of the sparse model, are
             left out.

@@ -42,7 +42,7 @@ def refine(
     Args:
         workspace_path: The dense workspace, as image_undistorter makes it and
             patch_match_stereo fills it: images/, sparse/, stereo/.
-        input_type: Which maps to refine, "geometric" or "photometric"; the others
+        input_type: Which maps to refine, such as "geometric"; the others
             serve as evidence where they exist. None: geometric, or photometric
             where there are no geometric ones.
         priors: Depth of single images from a network or a sensor, instead of files

@@ -16,7 +16,7 @@ class RefineSummary(PrintedResult):
     workspace_path: pathlib.Path
     """The workspace that was written: output_path where that was given."""
     input_type: str
-    """The maps that were refined: "geometric" or "photometric"."""
+    """The maps that were refined: such as "geometric"."""
     device: str
     """Where it was computed, in words."""
     num_workers: int
@@ -115,7 +115,7 @@ class ImportSummary(PrintedResult):
     output_path: pathlib.Path
     """The workspace that was made."""
     output_type: str
-    """The maps that were written: "geometric" or "photometric"."""
+    """The maps that were written: such as "geometric"."""
     num_images: int
     """Images of the sparse model."""
     num_imported: int

@@ -23,16 +23,16 @@ which weights depths by their precision and confidence; paper, tsar_fuse as the 
 fuses: depths within 1 %%, normals within 30 degrees, pixels within 2, the mean of
 what agrees; colmap, stereo_fusion"""
 
-PRIORS = {"gp": "tsar", "mp": "acm", "colmap": "colmap"}  # Where the maps come from.
+PRIORS = {"gp": "tsar", "mp": "acm", "acmm": "acm", "colmap": "colmap"}  # Where the maps come from.
 GP_OPTIONS = {"TsarStereo.geom_consistency": 0}
 PRIOR_HELP = """\
 the maps to refine by the names of the paper's tables, in place of --stereo: gp, of
-tsar_stereo without its geometric passes, the nearest to the paper's Gipuma; mp,
-ACMMP's from --maps_path; colmap, of patch_match_stereo"""
+tsar_stereo without its geometric passes, the nearest to the paper's Gipuma; mp and
+acmm, ACMMP's and ACMM's from --maps_path; colmap, of patch_match_stereo"""
 MAPS_HELP = """\
-of --prior mp: ACMMP's results, MAPS/SCENE/ as tsar_import --format acm takes them,
-and MAPS/SCENE/runtime.txt with the line "runtime SECONDS", how long they took,
-which a submission needs"""
+of --prior mp and acmm: the results of ACMMP or ACMM, MAPS/SCENE/ as tsar_import
+--format acm takes them, and MAPS/SCENE/runtime.txt with the line "runtime SECONDS",
+how long they took, which a submission needs"""
 
 
 def new_parser(script, description, epilog=None):
@@ -142,8 +142,8 @@ def choose_stereo(args, programs):
     if prior and args.stereo:
         raise DatasetError(f"--prior {prior} and --stereo {args.stereo}: both say where the maps "
                            "come from; give one of them")
-    if getattr(args, "maps_path", None) and prior != "mp":
-        raise DatasetError("--maps_path: is for --prior mp")
+    if getattr(args, "maps_path", None) and PRIORS.get(prior) != "acm":
+        raise DatasetError("--maps_path: is for --prior mp and acmm")
     args.stereo = PRIORS[prior] if prior else args.stereo or "tsar"
     if args.stereo == "colmap" and not programs.colmap_has_stereo:
         raise DatasetError(f"{f'--prior {prior}' if prior else '--stereo colmap'}: "
@@ -151,7 +151,7 @@ def choose_stereo(args, programs):
                            f"{'--prior gp' if prior else '--stereo tsar'} or name another by "
                            "--colmap")
     if args.stereo == "acm" and not args.maps_path:
-        raise DatasetError("--prior mp: needs --maps_path, the folder with ACMMP's maps")
+        raise DatasetError(f"--prior {prior}: needs --maps_path, the folder with the maps")
     if args.stereo == "acm" and not pathlib.Path(args.maps_path).is_dir():
         raise DatasetError(f"--maps_path {args.maps_path}: no such folder")
 

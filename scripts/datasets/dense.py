@@ -52,7 +52,7 @@ def mask_options(masks):
 
 
 def given_maps(args, scene_name):
-    """The folder of ACMMP's maps of a scene."""
+    """The folder of ACMMP's or ACMM's maps of a scene."""
     return pathlib.Path(args.maps_path).resolve() / scene_name
 
 
@@ -102,7 +102,7 @@ def make_maps(scene, args, programs, masks):
     given = [options["input_path"]] if args.stereo == "acm" else []
     for folder in given:
         if not os.path.isdir(folder):
-            raise DatasetError(f"{folder}: not found; ACMMP's maps of the scene should be there")
+            raise DatasetError(f"{folder}: not found; the maps of the scene should be there")
     program = programs.colmap if args.stereo == "colmap" else programs.tsar
 
     def action(step):

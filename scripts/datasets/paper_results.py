@@ -5,10 +5,11 @@
 # Accuracy, completeness, F1 at 2 cm, and the same at 10 cm, of clouds of the training set of ETH3D, before and after
 # refinement, by the prior.
 ETH3D = {"gp": ((87.65, 66.53, 75.36, 96.64, 85.73, 91.21), (85.32, 82.27, 83.69, 97.26, 94.59, 95.86)),
+         "acmm": ((90.67, 70.42, 78.86, 98.12, 86.40, 91.70), (89.14, 81.59, 85.10, 97.54, 94.99, 96.19)),
          "mp": ((90.63, 77.61, 83.42, 97.99, 93.32, 95.54), (89.67, 84.39, 86.88, 98.15, 96.50, 97.64)),
          "colmap": ((91.85, 55.13, 67.66, 98.75, 79.47, 87.61), (85.51, 73.09, 78.34, 96.05, 89.59, 92.39))}
 
-# The same of Strecha's scenes; none are printed for COLMAP with refinement, nor for Gipuma without.
+# The same of Strecha's scenes; none are printed for COLMAP with refinement, Gipuma without, or ACMM.
 STRECHA = {
     "fountain": {"gp": (None, (82.27, 78.32, 80.25, 93.34, 87.32, 90.23)),
                  "mp": ((88.53, 73.75, 80.47, 96.18, 84.36, 89.88), (87.65, 79.29, 83.26, 95.69, 87.51, 91.42)),

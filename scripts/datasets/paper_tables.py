@@ -339,7 +339,7 @@ def run(args, programs):
         show_eth3d(tables, args, results)
     for name, scores in clouds:
         show_clouds(tables, f"Strecha, {name}", args.prior,
-                    paper.STRECHA[strecha.kind(name)][args.prior], [scores])
+                    paper.STRECHA[strecha.kind(name)].get(args.prior, (None, None)), [scores])
     write_text(args.output_path / "tables.json", json.dumps(
         {**programs.versions, "preset": args.preset, "fusion": args.fusion, "seeds": args.seeds,
          "tables": tables.tables}, indent=1) + "\n")

@@ -23,6 +23,22 @@ TEST(TsarEvaluate, WrongArgumentsAreOneLine) {
   }
 }
 
+using TsarEvaluateDepthTest = CommandTest<&RunTsarEvaluate>;
+
+TEST_F(TsarEvaluateDepthTest, TellsHowManyImagesAreRefined) {
+  MakeSyntheticWorkspace(root_);
+  const Words depth = {
+      "tsar_evaluate", "depth", "--workspace_path", root_.string()};
+  const std::string name = SyntheticWorkspace::Names()[0];
+  WriteText(root_ / "ground_truth/depth" / (name + ".bin"),
+            ReadText(GetMapPaths(root_, name, MapType::kGeometric).depth));
+  EXPECT_EQ(RunWith(depth).err, "");
+  std::filesystem::create_directories(root_ / "stereo/tsar/evidence");
+  const Outcome outcome = RunWith(depth);
+  EXPECT_EQ(outcome.exit_code, 0);
+  EXPECT_THAT(outcome.err, testing::HasSubstr("0 of 4 images are refined"));
+}
+
 // A scan of one point, and a cloud that has it and a point in front of it.
 class TsarEvaluateCloudTest : public testing::Test {
  protected:

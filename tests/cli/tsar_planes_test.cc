@@ -72,9 +72,13 @@ TEST_F(TsarPlanesTest, CountsWhatTheFileHolds) {
     // The front wall of the room has a hole.
     EXPECT_EQ(CountOf(ReadText(path), group), name[7] == 'o' ? 6 : 7);
     EXPECT_EQ(Write(path, {"--overwrite", "1"}).exit_code, 0);
-    WriteText(path, "years of work");
-    ExpectFailure({"--output_path", path.string(), "--overwrite", "1"},
-                  Words{path.string(), "is no file of planes"});
+    for (const char* text : {"years of work",
+                             "#!/bin/sh\n# tsar_planes AC1009\nFLOOR\n",
+                             R"({"planes": "tsar_planes"})"}) {
+      WriteText(path, text);
+      ExpectFailure({"--output_path", path.string(), "--overwrite", "1"},
+                    Words{path.string(), "is no file of planes"});
+    }
   }
 }
 

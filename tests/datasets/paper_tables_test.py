@@ -3,6 +3,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """scripts/paper_tables.sh on the sample scene in the layouts of ETH3D and Strecha,
 and what its tables are made of."""
+import argparse
 import json
 import unittest
 
@@ -10,9 +11,12 @@ from dataset_testing import DatasetTest, FolderTest, make_eth3d, make_strecha
 
 import numpy as np
 
+import dense
 import eth3d_depth
 import paper_results as paper
 import paper_tables
+from command_line import PRIORS, choose_stereo
+from files import DatasetError
 from model import Camera
 from sample_scene import read_map
 
@@ -74,8 +78,27 @@ class PartsTest(FolderTest):
             for mean, *scenes in rows.values():
                 self.assertEqual(len(scenes), len(paper.ABLATION_SCENES))
                 self.assertAlmostEqual(mean, np.mean(scenes), delta=0.006)
+        self.assertEqual(set(paper.ETH3D), set(PRIORS))
+        for clouds in paper.ETH3D.values():
+            for row in clouds:
+                for accuracy, completeness, f1 in (row[:3], row[3:]):
+                    # The printed F1 is a mean over scenes.
+                    self.assertAlmostEqual(
+                        f1, 2 * accuracy * completeness / (accuracy + completeness), delta=2)
         for _, _, _, values in paper.PARAMETERS:
             self.assertIn(paper.ETH3D["gp"][1][2], values.values())
+
+    def test_maps_of_acmm_are_imported(self):
+        args = argparse.Namespace(prior="acmm", stereo=None, maps_path=self.root)
+        choose_stereo(args, None)
+        self.assertEqual(dense.stereo_command(args, "pipes", None), (
+            "tsar_import", {"format": "acm", "input_path": str(self.root.resolve() / "pipes")}))
+        args = argparse.Namespace(prior="acmm", stereo=None, maps_path=None)
+        with self.assertRaisesRegex(DatasetError, "--prior acmm: needs --maps_path"):
+            choose_stereo(args, None)
+        tables = paper_tables.Tables()
+        paper_tables.show_clouds(tables, "clouds", "acmm", paper.ETH3D["acmm"], [])
+        self.assertEqual(tables.tables["clouds"]["acmm after, paper"]["F1@2cm"], 85.1)
 
     def test_runs(self):
         self.assertEqual(paper_tables.variants(["clouds"]),

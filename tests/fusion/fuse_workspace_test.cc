@@ -164,7 +164,11 @@ TEST(ReadBoundingBoxTest, NeedsSixNumbersOfABox) {
   const Eigen::AlignedBox3d box = ReadBoundingBox(path);
   EXPECT_EQ(box.min(), Eigen::Vector3d(-1, -2, -3));
   EXPECT_EQ(box.max(), Eigen::Vector3d(4, 5, 6.5));
+  WriteText(path, "\xEF\xBB\xBF# hall\r\n-1 -2 -3 # low\r\n4 5 6.5\r\n");
+  EXPECT_EQ(ReadBoundingBox(path).min(), box.min());
+  EXPECT_EQ(ReadBoundingBox(path).max(), box.max());
   for (const char* bad : {"",
+                          "0 0 0 1 1 # 1",
                           "1 2 3 4 5",
                           "1 2 3 4 5 x",
                           "1 0 0 0 1 1",

@@ -47,6 +47,8 @@ using testing::Pair;
 TEST_F(ImageListTest, ReadsNamesInTheirOrder) {
   EXPECT_THAT(Read("left/b c.png\n\n  a.png \na.png"),
               ElementsAre(Pair(1, 1), Pair(0, 3), Pair(0, 4)));
+  model_.without_pose = {"lost.png"};
+  EXPECT_THAT(Read("lost.png\na.png"), ElementsAre(Pair(0, 2)));
   EXPECT_THAT(Read("\xEF\xBB\xBF"
                    "\xC3\xA9.png\r\nleft/b c.png\r\n"),
               ElementsAre(Pair(2, 1), Pair(1, 2)));

@@ -80,6 +80,17 @@ TEST_F(PatchMatchConfigTest, KeepsReferencesWithoutOverlap) {
             "no other image shares enough of its sparse points");
 }
 
+TEST_F(PatchMatchConfigTest, ImagesWithoutPoseAreNotThere) {
+  model_.without_pose = {"lost.jpg"};
+  const std::vector<StereoProblem> problems =
+      Read("lost.jpg\n__all__\nv1.jpg\nlost.jpg, v3.jpg\nv2.jpg\nlost.jpg\n");
+  ASSERT_EQ(problems.size(), 2u);
+  EXPECT_EQ(problems[0].reference, 1);
+  EXPECT_THAT(problems[0].sources, ElementsAre(3));
+  EXPECT_EQ(problems[1].reference, 2);
+  EXPECT_THAT(problems[1].sources, IsEmpty());
+}
+
 TEST_F(PatchMatchConfigTest, CopiesOfAViewAreNoSources) {
   model_ = MakeModel({0, 0, 0, 1});
   AddPoint({0, 0, 5}, {0, 1, 2, 3}, &model_);

@@ -88,7 +88,7 @@ TEST(SparseModelTest, ReadsTextOfEditors) {
   const SparseModel model = text.Read();
   EXPECT_THAT(testing::internal::GetCapturedStderr(),
               testing::HasSubstr("points3D.txt: the position of point 12 is "
-                                 "not a number; left out"));
+                                 "not valid; left out"));
   ASSERT_EQ(model.images.size(), expected.images.size());
   for (size_t i = 0; i < model.images.size(); ++i) {
     EXPECT_EQ(model.images[i].name, expected.images[i].name);
@@ -98,6 +98,32 @@ TEST(SparseModelTest, ReadsTextOfEditors) {
     EXPECT_EQ(model.images[i].point_indices, expected.images[i].point_indices);
   }
   EXPECT_EQ(model.points, expected.points);
+}
+
+TEST(SparseModelTest, LeavesOutImagesWithoutPose) {
+  for (const char* pose :
+       {"nan 0 0 0 1 2 3", "2 0 0 0 1 inf 3", "0 0 0 0 1 2 3"}) {
+    SCOPED_TRACE(pose);
+    TextModel text;
+    Replace("2 0 0 0 1 2 3", pose, &text.images);
+    testing::internal::CaptureStderr();
+    const SparseModel model = text.Read();
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                testing::HasSubstr(
+                    "images.txt: the pose of image 5 (sub/with space.png) is "
+                    "not valid; left out"));
+    ASSERT_EQ(model.images.size(), 1u);
+    EXPECT_EQ(model.images[0].name, "first.png");
+    // As COLMAP counts the images in visibility files.
+    EXPECT_EQ(model.images[0].index_in_file, 1);
+    EXPECT_THAT(model.images[0].point_indices, testing::ElementsAre(1));
+    EXPECT_EQ(model.points.size(), 2u);
+    EXPECT_TRUE(model.without_pose.contains("sub/with space.png"));
+    Replace("-0.5 0 0 0", "-0.5 0 nan 0", &text.images);
+    ExpectError(ErrorCode::kCorrupt,
+                {"images.txt", "no image has a valid pose"},
+                [&] { text.Read(); });
+  }
 }
 
 TEST(SparseModelTest, PrefersBinaryWhereAllThreeAreThere) {
@@ -182,8 +208,6 @@ TEST(SparseModelTest, RefusesBadText) {
       {kImages, "first.png", "sub/with space.png", kCorrupt, "the same file"},
       {kImages, "first.png", "", kCorrupt, "name"},
       {kImages, "\n2 0", "\n5 0", kCorrupt, "image 5"},
-      {kImages, "0 0 0 -0.5", "0 0 0 0", kCorrupt, "pose"},
-      {kImages, "1 2 3 1", "1 inf 3 1", kCorrupt, "pose"},
       {kImages, "5 2 0 0", "5 2 0\n", kCorrupt, "line 2 ends too early"},
       {kPoints, "5 0 2 3", "5 0 8 3", kCorrupt, "image 8"},
       {kPoints, "5 0 2 3", "5 0 2", kCorrupt, "line 1 ends too early"},

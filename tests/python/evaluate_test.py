@@ -65,7 +65,7 @@ class EvaluateTest(SampleTest):
             (FileNotFoundError, "missing.ply", cloud, ("missing.ply", self.scans), {}),
             (colmap_tsar.BadOptionError, "^voxel_size: ", cloud, ("a.ply", self.scans), {"voxel_size": 0}),
             (ValueError, "^tolerances: ", depth, (self.sample,), {"tolerances": [0.1, 0.1]}),
-            (ValueError, "^input_type: 'best'", depth, (self.sample,), {"input_type": "best"}),
+            (ValueError, "^input_type: 'a.b'", depth, (self.sample,), {"input_type": "a.b"}),
             (colmap_tsar.NotFoundError, "check workspace_path", depth, (self.class_folder,), truth),
         ):
             with self.subTest(text=text), self.assertRaisesRegex(kind, text):

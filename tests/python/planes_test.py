@@ -120,8 +120,8 @@ class PlanesTest(RefinedTest):
         for area in (-1.0, float("nan"), float("inf")):
             with self.assertRaisesRegex(ValueError, "^min_area: "):
                 colmap_tsar.read_planes(self.workspace, min_area=area)
-        with self.assertRaisesRegex(ValueError, "^input_type: 'best'"):
-            colmap_tsar.read_planes(self.workspace, input_type="best")
+        with self.assertRaisesRegex(ValueError, "^input_type: 'a.b'"):
+            colmap_tsar.read_planes(self.workspace, input_type="a.b")
         with self.assertRaisesRegex(colmap_tsar.NotFoundError, "photometric"):
             colmap_tsar.read_planes(self.workspace, input_type="photometric")
 

@@ -144,8 +144,8 @@ class WorkspaceMapsTest(RefinedTest):
         for path in (self.workspace / "stereo/depth_maps").glob("*.geometric.bin"):
             path.unlink()
         self.assertEqual(ws.input_type, "photometric")
-        with self.assertRaisesRegex(ValueError, "^input_type: 'best'"):
-            colmap_tsar.Workspace(self.workspace, input_type="best")
+        with self.assertRaisesRegex(ValueError, "^input_type: 'a.b'"):
+            colmap_tsar.Workspace(self.workspace, input_type="a.b")
 
     def test_what_is_no_workspace_is_named(self):
         with self.assertRaisesRegex(FileNotFoundError, "nowhere.*check workspace_path"):

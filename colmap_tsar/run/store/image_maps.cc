@@ -3,7 +3,9 @@
 
 #include "colmap_tsar/run/store/image_maps.h"
 
+#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/start_thread.h"
@@ -14,6 +16,7 @@
 #include "colmap_tsar/io/map_shape.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <utility>
 
@@ -111,10 +114,11 @@ std::vector<int> FindRefinedImages(const Workspace& workspace) {
 std::vector<int> RequireRefinedImages(const Workspace& workspace) {
   const std::vector<int> refined = FindRefinedImages(workspace);
   if (refined.empty()) {
-    throw Error::File(ErrorCode::kNotFound,
-                      workspace.Root().string(),
-                      "has no refined " + ToString(workspace.Type()) + " maps",
-                      "run tsar_refine on it first");
+    throw Error::File(
+        ErrorCode::kNotFound,
+        workspace.Root().string(),
+        "has no refined " + ToString(workspace.Type()) + " maps",
+        "run tsar_refine on it first, or " + AdviceOfTypes(workspace.Root()));
   }
   return refined;
 }
@@ -140,6 +144,42 @@ void WarnOfConventions(const Workspace& workspace,
     remarks.Add(ConventionsOf(workspace, image).remarks, workspace.Name(image));
   }
   std::ranges::for_each(remarks.Lines(), &Warn);
+  WarnOfCopiedMaps(workspace, images);
+}
+
+void WarnOfCopiedMaps(const Workspace& workspace,
+                      const std::vector<int>& images) {
+  constexpr uintmax_t kNumBytes = 1024;
+  // Few bytes amid each tell which files to compare.
+  std::map<std::vector<uint8_t>, std::vector<std::filesystem::path>> alike;
+  for (const int image : images) {
+    const MapPaths maps = workspace.Paths(image, workspace.Type());
+    const std::filesystem::path path =
+        Exists(maps.provenance) ? maps.original_depth : maps.depth;
+    if (InputFile file(path); file.Size() >= kNumBytes) {
+      alike[file.ReadBytes((file.Size() - kNumBytes) / 2, kNumBytes)].push_back(
+          path);
+    }
+  }
+  for (const auto& [bytes, paths] : alike) {
+    std::map<uint64_t, std::filesystem::path> of_content;
+    for (size_t i = 0; paths.size() > 1 && i < paths.size(); ++i) {
+      const auto [first, is_new] =
+          of_content.emplace(HashFile(paths[i]), paths[i]);
+      if (is_new) {
+        continue;
+      }
+      // Of a wall straight ahead, or where all is masked, maps may be the same.
+      const Image<float> depth = ReadDepthMap(paths[i]);
+      const auto [least, most] = std::ranges::minmax(depth);
+      if (least < most) {
+        Warn(paths[i].string() + ": has the bytes of " +
+             first->second.string() +
+             ", another image's map; run patch_match_stereo again for the "
+             "image whose map it is not");
+      }
+    }
+  }
 }
 
 Image<float> ReadImageDepth(const Workspace& workspace, int image) {

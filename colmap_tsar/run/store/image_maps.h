@@ -62,10 +62,13 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image);
 // no other maps. Throws what Workspace::ReadOriginalMaps and ReadMask throw.
 ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image);
 
-// Warns of maps that do not follow COLMAP's conventions, see map_conventions.h.
-// Throws what Workspace::OpenOriginalMaps throws.
+// Warns of maps that do not follow COLMAP's conventions, see map_conventions.h,
+// or are copies. Throws what Workspace::OpenOriginalMaps throws.
 void WarnOfConventions(const Workspace& workspace,
                        const std::vector<int>& images);
+// Warns of original depth maps of two images that are the same, byte for byte.
+void WarnOfCopiedMaps(const Workspace& workspace,
+                      const std::vector<int>& images);
 
 // Reads the depth map alone; errors as ReadImageMaps().
 Image<float> ReadImageDepth(const Workspace& workspace, int image);

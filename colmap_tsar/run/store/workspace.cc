@@ -100,6 +100,14 @@ Workspace::Workspace(const std::filesystem::path& root, MapType type)
   problems_ = ReadPatchMatchConfig(ConfigPath(root), model_);
 }
 
+std::vector<MapType> Workspace::Types() const {
+  std::vector<MapType> types = {MapType::kPhotometric, MapType::kGeometric};
+  if (std::ranges::find(types, type_) == types.end()) {
+    types.push_back(type_);
+  }
+  return types;
+}
+
 void Workspace::WarnOfSourcesLeftOut() const {
   tsar::WarnOfSourcesLeftOut(ConfigPath(root_), problems_);
 }

@@ -79,9 +79,11 @@ class Workspace {
   const std::filesystem::path& Root() const { return root_; }
   MapType Type() const { return type_; }
   MapType OtherType() const {
-    return type_ == MapType::kGeometric ? MapType::kPhotometric
-                                        : MapType::kGeometric;
+    return type_ == MapType::kPhotometric ? MapType::kGeometric
+                                          : MapType::kPhotometric;
   }
+  // COLMAP's, and that of the maps to refine.
+  std::vector<MapType> Types() const;
   const SparseModel& Model() const { return model_; }
   // The folder of the model: sparse, or sparse/0.
   const std::filesystem::path& ModelFolder() const { return model_folder_; }

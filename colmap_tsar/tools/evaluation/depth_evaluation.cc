@@ -259,6 +259,12 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
   const std::string input_type = ToString(options.input_type);
   const fs::path map_folder = workspace_path / "stereo" / "depth_maps";
 
+  // Depth maps alone can be scored, too.
+  if (Exists(GetTsarFolder(workspace_path)) &&
+      Exists(workspace_path / "sparse")) {
+    WarnOfChangedResults(Workspace(workspace_path, options.input_type),
+                         {"depth"});
+  }
   DepthEvaluation evaluation;
   for (const char* area : {"all", "textureless"}) {
     for (const double tolerance : options.tolerances) {
@@ -288,8 +294,8 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
                       map_folder.string(),
                       "there is no " + input_type +
                           " depth map of an image with ground truth",
-                      "check " + OptionName("workspace_path") + " and " +
-                          OptionName("input_type"));
+                      "check " + OptionName("workspace_path") + ", or " +
+                          AdviceOfTypes(workspace_path));
   }
   return evaluation;
 }

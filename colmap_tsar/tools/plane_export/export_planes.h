@@ -90,7 +90,7 @@ struct ExportedPlane {
 };
 
 struct ExportedPlanes {
-  std::string type;  // Type of the maps: "geometric" or "photometric".
+  std::string type;  // Type of the maps: such as "geometric".
   int num_images = 0;
   Vertical vertical;
   std::vector<Eigen::Matrix3d> frames;  // See SceneModel.
