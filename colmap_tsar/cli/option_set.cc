@@ -273,10 +273,18 @@ bool OptionSet::Parse(int argc, const char* const* argv) {
         &project_path_,
         "Ini file with values for these options: top-level keys, and a section "
         "per group. Options on the command line come before it.");
+    const std::string taken =
+        "Taken for the sake of COLMAP's commands, which have it; ";
+    if (std::ranges::find(options_, "random_seed", &Option::name) ==
+        options_.end()) {
+      Add("random_seed", &random_seed_, taken + "nothing here is random.")
+          .is_advanced = true;
+    }
+    Add("log_level", &log_level_, taken + "there are no log levels.")
+        .is_advanced = true;
     Add("log_to_stderr",
         &log_to_stderr_,
-        "Taken for the sake of COLMAP's commands, which have it; warnings go "
-        "to standard error in any case.")
+        taken + "warnings go to standard error in any case.")
         .is_advanced = true;
   }
   NameOptions(options_);

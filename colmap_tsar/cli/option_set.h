@@ -137,6 +137,8 @@ class OptionSet {
   std::string example_;
   std::filesystem::path project_path_;
   bool log_to_stderr_ = true;
+  int log_level_ = 0;
+  int random_seed_ = 0;
   std::vector<Option> options_;
 };
 

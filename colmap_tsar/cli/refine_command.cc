@@ -4,8 +4,6 @@
 #include "colmap_tsar/cli/refine_command.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/cli/interruption.h"
@@ -19,7 +17,6 @@
 #include <filesystem>
 #include <iostream>
 #include <limits>
-#include <type_traits>
 #include <utility>
 #include <variant>
 

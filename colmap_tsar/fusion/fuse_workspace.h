@@ -36,7 +36,7 @@ struct FuseWorkspaceOptions {
 
 struct FuseSummary {
   int num_images = 0;
-  std::optional<int64_t> num_masks;  // See ExportSummary.
+  std::optional<int64_t> num_masks;  // See RunSummary.
   int64_t num_points = 0;
   double seconds = 0.0;
   std::string devices;  // "2 CPU threads", or the GPUs' names.

@@ -24,7 +24,7 @@ struct FusionPlan {
 };
 
 // Plans the fusion of the listed images that have maps; image_list_path: a file
-// of image names, see io/image_list.h; empty: all images. Those that
+// of image names, see io/image_lists.h; empty: all images. Those that
 // stereo/fusion.cfg does not list are neither fused nor sources, if that file
 // exists. Throws Error kNotFound where no image to be fused has maps, and what
 // ReadImageList throws.

@@ -80,7 +80,7 @@ struct RunSummary {
 
   std::filesystem::path workspace_path;  // The one that was written.
   std::filesystem::path model_folder;    // The folder of its sparse model.
-  // The obstacles to its fusion by COLMAP, see fusion_obstacles.h.
+  // The obstacles to its fusion by COLMAP, see FindFusionObstacles().
   std::vector<std::string> fusion_obstacles;
   RefinePass pass = RefinePass::kAll;
   Shard shard;

@@ -24,7 +24,7 @@ TSAR_HD inline void Count(uint8_t* votes) {
 
 // The color difference that counts in full, in gray levels over the three
 // channels.
-constexpr float kFullDifference = 20.f;
+constexpr int kFullDifference = 20;
 
 struct VoteKernel {
   ImageView<const float> depth;
@@ -67,21 +67,22 @@ struct VoteKernel {
   TSAR_HD void AddColor(const Rgb& own,
                         const SeenPoint& seen,
                         OcclusionVotes* of_pixel) const {
-    constexpr float kFull = kFullDifference * kFullDifference;
-    float least = kFull;
+    constexpr int kFull = kFullDifference * kFullDifference;
+    int least = kFull;
     for (int v = seen.row - 1; v <= seen.row + 1; ++v) {
       for (int u = seen.column - 1; u <= seen.column + 1; ++u) {
         if (source.color.Contains(u, v)) {
           const Rgb& there = source.color(u, v);
-          const float r = static_cast<float>(there.r) - own.r;
-          const float g = static_cast<float>(there.g) - own.g;
-          const float b = static_cast<float>(there.b) - own.b;
-          least = fminf(least, r * r + g * g + b * b);
+          const int r = there.r - own.r;
+          const int g = there.g - own.g;
+          const int b = there.b - own.b;
+          const int squared = r * r + g * g + b * b;
+          least = squared < least ? squared : least;
         }
       }
     }
-    const auto difference =
-        static_cast<uint8_t>((OcclusionVotes::kNoColor - 1) * (least / kFull));
+    const auto difference = static_cast<uint8_t>(
+        (OcclusionVotes::kNoColor - 1) * (static_cast<float>(least) / kFull));
     if (difference < of_pixel->color) {
       of_pixel->second_color = of_pixel->color;
       of_pixel->color = difference;

@@ -11,17 +11,17 @@ from files import DatasetError
 from programs import Programs
 
 STEREO_HELP = """\
-where the depth maps come from: tsar (the default), tsar_stereo of this project;
+where the depth maps come from: tsar, tsar_stereo of this project, unless --prior is given;
 colmap, its patch_match_stereo (with a COLMAP that has CUDA and an NVIDIA GPU); none,
 nowhere: put the maps into {}/dense/stereo yourself"""
 PRESETS = ("default", "paper")
 # The preset of tsar_fuse; None: stereo_fusion fuses.
 FUSIONS = {"tsar": "default", "paper": "paper", "colmap": None}
 FUSION_HELP = """\
-what fuses the maps, before and after refinement alike: tsar (the default), tsar_fuse,
+what fuses the maps, before and after refinement alike: tsar, tsar_fuse,
 which weights depths by their precision and confidence; paper, tsar_fuse as the paper
 fuses: depths within 1 %%, normals within 30 degrees, pixels within 2, the mean of
-what agrees; colmap, stereo_fusion"""
+what agrees; colmap, stereo_fusion (default: %(default)s)"""
 
 PRIORS = {"gp": "tsar", "mp": "acm", "acmm": "acm", "colmap": "colmap"}  # Where the maps come from.
 GP_OPTIONS = {"TsarStereo.geom_consistency": 0}
@@ -85,11 +85,12 @@ def add_options(parser, scene_folder):
                         help="longer side of the depth maps; larger images are reduced "
                         "(default: 3200)")
     parser.add_argument("--preset", choices=PRESETS, default=PRESETS[0],
-                        help="preset of tsar_refine (default: default)")
+                        help="preset of tsar_refine (default: %(default)s)")
     parser.add_argument("--fusion", choices=tuple(FUSIONS), default="tsar", help=FUSION_HELP)
     parser.add_argument("--min_num_pixels", type=int, metavar="N",
                         help="views that must see a point of either cloud, the reference view "
-                        "among them (default: 2 for tsar_fuse, 5 for stereo_fusion)")
+                        "among them (default: 2 for tsar_fuse, 3 with --fusion paper, 5 for "
+                        "stereo_fusion)")
     parser.add_argument("--colmap", metavar="PATH", help="COLMAP (default: the one on the path)")
     parser.add_argument("--colmap_tsar", metavar="PATH", help="this project's program "
                         "(default: build/bin/colmap_tsar, or the one on the path)")

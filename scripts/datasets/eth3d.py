@@ -34,7 +34,7 @@ stereo_fusion. Makes a submission of them, and scores the scenes that come with 
 scans before and after refinement.
 
 Unpack the archives SCENE_dslr_undistorted.7z, and for training scenes
-SCENE_scan_eval.7z too, into one folder, so that there are
+SCENE_dslr_scan_eval.7z too, into one folder, so that there are
 
   SCENE/images/dslr_images_undistorted/*.JPG
   SCENE/dslr_calibration_undistorted/{cameras,images,points3D}.txt

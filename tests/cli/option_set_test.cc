@@ -177,7 +177,7 @@ TEST_F(OptionSetTest, HelpAsJsonTellsAllToPrograms) {
   EXPECT_EQ(json.at("command"), "tsar_test");
   EXPECT_EQ(json.at("summary"), "Tests options.");
   const nlohmann::json& options = json.at("options");
-  ASSERT_EQ(options.size(), 9u);
+  ASSERT_EQ(options.size(), 11u);
   EXPECT_EQ(options[2],
             nlohmann::json({{"name", "TsarTest.iterations"},
                             {"value", "INT"},
@@ -202,7 +202,17 @@ TEST_F(OptionSetTest, IniOfColmapFillsInWhatTheCommandLineLeavesOut) {
           "database_path=/a/database.db\nimage_path=/a/images\n"
           "workspace_path = from an ini\n# a comment\n[PatchMatchStereo]\n"
           "window_radius=5\n[TsarTest]\niterations = 6\ndevice=cuda\n");
-  EXPECT_TRUE(Parse({"--project_path", ini, "--TsarTest.iterations", "8"}));
+  // All commands of COLMAP have these three.
+  EXPECT_TRUE(Parse({"--log_level",
+                     "2",
+                     "--random_seed",
+                     "1",
+                     "--log_to_stderr",
+                     "0",
+                     "--project_path",
+                     ini,
+                     "--TsarTest.iterations",
+                     "8"}));
   EXPECT_EQ(workspace_path_, "from an ini");
   EXPECT_EQ(iterations_, 8);
   EXPECT_EQ(device_, "cuda");

@@ -14,7 +14,7 @@ SOURCES = (".cc", ".cu", ".cuh", ".h", ".js", ".html", ".css")
 SCRIPTS = (".py", ".sh")
 BUDGETS = (
     ("colmap_tsar/base", SOURCES, 2800),
-    ("colmap_tsar/cli", SOURCES, 3260),
+    ("colmap_tsar/cli", SOURCES, 3270),
     ("colmap_tsar/compose", SOURCES, 2180),
     ("colmap_tsar/device", SOURCES, 1610),
     ("colmap_tsar/fusion", SOURCES, 1530),
@@ -29,7 +29,7 @@ BUDGETS = (
     ("colmap_tsar/tools/report", SOURCES, 930),
     ("colmap_tsar/tools/stereo", SOURCES, 1340),
     ("colmap_tsar/view", SOURCES, 7000),
-    ("tests", SOURCES + SCRIPTS, 43890),
+    ("tests", SOURCES + SCRIPTS, 43900),
     ("docs", (".md",), 3500),
 )
 PAGES = {

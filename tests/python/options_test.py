@@ -12,7 +12,7 @@ from colmap_tsar import Workspace
 from support import REPOSITORY, run_program
 
 # What the workspace and other methods say.
-LEFT_OUT = {"workspace_path", "input_type", "project_path", "log_to_stderr", "random_seed", "restore"}
+LEFT_OUT = {"workspace_path", "input_type", "project_path", "log_to_stderr", "log_level", "random_seed", "restore"}
 
 
 class OptionsTest(unittest.TestCase):
