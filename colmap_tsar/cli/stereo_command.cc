@@ -36,8 +36,8 @@ void AddRunOptions(StereoCommand* command, OptionSet* options) {
               options);
   options->Add("overwrite",
                &command->overwrite,
-               "Replace maps that another program made, or that were made with "
-               "other options or from other inputs.");
+               "Replace maps that another program made (they are not kept), or "
+               "that were made with other options or from other inputs.");
   AddDeviceOptions("TsarStereo.", &command->devices, options);
 }
 

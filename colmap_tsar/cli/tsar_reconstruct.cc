@@ -90,8 +90,8 @@ void ReconstructCommand::AddTo(OptionSet* options) {
                "patch_match_stereo or tsar_import.");
   options->Add("overwrite",
                &match.overwrite,
-               "Replace maps that another program made, or that were made with "
-               "other options or from other inputs.");
+               "Replace maps that another program made (they are not kept), or "
+               "that were made with other options or from other inputs.");
   AddDeviceOptions("TsarReconstruct.", &devices, options);
   AddGroup(&match, options);
   AddGroup(&refine, options);
