@@ -89,31 +89,33 @@ struct FrontKernel {
   ImageView<float> front;
 
   TSAR_HD void operator()(int x, int y) const {
-    float nearest_of_all = INFINITY;
-    float nearest_of_nine = INFINITY;
+    // Bits of positive numbers are in the order of these.
+    int nearest_of_all = BitsOf(INFINITY);
+    int nearest_of_nine = nearest_of_all;
     for (int j = -kFrontRadius; j <= kFrontRadius; ++j) {
       for (int i = -kFrontRadius; i <= kFrontRadius; ++i) {
         if (!nearest.Contains(x + i, y + j)) {
           continue;
         }
-        const float depth = FromBits(nearest(x + i, y + j));
-        nearest_of_all = fminf(nearest_of_all, depth);
+        const int depth = nearest(x + i, y + j);
+        nearest_of_all = depth < nearest_of_all ? depth : nearest_of_all;
         if (i >= -1 && i <= 1 && j >= -1 && j <= 1) {
-          nearest_of_nine = fminf(nearest_of_nine, depth);
+          nearest_of_nine = depth < nearest_of_nine ? depth : nearest_of_nine;
         }
       }
     }
+    const float limit = (1.f + kOneFront) * FromBits(nearest_of_all);
     int count = 0;
     for (int j = -kFrontRadius; j <= kFrontRadius; ++j) {
       for (int i = -kFrontRadius; i <= kFrontRadius; ++i) {
         count += nearest.Contains(x + i, y + j) &&
-                         FromBits(nearest(x + i, y + j)) <
-                             (1.f + kOneFront) * nearest_of_all
+                         FromBits(nearest(x + i, y + j)) < limit
                      ? 1
                      : 0;
       }
     }
-    front(x, y) = count >= kMinFrontPixels ? nearest_of_nine : INFINITY;
+    front(x, y) =
+        count >= kMinFrontPixels ? FromBits(nearest_of_nine) : INFINITY;
   }
 };
 
