@@ -277,11 +277,11 @@ bool OptionSet::Parse(int argc, const char* const* argv) {
         "Taken for the sake of COLMAP's commands, which have it; ";
     if (std::ranges::find(options_, "random_seed", &Option::name) ==
         options_.end()) {
-      Add("random_seed", &random_seed_, taken + "nothing here is random.")
+      Add("random_seed", &unused_, taken + "nothing here is random.")
           .is_advanced = true;
     }
-    Add("log_level", &log_level_, taken + "there are no log levels.")
-        .is_advanced = true;
+    Add("log_level", &unused_, taken + "there are no log levels.").is_advanced =
+        true;
     Add("log_to_stderr",
         &log_to_stderr_,
         taken + "warnings go to standard error in any case.")

@@ -136,9 +136,9 @@ class OptionSet {
   std::string summary_;
   std::string example_;
   std::filesystem::path project_path_;
+  // Of options that have no effect.
   bool log_to_stderr_ = true;
-  int log_level_ = 0;
-  int random_seed_ = 0;
+  int unused_ = 0;
   std::vector<Option> options_;
 };
 
