@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <new>
 #include <type_traits>
@@ -53,13 +54,23 @@ struct ImageView {
   }
 };
 
+// Memory of an image, to be freed by std::free. Large images are in huge pages
+// where the system has them, since most of their time would be spent on page
+// faults. Throws std::bad_alloc.
+void* AllocatePixels(size_t num_bytes);
+
 // A vector's allocator that leaves elements without a value uninitialized.
 template <typename T>
-struct UninitializedAllocator : std::allocator<T> {
+struct PixelAllocator : std::allocator<T> {
   template <typename U>
   struct rebind {
-    using other = UninitializedAllocator<U>;
+    using other = PixelAllocator<U>;
   };
+
+  T* allocate(size_t count) {
+    return static_cast<T*>(AllocatePixels(count * sizeof(T)));
+  }
+  void deallocate(T* pixels, size_t) { std::free(pixels); }
 
   template <typename U>
   void construct(U*) {}
@@ -119,7 +130,7 @@ class Image {
  private:
   int width_ = 0;
   int height_ = 0;
-  std::vector<T, UninitializedAllocator<T>> data_;
+  std::vector<T, PixelAllocator<T>> data_;
 };
 
 }  // namespace tsar

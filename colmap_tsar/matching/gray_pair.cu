@@ -10,6 +10,9 @@ namespace tsar {
 namespace {
 
 TSAR_HD float GrayLevel(float gray) { return gray; }
+TSAR_HD float GrayLevel(const GrayPair& pair) {
+  return static_cast<float>(pair.word & 0xFFFFu) * kGrayUnit<GrayPair>;
+}
 
 struct GrayKernel {
   ImageView<const Rgb> color;
@@ -29,16 +32,26 @@ struct PairKernel {
   }
 };
 
+template <typename Pixel>
 struct HalveKernel {
-  ImageView<const float> gray;
+  ImageView<const Pixel> gray;
   TSAR_HD float operator()(int x, int y) const {
     const int x0 = 2 * x;
     const int y0 = 2 * y;
     const int x1 = x0 + 1 < gray.width ? x0 + 1 : x0;
     const int y1 = y0 + 1 < gray.height ? y0 + 1 : y0;
-    return 0.25f * (gray(x0, y0) + gray(x1, y0) + gray(x0, y1) + gray(x1, y1));
+    return 0.25f * (GrayLevel(gray(x0, y0)) + GrayLevel(gray(x1, y0)) +
+                    GrayLevel(gray(x0, y1)) + GrayLevel(gray(x1, y1)));
   }
 };
+
+template <typename Pixel>
+DeviceImage<float> Halve(ImageView<const Pixel> gray, Device& device) {
+  return MapPixels<float>(device,
+                          gray.width > 1 ? gray.width / 2 : 1,
+                          gray.height > 1 ? gray.height / 2 : 1,
+                          HalveKernel<Pixel>{gray});
+}
 
 }  // namespace
 
@@ -60,10 +73,12 @@ void ComputeGrayPairs(ImageView<const Rgb> color,
 }
 
 DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device) {
-  return MapPixels<float>(device,
-                          gray.width > 1 ? gray.width / 2 : 1,
-                          gray.height > 1 ? gray.height / 2 : 1,
-                          HalveKernel{gray});
+  return Halve(gray, device);
+}
+
+DeviceImage<GrayPair> HalveGray(ImageView<const GrayPair> gray,
+                                Device& device) {
+  return PairGray(Halve(gray, device).View(), device);
 }
 
 }  // namespace tsar

@@ -48,5 +48,6 @@ void ComputeGrayPairs(ImageView<const Rgb> color,
 // The image at half the width and height, rounded down, but at least one pixel:
 // each pixel is the mean of four.
 DeviceImage<float> HalveGray(ImageView<const float> gray, Device& device);
+DeviceImage<GrayPair> HalveGray(ImageView<const GrayPair> gray, Device& device);
 
 }  // namespace tsar

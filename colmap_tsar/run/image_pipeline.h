@@ -99,6 +99,11 @@ class ImagePipeline {
         free_workers_(static_cast<size_t>(at_work.num_workers)),
         outcome_(images_.size()) {
     std::iota(free_workers_.begin(), free_workers_.end(), size_t{0});
+    for (const size_t index : images_) {
+      for (const int image : pass_.Views(index)) {
+        ++num_uses_[image];
+      }
+    }
   }
 
   // Returns when all images are done. After a failure no further image is
@@ -139,6 +144,8 @@ class ImagePipeline {
   void WorkOn(size_t index, ImageReport* report);
   // Returns false if the user asked to stop.
   bool Load(size_t index, LoadedViews* views);
+  // Drops the views that no later image needs.
+  void DropViews(size_t index);
 
   ImagePass<Result>& pass_;
   const std::vector<size_t> images_;
@@ -150,6 +157,7 @@ class ImagePipeline {
   std::mutex mutex_;
   std::condition_variable is_free_;
   std::deque<size_t> free_workers_;
+  std::map<int, int> num_uses_;  // Of each view, by images to come.
   std::atomic<size_t> next_ = 0;
   std::atomic<bool> has_failed_ = false;
   // The entries of an image are written by the thread that works on it, the
@@ -205,6 +213,7 @@ template <typename Result>
 void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
   *report = pass_.Begin(index);
   if (report->outcome != ImageReport::Outcome::kNotDone) {
+    DropViews(index);
     return;
   }
   LoadedViews views;
@@ -212,6 +221,7 @@ void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
   if (!Load(index, &views)) {
     return;
   }
+  DropViews(index);
   report->seconds["read"] += reading.Seconds();
   pass_.Prepare(index, views);
   Result result;
@@ -240,6 +250,19 @@ bool ImagePipeline<Result>::Load(size_t index, LoadedViews* views) {
     views->Add(images[i], std::move(loaded[i]));
   }
   return true;
+}
+
+template <typename Result>
+void ImagePipeline<Result>::DropViews(size_t index) {
+  for (const int image : pass_.Views(index)) {
+    const bool was_last = [&] {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      return --num_uses_[image] == 0;
+    }();
+    if (was_last) {
+      cache_.Drop(image);
+    }
+  }
 }
 
 }  // namespace tsar

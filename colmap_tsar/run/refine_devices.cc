@@ -109,7 +109,7 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
     // the GPU or for the disk, at different places in each pass.
     wanted.num_threads =
         wanted.num_workers +
-        std::min(num_threads * 9 / 4,
+        std::min(num_threads * 5 / 4,
                  kThreadsPerGpu * static_cast<int>(opened.size()));
   }
   wanted.num_threads = std::min(wanted.num_threads, num_images);

@@ -40,6 +40,17 @@ class SharedCache {
                                                       : entry->value.get();
   }
 
+  // Keeps the value of an image no longer than others use it.
+  void Drop(int image) {
+    Pointer value;  // Freed without the mutex.
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const auto entry = Use(image);
+    if (entry != entries_.end() && IsMade(*entry)) {
+      value = entry->value.get();
+      entries_.erase(entry);
+    }
+  }
+
   // Makes the value where there is none. Threads that want the same value wait
   // for one of them to make it. What make() throws reaches all that wait; the
   // next call tries again.

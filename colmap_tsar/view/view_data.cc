@@ -17,13 +17,15 @@ bool HasDepth(const Image<float>& depth) {
 
 std::shared_ptr<const UploadedView> UploadView(
     const ViewData& view, Device& device, std::shared_ptr<UploadedView> spare) {
-  const int width = view.depth.Width();
-  const int height = view.depth.Height();
-  if (spare == nullptr || spare->depth.Width() != width ||
-      spare->depth.Height() != height) {
+  const int width = view.color.Width();
+  const int height = view.color.Height();
+  if (spare == nullptr || spare->gray.Width() != width ||
+      spare->gray.Height() != height ||
+      spare->depth.Empty() != view.depth.Empty()) {
     spare = std::make_shared<UploadedView>();
     spare->gray = DeviceImage<GrayPair>(device, width, height);
-    spare->depth = DeviceImage<float>(device, width, height);
+    spare->depth =
+        DeviceImage<float>(device, view.depth.Width(), view.depth.Height());
   }
   spare->camera = view.camera;
   spare->has_depth = HasDepth(view.depth);

@@ -42,7 +42,7 @@ struct UploadedView {
   Camera camera;
   bool has_depth = false;  // Whether any pixel has a depth.
   DeviceImage<GrayPair> gray;
-  DeviceImage<float> depth;
+  DeviceImage<float> depth;  // Empty where the view has no depth map.
 };
 
 // Whether any pixel has a depth.

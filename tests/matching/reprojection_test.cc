@@ -75,6 +75,30 @@ TEST(PairGray, PairsEachPixelWithItsRightNeighbor) {
   EXPECT_TRUE(SameBytes(pairs, expected));
 }
 
+TEST(HalveGray, GivesPairsTheLevelsOfTheHalvedImage) {
+  const auto device = Device::CreateCpu(2);
+  Image<float> gray(7, 5);
+  for (size_t i = 0; i < gray.NumPixels(); ++i) {
+    gray.Data()[i] = 7.3f * static_cast<float>(i);
+  }
+  const DeviceImage<float> on_device(*device, gray);
+  const Image<float> halved = HalveGray(on_device.View(), *device).ToHost();
+  const DeviceImage<GrayPair> pairs = PairGray(on_device.View(), *device);
+  const Image<GrayPair> halved_pairs =
+      HalveGray(pairs.View(), *device).ToHost();
+  ASSERT_EQ(halved_pairs.Width(), 3);
+  ASSERT_EQ(halved_pairs.Height(), 2);
+  for (int y = 0; y < 2; ++y) {
+    for (int x = 0; x < 3; ++x) {
+      const Halves levels = SplitWord(halved_pairs(x, y).word);
+      EXPECT_NEAR(levels.low, 256.f * halved(x, y), 1.f);
+      EXPECT_NEAR(levels.low + levels.high_minus_low,
+                  256.f * halved(std::min(x + 1, 2), y),
+                  1.f);
+    }
+  }
+}
+
 constexpr int kCount = 10;
 
 // Every one of kCount positions must get what it gets alone.

@@ -20,8 +20,6 @@ namespace {
 
 using Outcome = ImageReport::Outcome;
 
-constexpr int kNumSources = 5;
-
 // Adds up the depths of an image and its sources, which are their numbers.
 class DrawnPass : public ImagePass<int64_t> {
  public:
@@ -36,7 +34,7 @@ class DrawnPass : public ImagePass<int64_t> {
   }
   std::vector<int> Views(size_t index) const override {
     std::vector<int> views;
-    for (int i = 0; i <= kNumSources; ++i) {
+    for (int i = 0; i <= num_sources; ++i) {
       views.push_back((static_cast<int>(index) + 3 * i) % num_images_);
     }
     return views;
@@ -45,9 +43,14 @@ class DrawnPass : public ImagePass<int64_t> {
     if (image == unreadable) {
       throw Error(ErrorCode::kCorrupt, "broken; repair it");
     }
-    auto view = std::make_shared<ViewData>();
+    auto view = std::make_unique<ViewData>();
     view->depth = Image<float>(10, 1, static_cast<float>(image));
-    return view;
+    max_alive = std::max<int>(max_alive, ++num_alive_);
+    return std::shared_ptr<const ViewData>(view.release(),
+                                           [this](const ViewData* dropped) {
+                                             delete dropped;
+                                             --num_alive_;
+                                           });
   }
   int64_t Compute(size_t index,
                   size_t worker,
@@ -79,6 +82,7 @@ class DrawnPass : public ImagePass<int64_t> {
     return std::accumulate(views.begin(), views.end(), int64_t{0});
   }
 
+  int num_sources = 5;
   std::set<size_t> done_before;
   int unreadable = -1;
   std::set<size_t> fails_to_compute;
@@ -86,6 +90,7 @@ class DrawnPass : public ImagePass<int64_t> {
   std::function<void(size_t)> before_compute = [](size_t) {};
   bool writes_after_stop = false;
   std::atomic<int> num_written = 0;
+  mutable std::atomic<int> max_alive = 0;  // Of the views, with one thread.
 
  private:
   static void CheckFailure(const std::set<size_t>& failing, size_t index) {
@@ -95,6 +100,7 @@ class DrawnPass : public ImagePass<int64_t> {
   }
 
   const int num_images_;
+  mutable std::atomic<int> num_alive_ = 0;
   std::array<std::atomic<bool>, 8> is_busy_ = {};
 };
 
@@ -131,6 +137,16 @@ struct PipelineRun {
   PipelineOutcome outcome;
 };
 
+TEST(ImagePipeline, ViewsThatNoImageNeedsAnyMoreAreNotKept) {
+  PipelineRun run(60);
+  run.pass.num_sources = 1;
+  run.pass.done_before = {5, 6};  // These need none.
+  run.Go(1, 1, /*max_views=*/1000);
+  EXPECT_EQ(run.pass.num_written, 58);
+  // Up to five that are next to each other, and three for the last images.
+  EXPECT_LE(run.pass.max_alive, 8);
+}
+
 TEST(ImagePipeline, TheNumbersOfThreadsAndOfViewsChangeNothing) {
   constexpr int kNumImages = 60;
   for (const int num_threads : {1, 2, 5}) {
@@ -162,7 +178,7 @@ TEST(ImagePipeline, AFailureEndsTheRunOnceThoseBegunAreDone) {
       SCOPED_TRACE(what);
       PipelineRun run(500);
       if (what == std::string("read")) {
-        run.pass.unreadable = static_cast<int>(kFailing) + 3 * kNumSources;
+        run.pass.unreadable = static_cast<int>(kFailing) + 3 * run.pass.num_sources;
       } else {
         (what == std::string("write") ? run.pass.fails_to_write
                                       : run.pass.fails_to_compute) = {kFailing};

@@ -98,7 +98,7 @@ TEST_F(RefineDevicesTest, TakesEveryGpuWithTwoWorkers) {
   EXPECT_NE(devices.workers[0].device, devices.workers[1].device);
   EXPECT_EQ(devices.description, "GPU 0 (Card), GPU 1 (Card)");
   EXPECT_EQ(devices.at_work.num_workers, 4);
-  EXPECT_GT(devices.at_work.num_threads, 30);
+  EXPECT_GT(devices.at_work.num_threads, options_.num_threads);
 }
 
 TEST_F(RefineDevicesTest, WithoutAnyGpuAutoMeansTheCpu) {

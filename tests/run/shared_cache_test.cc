@@ -57,6 +57,18 @@ TEST_F(SharedCacheTest, KeepsWhatIsInUse) {
   EXPECT_THAT(spares_, testing::ElementsAre(-1, -1, -1, 2));
 }
 
+TEST_F(SharedCacheTest, DropsWhatIsNotNeeded) {
+  const Cache::Pointer first = Get(1);
+  std::weak_ptr<const int> second = Get(2);
+  cache_.Drop(1);
+  cache_.Drop(2);
+  cache_.Drop(3);
+  EXPECT_EQ(*first, 1);
+  EXPECT_TRUE(second.expired());
+  EXPECT_EQ(cache_.Find(1), nullptr);
+  EXPECT_EQ(*Get(2), 2);
+}
+
 TEST_F(SharedCacheTest, AFailureIsTriedAgain) {
   EXPECT_THROW(cache_.Get(1,
                           [](Cache::Pointer) -> Cache::Pointer {

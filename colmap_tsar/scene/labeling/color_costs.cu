@@ -28,6 +28,8 @@ constexpr int kMaxSources = 12;
 // A point is occluded where the source's depth is smaller by this share.
 constexpr float kHidden = 0.03f;
 constexpr VoteSampling kRegionSampling{9, 400};
+// Pairs of a source and a plane for all regions of a batch, 1 MB of results.
+constexpr int kMinBatch = 1 << 18;
 
 // The color difference of a region of the reference and one source, on a plane.
 struct SourceColorKernel {
@@ -181,8 +183,12 @@ DeviceImage<float> CompareRegions(const PixelGroups& regions,
   const int num_regions = regions.NumGroups();
   DeviceImage<float> differences(device, num_planes, num_regions);
   // Batches of regions, so that their differences in all sources take a quarter
-  // of the memory of the result.
-  const int max_rows = std::max(num_regions / (4 * num_sources), 1);
+  // of the memory of the result, or are just enough to occupy a GPU.
+  const int max_rows =
+      std::min(num_regions,
+               std::max({num_regions / (4 * num_sources),
+                         kMinBatch / (num_sources * num_planes),
+                         1}));
   DeviceImage<float> of_sources(device, num_sources * num_planes, max_rows);
   const PixelGroupsView all = regions.View();
   for (int first = 0; first < num_regions; first += max_rows) {

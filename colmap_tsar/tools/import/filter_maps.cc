@@ -40,9 +40,9 @@ class FilterPass : public ImagePass<StereoMaps> {
                      size_t worker,
                      LoadedViews* views,
                      ImageReport* /*report*/) override {
-    std::vector<const ViewData*> sources;
+    UploadedSources sources;
     for (const int source : Sources(index)) {
-      sources.push_back(&views->Get(source));
+      sources.push_back(workers_[worker].Upload(source, views->Get(source)));
     }
     return FilterImage(views->Get(Problem(index).reference),
                        sources,

@@ -39,74 +39,70 @@ Intrinsics LevelIntrinsics(const Camera& camera, int level) {
   return intrinsics;
 }
 
-// Makes the image at all levels.
-std::vector<DeviceImage<float>> MakePyramid(const Image<Rgb>& color,
-                                            int num_levels,
-                                            Device& device) {
-  std::vector<DeviceImage<float>> grays;
-  const DeviceImage<Rgb> on_device(device, color);
-  grays.push_back(ComputeGray(on_device.View(), device));
+// The image at levels of half the previous size each, from half of `image` on.
+template <typename Pixel>
+std::vector<DeviceImage<Pixel>> HalvedLevels(const DeviceImage<Pixel>& image,
+                                             int num_levels,
+                                             Device& device) {
+  std::vector<DeviceImage<Pixel>> levels;
   for (int level = 1; level < num_levels; ++level) {
-    grays.push_back(HalveGray(std::as_const(grays.back()).View(), device));
+    const DeviceImage<Pixel>& last = levels.empty() ? image : levels.back();
+    levels.push_back(HalveGray(last.View(), device));
   }
-  return grays;
+  return levels;
 }
 
 // An image and its sources in a device's memory, at the size of their views
 // (level 0) and at levels of half the previous size each.
 class StereoViews {
  public:
-  // Holds a reference to the device.
+  // Holds references to the sources and the device.
   StereoViews(const ViewData& reference,
-              const std::vector<const ViewData*>& sources,
+              const UploadedSources& sources,
               int num_levels,
               Device& device)
       : device_(device),
         camera_(reference.camera),
-        grays_(MakePyramid(reference.color, num_levels, device)) {
-    for (const ViewData* view : sources) {
-      Source& source = sources_.emplace_back();
-      source.camera = view->camera;
-      for (const DeviceImage<float>& gray :
-           MakePyramid(view->color, num_levels, device)) {
-        source.grays.push_back(PairGray(gray.View(), device));
-      }
-      if (!view->depth.Empty()) {
-        source.depth = DeviceImage<float>(device, view->depth);
-      }
+        gray_(ComputeGray(DeviceImage<Rgb>(device, reference.color).View(),
+                          device)),
+        halved_(HalvedLevels(gray_, num_levels, device)),
+        sources_(sources),
+        synchronization_(device) {
+    for (const auto& source : sources_) {
+      halved_sources_.push_back(HalvedLevels(source->gray, num_levels, device));
     }
   }
 
   // The reference without depth and normal.
   ReferenceView Reference(int level) const {
-    return {LevelIntrinsics(camera_, level), grays_[level].View(), {}, {}};
+    const DeviceImage<float>& gray = level == 0 ? gray_ : halved_[level - 1];
+    return {LevelIntrinsics(camera_, level), gray.View(), {}, {}};
   }
 
   // The sources, with depth at level 0 if the views have it.
   Buffer<SourceView> Sources(int level) const {
     std::vector<SourceView> views;
-    for (const Source& source : sources_) {
-      const bool has_depth = level == 0 && !source.depth.Empty();
+    for (size_t i = 0; i < sources_.size(); ++i) {
+      const UploadedView& source = *sources_[i];
       views.push_back(
           {LevelIntrinsics(source.camera, level),
            ComputeRelativePose(camera_, source.camera),
-           source.grays[level].View(),
-           has_depth ? source.depth.View() : ImageView<const float>{}});
+           level == 0 ? source.gray.View()
+                      : halved_sources_[i][level - 1].View(),
+           level == 0 ? source.depth.View() : ImageView<const float>{}});
     }
     return Buffer<SourceView>(device_, views);
   }
 
  private:
-  struct Source {
-    Camera camera;
-    std::vector<DeviceImage<GrayPair>> grays;  // By level, as below.
-    DeviceImage<float> depth;
-  };
-
   Device& device_;
-  Camera camera_;
-  std::vector<DeviceImage<float>> grays_;
-  std::vector<Source> sources_;
+  const Camera camera_;
+  const DeviceImage<float> gray_;
+  const std::vector<DeviceImage<float>> halved_;  // From level 1 on.
+  const UploadedSources& sources_;
+  std::vector<std::vector<DeviceImage<GrayPair>>> halved_sources_;
+  // Waits for work that may read the sources, see UploadedViews.
+  const ScopedSynchronization synchronization_;
 };
 
 PatchMatchOptions SearchOptions(const StereoOptions& options,
@@ -231,7 +227,7 @@ Image<uint8_t> HolesOf(const Image<float>& depth) {
 }  // namespace
 
 StereoMaps MatchImage(const ViewData& reference,
-                      const std::vector<const ViewData*>& sources,
+                      const UploadedSources& sources,
                       const DepthInterval& range,
                       uint32_t stream,
                       const StereoOptions& options,
@@ -268,7 +264,7 @@ StereoMaps MatchImage(const ViewData& reference,
 }
 
 StereoMaps MatchImageGeometrically(const ViewData& reference,
-                                   const std::vector<const ViewData*>& sources,
+                                   const UploadedSources& sources,
                                    const DepthInterval& range,
                                    uint32_t stream,
                                    int pass,
@@ -302,7 +298,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
 }
 
 StereoMaps FilterImage(const ViewData& reference,
-                       const std::vector<const ViewData*>& sources,
+                       const UploadedSources& sources,
                        const StereoOptions& options,
                        Device& device) {
   const StereoViews views(reference, sources, 1, device);

@@ -11,6 +11,7 @@
 #include "colmap_tsar/view/view_data.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace tsar {
@@ -25,10 +26,14 @@ struct StereoMaps {
   Image<float> second_cost;
 };
 
+// The sources of an image in the memory of the device that matches it.
+using UploadedSources = std::vector<std::shared_ptr<const UploadedView>>;
+
 // Matches an image with its sources, coarse to fine. Of the views, it uses
-// color and camera. Every pixel gets a depth. stream: key of random numbers.
+// color and camera; the sources must have no depth. Every pixel gets a depth.
+// stream: key of random numbers.
 StereoMaps MatchImage(const ViewData& reference,
-                      const std::vector<const ViewData*>& sources,
+                      const UploadedSources& sources,
                       const DepthInterval& range,
                       uint32_t stream,
                       const StereoOptions& options,
@@ -40,7 +45,7 @@ StereoMaps MatchImage(const ViewData& reference,
 // counts from 0. The last pass filters: depths that too few sources confirm
 // become 0, with their normals.
 StereoMaps MatchImageGeometrically(const ViewData& reference,
-                                   const std::vector<const ViewData*>& sources,
+                                   const UploadedSources& sources,
                                    const DepthInterval& range,
                                    uint32_t stream,
                                    int pass,
@@ -51,7 +56,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
 // The filter of the last pass on maps of another program, which the reference
 // has as its depth and normal. Returns depths and normals without costs.
 StereoMaps FilterImage(const ViewData& reference,
-                       const std::vector<const ViewData*>& sources,
+                       const UploadedSources& sources,
                        const StereoOptions& options,
                        Device& device);
 

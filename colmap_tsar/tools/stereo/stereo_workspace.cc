@@ -163,9 +163,13 @@ class StereoPass : public ImagePass<StereoMaps> {
                      LoadedViews* views,
                      ImageReport*) override {
     const int image = Problem(index).reference;
-    std::vector<const ViewData*> sources;
+    // Views of each pass have other depth maps.
+    const int first_key =
+        pass_ * static_cast<int>(workspace_.Model().images.size());
+    UploadedSources sources;
     for (const int source : StereoSources(Problem(index), options_)) {
-      sources.push_back(&views->Get(source));
+      sources.push_back(
+          workers_[worker].Upload(first_key + source, views->Get(source)));
     }
     const ViewData& reference = views->Get(image);
     const DepthInterval range = StereoDepths(workspace_, image, options_);

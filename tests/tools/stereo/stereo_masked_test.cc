@@ -84,7 +84,7 @@ TEST_F(StereoMaskedTest, HolesStayHolesInGeometricPasses) {
     for (const int pass : {0, 1}) {
       const StereoMaps maps = MatchImageGeometrically(
           views[0],
-          {&views[1], &views[2]},
+          UploadViews({&views[1], &views[2]}, *device),
           {0.5 * SyntheticWorkspace::kDepth, 2.0 * SyntheticWorkspace::kDepth},
           1,
           pass,

@@ -38,11 +38,12 @@ Matched Match(const SyntheticViews& drawn,
   photos[0].depth = {};
   Matched matched;
   CountingDevice first("", SIZE_MAX, 2);
-  MatchImage(photos[0], photo_sources, range, 1, options, first);
+  MatchImage(
+      photos[0], UploadViews(photo_sources, first), range, 1, options, first);
   matched.photometric = static_cast<int64_t>(first.PeakMemory());
   CountingDevice second("", SIZE_MAX, 2);
   MatchImageGeometrically(drawn.views[0],
-                          sources,
+                          UploadViews(sources, second),
                           range,
                           1,
                           options.num_geometric_passes - 1,
