@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Finds the weights of ConfidenceOf() (view/depth_confidence.h) by logistic
+// Finds the weights of ConfidenceOf() (compose/depth_confidence.h) by logistic
 // regression of "the depth is right to 1 %" on all known terms, with equal
 // weight for each scene. For each scene it prints the calibration error of the
 // weights fitted to the others: the mean difference, over ten classes of the
@@ -14,8 +14,8 @@
 // and pipes, which have a constant, would count as interpolated ones.
 
 #include "colmap_tsar/cli/commands.h"
+#include "colmap_tsar/compose/depth_confidence.h"
 #include "colmap_tsar/tools/plane_export/plane_view.h"
-#include "colmap_tsar/view/depth_confidence.h"
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// Finds the weights of view/depth_confidence.h by logistic regression, with
+// Finds the weights of compose/depth_confidence.h by logistic regression, with
 // equal weight for each scene: when a depth that was measured off the plane of
 // its superpixel is nearer to the truth than the plane. For each scene it
 // prints the effect of the weights fitted to the others: the shares of these
@@ -13,7 +13,7 @@
 // MODELED: see ModeledScene.
 
 #include "colmap_tsar/cli/commands.h"
-#include "colmap_tsar/view/depth_confidence.h"
+#include "colmap_tsar/compose/depth_confidence.h"
 
 #include <algorithm>
 #include <cmath>

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/compose/compose_scene.h"
+#include "colmap_tsar/compose/occlusion_votes.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/run/load_view.h"
@@ -14,7 +15,6 @@
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
-#include "colmap_tsar/view/occlusion_votes.h"
 
 #include <filesystem>
 #include <map>

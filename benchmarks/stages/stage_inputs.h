@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/compose/compose_map.h"
 #include "colmap_tsar/matching/matching_cost.h"
-#include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/correlation.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/refine_options.h"

@@ -4,17 +4,17 @@
 #include "colmap_tsar/compose/compose_image.h"
 
 #include "colmap_tsar/compose/apply_cylinders.h"
+#include "colmap_tsar/compose/compose_map.h"
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/compose/depth_sigma.h"
+#include "colmap_tsar/compose/occlusion_votes.h"
 #include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/compose/upsample_depth_flags.h"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/scene_options.h"
-#include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/occlusion_votes.h"
 #include "colmap_tsar/view/stage_timer.h"
 
 #include <algorithm>

@@ -3,10 +3,10 @@
 
 #include "colmap_tsar/compose/compose_scene.h"
 
+#include "colmap_tsar/compose/depth_confidence.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
-#include "colmap_tsar/view/depth_confidence.h"
 
 #include <cmath>
 #include <utility>

@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/compose/compose_map.h"
 #include "colmap_tsar/compose/compose_scene.h"
-#include "colmap_tsar/view/compose.h"
 
 #include <cstdint>
 

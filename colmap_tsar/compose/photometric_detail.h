@@ -4,8 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/disparity.h"
+#include "colmap_tsar/compose/compose_map.h"
 #include "colmap_tsar/compose/photometric_offset.h"
-#include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/view_data.h"
 

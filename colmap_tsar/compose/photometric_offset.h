@@ -6,9 +6,9 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/compose/compose_map.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/views.h"
-#include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
 
 namespace tsar {

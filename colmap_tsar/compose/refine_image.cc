@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/compose/refine_image.h"
 
+#include "colmap_tsar/compose/compose_map.h"
 #include "colmap_tsar/compose/depth_sigma.h"
 #include "colmap_tsar/compose/upsample_depth_flags.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
@@ -13,7 +14,6 @@
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/scene_options.h"
-#include "colmap_tsar/view/compose.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/single_view.h"
 #include "colmap_tsar/view/stage_timer.h"

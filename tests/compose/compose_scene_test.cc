@@ -3,9 +3,9 @@
 
 #include "colmap_tsar/compose/compose_scene.h"
 
+#include "colmap_tsar/compose/depth_confidence.h"
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
-#include "colmap_tsar/view/depth_confidence.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 
 #include <memory>

@@ -3,10 +3,10 @@
 
 // Whole runs on a room with a bare column.
 
+#include "colmap_tsar/compose/compose_map.h"
 #include "colmap_tsar/io/map_files.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
-#include "colmap_tsar/view/compose.h"
 
 #include <atomic>
 #include <cmath>

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/occlusion_votes.h"
+#include "colmap_tsar/compose/occlusion_votes.h"
 
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/scene/evidence/observed_source.h"

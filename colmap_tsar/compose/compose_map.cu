@@ -1,11 +1,11 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/compose.h"
+#include "colmap_tsar/compose/compose_map.h"
 
+#include "colmap_tsar/compose/depth_confidence.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_pixels.h"
-#include "colmap_tsar/view/depth_confidence.h"
 #include "colmap_tsar/view/filter/confirmation.h"
 #include "colmap_tsar/view/planes/group_planes.h"
 #include "colmap_tsar/view/superpixels/weighted_median.h"

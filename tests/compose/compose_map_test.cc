@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/compose.h"
+#include "colmap_tsar/compose/compose_map.h"
 
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/view/filter/confirmation.h"

@@ -1,9 +1,9 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/view/occlusion_votes.h"
+#include "colmap_tsar/compose/occlusion_votes.h"
 
-#include "colmap_tsar/view/depth_confidence.h"
+#include "colmap_tsar/compose/depth_confidence.h"
 
 #include <memory>
 #include <vector>

@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/macros.h"
+#include "colmap_tsar/compose/occlusion_votes.h"
 #include "colmap_tsar/scene/evidence/label_view.h"
-#include "colmap_tsar/view/occlusion_votes.h"
 
 #include <cmath>
 #include <cstdint>
