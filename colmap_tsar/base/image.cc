@@ -4,28 +4,24 @@
 #include "colmap_tsar/base/image.h"
 
 #include <cstdlib>
+#include <memory>
 #include <new>
 
 #include <sys/mman.h>
 
 namespace tsar {
-namespace {
-
-constexpr size_t kHugePage = size_t{1} << 21;
-
-}  // namespace
 
 void* AllocatePixels(size_t num_bytes) {
-  const bool is_large = num_bytes >= 2 * kHugePage;
-  const size_t num_pages = num_bytes / kHugePage + 1;
-  void* pixels = is_large ? std::aligned_alloc(kHugePage, num_pages * kHugePage)
-                          : std::malloc(num_bytes);
-  if (pixels == nullptr) {
+  void* const pixels = std::malloc(num_bytes);
+  if (pixels == nullptr && num_bytes > 0) {
     throw std::bad_alloc();
   }
-  if (is_large) {
-    // A mere advice: without huge pages, only time is lost.
-    madvise(pixels, num_bytes, MADV_HUGEPAGE);
+  constexpr size_t kHugePage = size_t{1} << 21;
+  void* page = pixels;
+  size_t room = num_bytes;
+  if (std::align(kHugePage, kHugePage, page, room) != nullptr) {
+    // The huge pages inside; a mere advice, which may be ignored.
+    madvise(page, room / kHugePage * kHugePage, MADV_HUGEPAGE);
   }
   return pixels;
 }

@@ -8,7 +8,6 @@
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/compose/depth_sigma.h"
 #include "colmap_tsar/compose/occlusion_votes.h"
-#include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/compose/upsample_depth_flags.h"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
@@ -67,13 +66,11 @@ ComposeSceneOptions MakeCompositionOptions(
   return options;
 }
 
-RefineResult ComposeImage(
-    const ViewData& reference,
-    const std::vector<std::shared_ptr<const UploadedView>>& sources,
-    const std::vector<ObservedView>& views,
-    const FoundScene& found,
-    const RefineOptions& options,
-    Device& device) {
+RefineResult ComposeImage(const ViewData& reference,
+                          const std::vector<ObservedView>& views,
+                          const FoundScene& found,
+                          const RefineOptions& options,
+                          Device& device) {
   RefineResult result;
   result.seconds = found.seconds;
   StageTimer timer(device, &result.seconds);
@@ -160,12 +157,6 @@ RefineResult ComposeImage(
                                  plane_ids.View(),
                                  device)
                            .ToHost();
-  timer.Finish("download");
-  if (options.photometric && !sources.empty()) {
-    // This follows all tests of whether depths lie exactly on their planes.
-    RestoreDetail(view, sources, evidence.resolution, &composed, device);
-    timer.Finish("photometric");
-  }
   Download(composed, confidence, view.MapIntrinsics(), &result.maps);
   timer.Finish("download");
   result.reason_to_keep = ReasonToKeep(result.maps, options);

@@ -11,7 +11,6 @@
 #include "colmap_tsar/view/refine_options.h"
 #include "colmap_tsar/view/view_data.h"
 
-#include <memory>
 #include <vector>
 
 namespace tsar {
@@ -20,15 +19,12 @@ namespace tsar {
 // after ObserveImage(), MakeEvidence() and those of find_scene.h.
 
 // Composes the reference's map from the planes and surfaces that were found in
-// it. The evidence of the reference must have all its parts. sources: for
-// RefineOptions::photometric; none where the map was judged at a smaller size.
-RefineResult ComposeImage(
-    const ViewData& reference,
-    const std::vector<std::shared_ptr<const UploadedView>>& sources,
-    const std::vector<ObservedView>& views,
-    const FoundScene& found,
-    const RefineOptions& options,
-    Device& device);
+// it. The evidence of the reference must have all its parts.
+RefineResult ComposeImage(const ViewData& reference,
+                          const std::vector<ObservedView>& views,
+                          const FoundScene& found,
+                          const RefineOptions& options,
+                          Device& device);
 
 // The options with which ComposeImage() composes these views: the noise of
 // their measurements sets the tolerance at planes.

@@ -221,7 +221,6 @@ void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
   if (!Load(index, &views)) {
     return;
   }
-  DropViews(index);
   report->seconds["read"] += reading.Seconds();
   pass_.Prepare(index, views);
   Result result;
@@ -233,6 +232,7 @@ void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
     result = pass_.Compute(index, loan.Worker(), &views, report);
   }
   views = {};
+  DropViews(index);
   if (!should_stop_() || pass_.WritesAfterStop()) {
     pass_.Write(index, std::move(result), report);
   }

@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/compose/compose_image.h"
-#include "colmap_tsar/compose/photometric_detail.h"
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/io/photo.h"
@@ -263,12 +262,9 @@ ImageReport ComposePass::Begin(size_t index) {
 }
 
 std::vector<int> ComposePass::Views(size_t index) const {
-  if (!run_.HasScenePlanes()) {
-    return run_.selection.SourcesAndReference(index);
-  }
-  std::vector<int> views = ComparedSources(index);
-  views.push_back(run_.selection.Reference(index));
-  return views;
+  return run_.HasScenePlanes()
+             ? std::vector<int>{run_.selection.Reference(index)}
+             : run_.selection.SourcesAndReference(index);
 }
 
 void ComposePass::Prepare(size_t index, const LoadedViews& views) {
@@ -308,7 +304,7 @@ RefineResult ComposePass::Compute(size_t index,
                        run_.selection.Sources(index).size());
   result =
       run_.HasScenePlanes()
-          ? Compose(index, worker, views)
+          ? Compose(index, run_.devices.workers[worker], reference)
           : RunSingleView(
                 run_, index, run_.devices.workers[worker], views, RefineImage);
   if (result.reason_to_keep.empty()) {
@@ -355,55 +351,24 @@ void ComposePass::Keep(size_t index, ImageReport* report) const {
 }
 
 RefineResult ComposePass::Compose(size_t index,
-                                  size_t worker_index,
-                                  LoadedViews* views) {
-  const ViewData& reference = views->Get(run_.selection.Reference(index));
+                                  const RefineWorker& worker,
+                                  const ViewData& reference) {
   if (!WasObserved(reference)) {
     RefineResult result;
     result.reason_to_keep = kNothingReliable;
     return result;
   }
-  const RefineWorker& worker = run_.devices.workers[worker_index];
   return NamePlaceOfErrors(run_, index, worker.name, [&] {
     std::unique_ptr<ImageScene> scene = std::move(scenes_[index]);
     if (!scene) {
       scene = FindImageScene(run_, model_, index, *worker.device);
     }
-    std::vector<UploadedViews::Pointer> sources;
-    for (const int source : ComparedSources(index)) {
-      sources.push_back(worker.Upload(source, views->Get(source)));
-      views->Release(source);
-    }
-    // The views belong to other devices, too, which may free them.
-    const ScopedSynchronization synchronization(*worker.device);
     return ComposeImage(reference,
-                        sources,
                         scene->views,
                         scene->found,
                         run_.refine_options,
                         *worker.device);
   });
-}
-
-std::vector<int> ComposePass::ComparedSources(size_t index) const {
-  const auto is_judged_as_it_is = [&](int image) {
-    const int side = run_.overview.map_sides[image];
-    return ReductionFactor(side, side) == 1;
-  };
-  std::vector<int> sources;
-  const int reference = run_.selection.Reference(index);
-  if (!run_.refine_options.photometric || !is_judged_as_it_is(reference)) {
-    return sources;
-  }
-  for (const int source : run_.selection.Sources(index)) {
-    if (source != reference && is_judged_as_it_is(source) &&
-        sources.size() < kMaxPhotometricSources) {
-      sources.push_back(source);
-    }
-  }
-  // A fixed order gives the same result for the same sources in any ranking.
-  std::ranges::sort(sources);
-  return sources;
 }
 
 }  // namespace tsar

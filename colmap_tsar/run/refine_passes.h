@@ -81,10 +81,9 @@ class ComposePass : public ImagePass<RefineResult> {
   void Write(size_t index, RefineResult result, ImageReport* report) override;
 
  private:
-  // The sources that the composed map is compared with: those whose maps are
-  // judged at full size; none where the reference's is not.
-  std::vector<int> ComparedSources(size_t index) const;
-  RefineResult Compose(size_t index, size_t worker, LoadedViews* views);
+  RefineResult Compose(size_t index,
+                       const RefineWorker& worker,
+                       const ViewData& reference);
   // Keeps the original maps, and records the reason in the report.
   void Keep(size_t index, ImageReport* report) const;
 

@@ -70,6 +70,9 @@ class SharedCache {
     try {
       Pointer spare = dropped.empty() ? nullptr : dropped.back().value.get();
       dropped.clear();
+      if (spare.use_count() > 1) {
+        spare = nullptr;  // A thread that has waited for it has yet to take it.
+      }
       Pointer value = make(std::move(spare));
       promise.set_value(value);
       return value;

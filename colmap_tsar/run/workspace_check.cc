@@ -112,8 +112,6 @@ bool CheckImage(const Workspace& workspace,
     workspace.OpenCosts(image, other, *size);
   }
   const Camera& camera = workspace.CameraOf(image);
-  const int side = std::max(size->width, size->height);
-  overview->map_sides[image] = side;
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
                RequirePossibleSize(workspace.DepthPath(image, type),
@@ -205,7 +203,6 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   RequireNoFolder(GetSceneModelPath(workspace.Root()).Path());
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
-  overview.map_sides.resize(workspace.Model().images.size());
   ImageRemarks remarks;
   for (const int image : images) {
     overview.has_maps[image] =

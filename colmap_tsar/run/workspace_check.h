@@ -16,8 +16,6 @@ namespace tsar {
 struct WorkspaceOverview {
   // For each image of the sparse model, whether it has maps of the type.
   std::vector<bool> has_maps;
-  // For each image, the longer side of its map; 0 without one.
-  std::vector<int> map_sides;
   int64_t max_num_pixels = 0;        // Of the largest map.
   int64_t max_num_image_pixels = 0;  // Of the largest image that has a map.
   int max_num_sources = 0;  // Of the image that uses most views with maps.

@@ -206,12 +206,6 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
            "views, and fill them: round ones along an axis of the Manhattan "
            "frame. Has no effect without manhattan_frame.",
        .paper = 0},
-      {TSAR_FIELD(photometric),
-       .description = "Compare composed maps of up to 1280 pixels with the "
-                      "images, and move textured pixels that stand a little "
-                      "off their surface, such as posters and doors. Larger "
-                      "maps gain nothing from it, and keep their depths.",
-       .paper = 0},
       {TSAR_FIELD(plane_tolerance),
        .description =
            "How far a depth may be off a plane, in standard deviations of the "

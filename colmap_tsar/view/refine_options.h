@@ -53,7 +53,6 @@ struct RefineOptions {
   bool bounded_planes = true;
   bool bounding_creases = true;
   bool cylinders = true;
-  bool photometric = true;
   double plane_tolerance = 7.0;
   double min_scene_plane = 100.0;
   double unlabeled_cost = 0.02;

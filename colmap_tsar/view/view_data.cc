@@ -21,7 +21,8 @@ std::shared_ptr<const UploadedView> UploadView(
   const int height = view.color.Height();
   if (spare == nullptr || spare->gray.Width() != width ||
       spare->gray.Height() != height ||
-      spare->depth.Empty() != view.depth.Empty()) {
+      spare->depth.Width() != view.depth.Width() ||
+      spare->depth.Height() != view.depth.Height()) {
     spare = std::make_shared<UploadedView>();
     spare->gray = DeviceImage<GrayPair>(device, width, height);
     spare->depth =
@@ -31,11 +32,13 @@ std::shared_ptr<const UploadedView> UploadView(
   spare->has_depth = HasDepth(view.depth);
   const DeviceImage<Rgb> color(device, view.color);
   ComputeGrayPairs(color.View(), spare->gray.View(), device);
-  // Upload() cannot be used, since another device may have allocated the
-  // memory.
-  device.CopyToDevice(spare->depth.View().data,
-                      view.depth.Data(),
-                      view.depth.NumPixels() * sizeof(float));
+  if (!view.depth.Empty()) {
+    // Upload() cannot be used, since another device may have allocated the
+    // memory.
+    device.CopyToDevice(spare->depth.View().data,
+                        view.depth.Data(),
+                        view.depth.NumPixels() * sizeof(float));
+  }
   return spare;
 }
 

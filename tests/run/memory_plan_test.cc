@@ -48,7 +48,6 @@ int64_t PeakOfRefinement(const SyntheticViews& drawn,
   // The planes of the scene are found on the host.
   const std::unique_ptr<Device> host = Device::CreateCpu(1);
   ComposeImage(drawn.views[0],
-               sources,
                views,
                FindSceneIn(views, options, *host),
                options,

@@ -63,7 +63,6 @@ class RefinePassesTest : public testing::Test {
         {"GPU 3 (Card)", std::move(device), devices.view_caches.front().get()});
     devices.finds_scenes_ahead = finds_scenes_ahead;
     WorkspaceOverview overview;
-    overview.map_sides = map_sides_;
     RefineOptions options;
     options.scene_planes = scene_planes;
     const InputFingerprints inputs(workspace);
@@ -99,9 +98,6 @@ class RefinePassesTest : public testing::Test {
       EXPECT_TRUE(run.HasCurrentPlanes() || ModelWorkspace(run));
     }
     ComposePass compose(run, seconds);
-    for (size_t index = 0; index < selection.NumImages(); ++index) {
-      composed_views_[selection.Reference(index)] = compose.Views(index);
-    }
     RunPipeline(compose, run);
     num_allocations_ = counter.NumAllocations();
   }
@@ -171,8 +167,6 @@ class RefinePassesTest : public testing::Test {
   std::vector<ImageReport> observed_;
   std::vector<std::exception_ptr> failures_;
   // By image.
-  std::vector<int> map_sides_ = std::vector<int>(4, 96);
-  std::map<int, std::vector<int>> composed_views_;
   int num_allocations_to_observe_ = 0;
   int num_allocations_ = 0;
 };
@@ -238,22 +232,6 @@ TEST_F(RefinePassesTest, WhoFindsTheScenesChangesNoByte) {
   EXPECT_TRUE(ReadMaps() == maps);
   for (const ImageReport& report : reports_) {
     EXPECT_GT(report.seconds.count("labels"), 0u);
-  }
-}
-
-TEST_F(RefinePassesTest, ComparesMapsThatAreJudgedAsTheyAre) {
-  MakeSyntheticWorkspace(root_);
-  map_sides_[2] = kMaxJudgingSide + 1;
-  Run(true);
-  ASSERT_EQ(composed_views_.size(), 4u);
-  for (const auto& [image, views] : composed_views_) {
-    if (image == 2) {
-      EXPECT_THAT(views, testing::ElementsAre(2));
-    } else {
-      EXPECT_THAT(views, testing::Contains(image));
-      EXPECT_THAT(views, testing::Not(testing::Contains(2)));
-      EXPECT_GT(views.size(), 1u);
-    }
   }
 }
 

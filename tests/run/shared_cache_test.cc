@@ -4,6 +4,7 @@
 #include "colmap_tsar/run/shared_cache.h"
 
 #include <atomic>
+#include <chrono>
 #include <latch>
 #include <stdexcept>
 #include <thread>
@@ -55,6 +56,37 @@ TEST_F(SharedCacheTest, KeepsWhatIsInUse) {
   EXPECT_EQ(cache_.Find(2), nullptr);
   EXPECT_EQ(cache_.Find(3), third);
   EXPECT_THAT(spares_, testing::ElementsAre(-1, -1, -1, 2));
+}
+
+// The value that a waiting thread has yet to take must not be made another one.
+TEST(SharedCache, AWaitingThreadGetsItsOwnValue) {
+  const auto reuse = [](int value, Cache::Pointer spare) {
+    if (spare) {
+      const_cast<int&>(*spare) = value;
+      return spare;
+    }
+    return std::make_shared<const int>(value);
+  };
+  for (int i = 0; i < 100; ++i) {
+    Cache cache(0);
+    std::atomic<bool> waits = false;
+    std::jthread waiting;
+    cache.Get(1, [&](Cache::Pointer spare) {
+      waiting = std::jthread([&] {
+        waits = true;
+        const Cache::Pointer value = cache.Get(1, [&](Cache::Pointer other) {
+          return reuse(1, std::move(other));
+        });
+        EXPECT_EQ(*value, 1);
+      });
+      while (!waits) {
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(100));
+      return reuse(1, std::move(spare));
+    });
+    cache.Get(2,
+              [&](Cache::Pointer spare) { return reuse(2, std::move(spare)); });
+  }
 }
 
 TEST_F(SharedCacheTest, DropsWhatIsNotNeeded) {

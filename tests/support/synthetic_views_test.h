@@ -67,7 +67,6 @@ class SyntheticViewsTest : public testing::Test {
       views.push_back(MakeObservedView(*evidence[i], drawn_.views[i].camera));
     }
     return ComposeImage(drawn_.views[0],
-                        UploadViews(drawn_.Sources(), *device_),
                         views,
                         FindSceneIn(views, options, *device_),
                         options,

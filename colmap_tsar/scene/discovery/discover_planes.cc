@@ -110,24 +110,39 @@ class Discovery {
   // the sum of the best scores.
   void FitToAssigned() {
     const int num_planes = static_cast<int>(planes_.size());
+    // The last fit of each plane, and the superpixels that it was fitted to;
+    // none where the plane has changed since. Most stay from round to round.
+    std::vector<ScoredPlane> fitted(planes_.size());
+    std::vector<std::vector<int>> fitted_members(planes_.size());
     bool improved = true;
     for (int round = 0; round < kMaxImprovingRounds && improved; ++round) {
       improved = false;
       std::vector<Ranking> rankings = Rank(planes_, num_superpixels_, threads_);
       const std::vector<std::vector<int>> members =
           AssignedSuperpixels(rankings, planes_.size());
-      std::vector<WorldPlane> fits(num_planes);
-      threads_.ForEach(fits.size(), [&](size_t p) {
-        fits[p] = scorer_.Fit(planes_[p].plane, scorer_.Sample(members[p]));
+      std::vector<int> refitted;
+      for (int p = 0; p < num_planes; ++p) {
+        if (fitted[p].scores.empty() || fitted_members[p] != members[p]) {
+          refitted.push_back(p);
+        }
+      }
+      std::vector<WorldPlane> fits(refitted.size());
+      threads_.ForEach(fits.size(), [&](size_t i) {
+        const int p = refitted[i];
+        fits[i] = scorer_.Fit(planes_[p].plane, scorer_.Sample(members[p]));
       });
-      std::vector<ScoredPlane> fitted = scorer_.Score(fits);
+      std::vector<ScoredPlane> scored = scorer_.Score(fits);
+      for (size_t i = 0; i < scored.size(); ++i) {
+        fitted[refitted[i]] = std::move(scored[i]);
+        fitted_members[refitted[i]] = members[refitted[i]];
+      }
       for (int p = 0; p < num_planes; ++p) {
         const auto best_of_others = [&](int k) {
           return rankings[k].BestWithout(p, p);
         };
         if (PlaneGain(fitted[p], best_of_others) >
             PlaneGain(planes_[p], best_of_others)) {
-          std::swap(planes_[p], fitted[p]);
+          planes_[p] = std::exchange(fitted[p], ScoredPlane());
           rankings = Rank(planes_, num_superpixels_, threads_);
           improved = true;
         }

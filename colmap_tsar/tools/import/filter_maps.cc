@@ -21,8 +21,10 @@ namespace {
 
 class FilterPass : public ImagePass<StereoMaps> {
  public:
-  FilterPass(const Workspace& workspace, std::vector<RefineWorker>& workers)
-      : workspace_(workspace), workers_(workers) {}
+  FilterPass(const Workspace& workspace,
+             const WorkspaceOverview& overview,
+             std::vector<RefineWorker>& workers)
+      : workspace_(workspace), overview_(overview), workers_(workers) {}
 
   ImageReport Begin(size_t /*index*/) override { return {}; }
 
@@ -43,6 +45,9 @@ class FilterPass : public ImagePass<StereoMaps> {
     UploadedSources sources;
     for (const int source : Sources(index)) {
       sources.push_back(workers_[worker].Upload(source, views->Get(source)));
+      if (source != Problem(index).reference) {
+        views->Release(source);
+      }
     }
     return FilterImage(views->Get(Problem(index).reference),
                        sources,
@@ -66,13 +71,13 @@ class FilterPass : public ImagePass<StereoMaps> {
   // Those with maps; without a depth map none confirms anything.
   std::vector<int> Sources(size_t index) const {
     std::vector<int> sources = StereoSources(Problem(index), options_);
-    std::erase_if(sources, [&](int source) {
-      return !workspace_.HasMaps(source, workspace_.Type());
-    });
+    std::erase_if(sources,
+                  [&](int source) { return !overview_.has_maps[source]; });
     return sources;
   }
 
   const Workspace& workspace_;
+  const WorkspaceOverview& overview_;
   std::vector<RefineWorker>& workers_;
   const StereoOptions options_;
 };
@@ -92,7 +97,7 @@ void FilterMaps(const Workspace& workspace,
   }
   RefineDevices devices = CreateRefineDevices(
       device_options, PlanStereo(overview), static_cast<int>(images.size()));
-  FilterPass pass(workspace, devices.workers);
+  FilterPass pass(workspace, overview, devices.workers);
   const PipelineOutcome outcome =
       ImagePipeline<StereoMaps>(
           pass,

@@ -318,8 +318,7 @@ MemoryPlan PlanStereo(const WorkspaceOverview& overview) {
   const int64_t num_pixels = overview.max_num_pixels;
   MemoryPlan plan;
   plan.num_sources = overview.max_num_sources;
-  // Measured, as are all factors (stereo_memory_test.cc). Each image uploads
-  // its sources again.
+  // Measured, as are all factors (stereo_memory_test.cc).
   plan.device = (1 << 14) + num_pixels * (75 + 9 * plan.num_sources);
   plan.views = kViewBytesPerPixel * num_pixels * (plan.num_sources + 1);
   // The maps with their costs.

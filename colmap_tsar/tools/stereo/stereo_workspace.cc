@@ -170,6 +170,9 @@ class StereoPass : public ImagePass<StereoMaps> {
     for (const int source : StereoSources(Problem(index), options_)) {
       sources.push_back(
           workers_[worker].Upload(first_key + source, views->Get(source)));
+      if (source != image) {
+        views->Release(source);
+      }
     }
     const ViewData& reference = views->Get(image);
     const DepthInterval range = StereoDepths(workspace_, image, options_);
