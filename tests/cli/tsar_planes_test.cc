@@ -58,8 +58,8 @@ int CountOf(const std::string& text, const std::string& part) {
   return count;
 }
 
-// Files of faces contain no planes without outlines, and these are not counted:
-// no image sees one plane of the room.
+// Planes without outlines are neither in files of faces nor counted: one plane
+// of the room is seen by no image.
 TEST_F(TsarPlanesTest, CountsWhatTheFileHolds) {
   for (const auto& [name, group] : {std::pair("planes.obj", "\ng plane_"),
                                     std::pair("planes.dxf", "\nPOLYLINE\n")}) {
@@ -139,7 +139,7 @@ TEST_F(TsarPlanesTest, RefusesWhatCannotBe) {
        "--plan_path: is the --output_path, too"},
       {{"--plan_path", path("plan.png")}, "let it end in .svg or .dxf"},
       {{"--plan_path", path("none/a.svg")}, "choose another --plan_path"},
-      // Options that a plan alone does not use.
+      // Options that have no effect on a floor plan alone.
       {{"--plan_path", path("a.dxf"), "--up", "y"},
        "--up is for --output_path"}};
   for (const auto& [arguments, text] : failures) {

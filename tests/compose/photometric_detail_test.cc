@@ -65,7 +65,7 @@ class RestoreDetailTest : public testing::Test {
     return SyntheticViews::IsBare(
         drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
   }
-  // Whether the pixels around at this distance all have texture, or none.
+  // Whether the pixels around it at this distance are all bare, or none.
   bool IsAmid(bool bare, int x, int y, int margin) const {
     return IsBare(x - margin, y - margin) == bare &&
            IsBare(x + margin, y - margin) == bare &&

@@ -99,7 +99,7 @@ class MeasureOffsetsTest : public testing::Test {
     return measured;
   }
 
-  // For any input, the result can be averaged.
+  // Whatever the input, the result can be averaged.
   void ExpectWellFormed(const MeasuredOffsets& measured) const {
     ASSERT_TRUE(measured.offset.HasSizeOf(depth_));
     ASSERT_TRUE(measured.weight.HasSizeOf(depth_));
@@ -277,7 +277,7 @@ TEST_F(MeasureOffsetsTest, SourcesThatCannotTellMoveNothing) {
   ExpectNothingToMove();
 }
 
-// Without texture above the noise, of one pixel, or of none.
+// Images without texture above the noise, of one pixel, or of none.
 TEST_F(MeasureOffsetsTest, ImagesThatCannotTellNeverMove) {
   const auto expect_none = [this] {
     for (const float weight : Measure().weight) {

@@ -1,10 +1,10 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exports hold the maps of the workspace, in the formats of docs/export.md, and are written as
-a whole or not at all.
+"""Exports hold the maps of the workspace, in the formats of docs/export.md, and
+are written as a whole or not at all.
 
-Needs NumPy and OpenCV: the Python's own, or those of a virtual environment that is kept in the
-build folder. Skipped where they cannot be had."""
+Needs NumPy and OpenCV: this Python's own, or those of a virtual environment
+that is kept in the build folder. Skipped if they are not available."""
 import json
 import os
 import shutil

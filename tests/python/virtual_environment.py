@@ -28,7 +28,7 @@ NOTHING_FOUND = re.compile(r"No matching distribution found")
 
 
 class VirtualEnvironment:
-    """Made where there is none yet; kept, so that packages are installed once."""
+    """Made if there is none yet; kept, so that packages are installed once."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -94,7 +94,7 @@ def optional(module):
 
 def run_in_environment(file, *packages):
     """Runs this test again, with --inside, in an environment that is kept in the build
-    folder, and ends as it does; as a skipped test where it cannot have the packages."""
+    folder, and ends as it does; as a skipped test if the packages are not available."""
     folder = WORK_FOLDER / f"{packages[0]}_environment"
     with locked(folder):
         environment = VirtualEnvironment(folder)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The images and maps of a Workspace are those of the files.
 
-Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
-build folder. Skipped where it cannot be had."""
+Needs NumPy: this Python's own, or that of a virtual environment that is kept in
+the build folder. Skipped if it is not available."""
 import os
 import sys
 from unittest import mock

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Starts every command on a workspace on which another one works: it stops with
-one clear line and changes nothing, and the first one ends as if alone. Two that write
-one cloud or page: whenever the second comes, what is there is of one of them, whole."""
+"""Starts every command on a workspace on which another one works: it stops with one
+clear line and changes nothing, and the first one ends as if alone. If two write one
+cloud or page, what is there is from one of them, whole, whenever the second starts."""
 import os
 import shutil
 import signal
