@@ -19,7 +19,7 @@ def refine():
     colmap_tsar.Workspace(sys.argv[1]).refine(device="cpu", num_threads=1, progress=tell, **{PLANES})
 """
 
-# Continues after every signal or exception, and reports it.
+# Survives every signal, and reports it.
 GO_ON = """
 import signal, time
 num_signals = 0

@@ -28,7 +28,7 @@ num_cases = 0
 
 
 def printed(words, code=(0, 1)):
-    """All that a command prints, which no terminal obeys. code: how it may end."""
+    """What a command prints; no terminal obeys it. code: allowed exit codes."""
     global num_cases
     num_cases += 1
     result = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)

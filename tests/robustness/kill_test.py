@@ -99,7 +99,7 @@ def kill_in_workspace(case):
 
     def check_killed(kill_at):
         check_kept(read_tree(work), first, last, untouched)
-        # That undoing gives all back, from some of these workspaces.
+        # Checks that undoing restores all, from some of these workspaces.
         if case in ("refine", "compose") and kill_at % 10 == 0:
             copy(work, site)
             code, errors = program.call("tsar_refine", site, "--restore", 1)

@@ -229,8 +229,8 @@ def check_same(tree, expected, what):
 
 
 def check_kept(tree, first, last, originals=None):
-    """That every map is whole: of before or of after; and nothing else of before has
-    changed. originals: maps that are in their place or kept."""
+    """Checks that every map is whole, the former or the new one, and nothing
+    else has changed. originals: maps that are in their place or kept."""
     for path in maps_of(first).keys() | maps_of(last).keys() | maps_of(tree).keys():
         check(path not in first or path not in last or path in tree, f"{path} is lost")
         check(tree.get(path) in (first.get(path), last.get(path), None), f"{path} is neither")
@@ -249,6 +249,6 @@ def copy(source, target):
 
 
 def set_time(path, hours):
-    """Has the file changed so many hours later: clocks may stand still in a test."""
+    """Dates the change this many hours later: clocks may stand still in a test."""
     state = os.stat(path)
     os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns + hours * 3600 * 10**9))

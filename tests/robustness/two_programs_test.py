@@ -30,7 +30,7 @@ for first in setting.commands:
         check(wait_until_stopped(process), "the program ended")
         before, other_before = read_tree(work), read_tree(other)
         for second, (words, _) in setting.commands.items():
-            # Of two that read one workspace, the second must not write to theirs.
+            # If both write to one output workspace, the second is refused there.
             changed = other if other in command and other in words else work
             program.fails_with_one_line(*words, texts=["another program is working", changed])
             check_same(read_tree(work), before, f"{second} while {first} works")

@@ -177,7 +177,7 @@ TEST_F(FitIntoMainMemoryTest, OneImageAloneIsWarnedOfOrRefused) {
                              testing::HasSubstr("needs 3 GB of main memory"),
                              testing::HasSubstr("0.3 GB"),
                              testing::HasSubstr("cache_size")));
-  // Where a GPU computes, less of main memory is needed.
+  // If a GPU computes, less main memory is needed.
   Fit(false, 2.5);
   EXPECT_EQ(warning_, "");
   machine_bytes_ = kGigabyte;

@@ -149,7 +149,7 @@ TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {
       const RefineDevices devices = Create(num_gpus, num_images);
       EXPECT_EQ(static_cast<int>(devices.workers.size()),
                 std::min(num_images, kMaxGpuWorkers * num_gpus));
-      // Of the GPUs that get no image none is opened.
+      // No GPU is opened that gets no image.
       EXPECT_EQ(static_cast<int>(num_created_.size()),
                 std::min(num_images, num_gpus));
       EXPECT_EQ(devices.view_caches.size(), num_created_.size());

@@ -42,7 +42,7 @@ class RefineMaskedTest : public RefineWorkspaceTest {
     return options;
   }
   WorkspaceRefineOptions Masked() const { return Masked(root_); }
-  // Replaces all that the maps of an image hold where it is masked.
+  // Replaces everything that the maps of an image hold where it is masked.
   static void Scramble(const std::filesystem::path& root,
                        const std::string& name) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {

@@ -180,7 +180,7 @@ TEST_F(DepthEvaluationTest, RefusesMasksThatAreNone) {
   WriteMask(
       options.mask_path / "a.pgm.png", 9, 8, [](int, int) { return true; });
   EXPECT_EQ(CodeOf(evaluate), ErrorCode::kMismatch);
-  // The folder of the images, whose names would do.
+  // The folder of the images, whose names would match.
   options.mask_path = folder_ / "images";
   EXPECT_EQ(CodeOf(evaluate), ErrorCode::kBadOption);
 }

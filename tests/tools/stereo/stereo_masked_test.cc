@@ -62,7 +62,7 @@ TEST_F(StereoMaskedTest, MaskedPixelsGetNoDepth) {
   EXPECT_EQ(Run().num_skipped, 4);
 }
 
-// So that what lies around them gets nothing from them.
+// So that the pixels around them get nothing from them.
 TEST_F(StereoMaskedTest, HolesStayHolesInGeometricPasses) {
   const std::filesystem::path root = folder_.Path() / "with_maps";
   MakeSyntheticWorkspace(root);

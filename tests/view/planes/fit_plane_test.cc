@@ -77,8 +77,8 @@ TEST_F(FitPlaneTest, IsAtTheMinimumOfTheLoss) {
     }
     return sum;
   };
-  // By how many steps the minimum of the parabola through three losses lies
-  // beside the plane.
+  // By how many steps the minimum of the parabola through three losses misses
+  // the plane.
   const auto missed_by = [&](double degrees, double other, double height) {
     const double before = loss(-degrees, -other, -height);
     const double after = loss(degrees, other, height);
@@ -140,7 +140,7 @@ TEST_F(FitPlaneTest, DoesNotDependOnTheScale) {
 }
 
 TEST_F(FitPlaneTest, BearsGrazingViews) {
-  // One view along the plane, from just above it, beside those that see it.
+  // One view along the plane, from just above it, besides those that see it.
   const Eigen::Vector3d along = plane_.normal.unitOrthogonal();
   const Camera grazing =
       CameraLookingAt(middle_ - 3.0 * along + 0.03 * plane_.normal, middle_);

@@ -167,7 +167,7 @@ TEST_F(RegionPlanesTest, ACoreOnTheWallWinsOverFramesAroundIt) {
         DrawFrames(height, [](float at) { return 6e-3f * at; });
     const Plane plane = Fit();
     ASSERT_TRUE(plane.Valid());
-    // Both share a direction, which the frames tell best.
+    // Both share a direction, which the frames determine best.
     EXPECT_LT(AngleBetween(plane.normal, frames.normal), 0.1f) << height;
     EXPECT_NEAR(plane.offset, wall_.offset, 1e-3f * wall_.offset) << height;
   }
