@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Curves as an SVG picture, by nothing but text."""
+"""Curves as an SVG picture, written as text."""
 
 import math
 from xml.sax.saxutils import escape
@@ -57,7 +57,7 @@ def draw_curve(panel, xs, ys, color):
 
 
 def draw_panel(panel, x_label, xs, name, lines, first_color):
-    """lines: values by the line's name, which is told if there are several."""
+    """lines: values by the line's name, which is shown if there are several."""
     top = panel.top
     parts = [text(LEFT, top + 22, name, "start")]
     for step in range(5):
@@ -81,7 +81,7 @@ def draw_panel(panel, x_label, xs, name, lines, first_color):
 
 
 def write_line_plot(path, x_label, xs, curves, logarithmic=True):
-    """One panel for each curve (its name and values), below each other.
+    """One panel for each curve (its name and values), one below the other.
 
     xs: ascending numbers, shared by all curves, positive on a logarithmic axis;
     each y axis begins at 0, so that a curve that looks flat is flat. Values may

@@ -56,7 +56,7 @@ struct ModeledImage {
   Image<uint16_t> superpixels;
   Image<float> texture;
 
-  // Of the superpixel under a pixel of the map.
+  // The index of the superpixel under a pixel of the map.
   size_t SuperpixelAt(int x, int y) const {
     return AtSamePlace(superpixels, x, y, depth);
   }

@@ -43,8 +43,8 @@ def lift(x, y, depth, image, camera, shape):
 
 
 def check_sparse(model, maps):
-    """Of the observations of triangulated points the share with a depth, and
-    of those with one the shares that are right to 1 % and 2 %."""
+    """The share of triangulated points' observations with a depth, and among
+    those the shares that are right to 1 % and 2 %."""
     seen_by = {image.id: [] for image in model.images}
     for point in model.points:
         if point.error <= MAX_POINT_ERROR and len(point.track) >= MIN_TRACK:

@@ -10,7 +10,7 @@ RIGHT = 0.01  # Of the depth; so is the rest.
 HARMED = 0.025
 HARMED_FAR = 0.05
 NUM_BINS = 10
-# Bins with a smaller share of the pixels say nothing by their gap.
+# The gap of a bin with a smaller share of the pixels says nothing.
 MIN_BIN_SHARE = 0.01
 
 

@@ -45,8 +45,8 @@ def start(command):
 
 
 def run_shards(scene, workspace, pass_name, victim):
-    """Runs all shards. Shard number `victim` starts first, is stopped after one image,
-    and is killed once the others have ended. Returns whether it was stopped in time."""
+    """Runs all shards. Number `victim` starts first, is stopped after an image,
+    and killed once the others ended. Returns whether it stopped in time."""
     shard = start(scene.shard(workspace, pass_name, victim))
     while num_done(workspace, pass_name) == 0 and shard.poll() is None:
         time.sleep(0.002)

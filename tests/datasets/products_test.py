@@ -2,7 +2,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Meshes and exports of scripts/reconstruct.sh with stand-ins for the programs;
-and, once, all of it with the programs themselves, on photos of the sample scene."""
+and once all of it with the programs, on photos of the sample scene."""
 import subprocess
 import unittest
 

@@ -31,7 +31,7 @@ class ReconstructTest(StandInTest):
                                  "left/c d.png"])
 
     def test_options_redo_what_depends_on_them(self):
-        """Each run has one more option, of an earlier step than those before."""
+        """Each run adds an option of an earlier step than those before."""
         self.run_well()
         options = []
         after = lambda command: COMMANDS[COMMANDS.index(command):]

@@ -94,7 +94,7 @@ def optional(module):
 
 def run_in_environment(file, *packages):
     """Runs this test again, with --inside, in an environment that is kept in the build
-    folder, and ends as it does; as a skipped test if the packages are not available."""
+    folder, and ends as it does; as a skipped test without the packages."""
     folder = WORK_FOLDER / f"{packages[0]}_environment"
     with locked(folder):
         environment = VirtualEnvironment(folder)

@@ -122,7 +122,7 @@ class WorkspaceRunsTest(SampleTest):
         before = digests(self.workspace)
         with self.assertRaisesRegex(Enough, "^report$"):
             self.ws.report(progress=stop_at_the_first, num_threads=1)
-        # Work this short may end before it is stopped: a page is whole or absent.
+        # Such short work may end before it stops: a page is whole or absent.
         after = digests(self.workspace)
         others = {name: of for name, of in after.items() if name[:7] != "report/"}
         self.assertEqual(others, before)

@@ -133,7 +133,7 @@ def check_false_records():
 
 
 def check_linked_files():
-    """All files are links to files outside the workspace that must not change."""
+    """All files are links to others outside, which must not change."""
     shutil.rmtree(work)
     before = read_tree(setting.mapped)
     for path in before:
@@ -200,7 +200,7 @@ def state_of_work():
 
 
 def check_files():
-    """Replaces each file that a command reads by something else or damages it."""
+    """Replaces or damages each file that a command reads."""
     observed = setting.path("observed")
     copy(setting.mapped, work)
     program.run(*SHARD, "observe")

@@ -118,7 +118,7 @@ def kill_in_workspace(case):
 
 
 def kill_while_writing_a_folder(case):
-    """Only where the file system cannot exchange two folders may there be none."""
+    """There may be none only where a file system cannot exchange folders."""
     output = os.path.join(site, case)
     if case == "report":
         options = ["--num_threads", 1, "--overwrite", 1, "--report_path", output]

@@ -104,7 +104,7 @@ def limit_threads():
 
 
 def limit_descriptors():
-    """From what starting takes: with fewer, the loader ends the process with 127."""
+    """From what starting takes on: with fewer the loader exits with 127."""
     smallest = next(number for number in itertools.count(3) if program.call(
         *HELP, prepare=set_limit(resource.RLIMIT_NOFILE, number))[0] != 127)
     for case in setting.commands:

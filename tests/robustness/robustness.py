@@ -125,7 +125,7 @@ class Setting:
         return os.path.join(self.folder, *names)
 
     def use(self, work):
-        """Has the commands work there, each on the workspace that it starts from."""
+        """Has each command work there, with the workspace it starts from."""
         self.work = work
         self.commands = {
             "refine": (["tsar_refine", work], self.mapped),
@@ -249,6 +249,6 @@ def copy(source, target):
 
 
 def set_time(path, hours):
-    """Dates the change this many hours later: clocks may stand still in a test."""
+    """Dates a change hours later: clocks may stand still in a test."""
     state = os.stat(path)
     os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns + hours * 3600 * 10**9))

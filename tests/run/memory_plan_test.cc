@@ -60,7 +60,7 @@ TEST(PlanRefinement, IsAnUpperBoundOfWhatAnImageTakes) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the optimized build measures the same memory, in less time";
 #endif
-  // As large as its raster; larger than that; one whose raster is not square.
+  // A map as large as its raster; a larger one; one with an oblong raster.
   for (const auto& [width, height] :
        {std::pair(161, 120), std::pair(840, 840), std::pair(801, 81)}) {
     SyntheticViewsOptions size;

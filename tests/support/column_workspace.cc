@@ -25,7 +25,7 @@ namespace tsar {
 namespace {
 
 constexpr double kFocal = 147.0;
-// Samples per pixel and direction: at the column's outlines, and elsewhere.
+// Samples per pixel and direction, for the column's outlines and texture.
 constexpr int kOutlineSamples = 4;
 constexpr int kTextureSamples = 2;
 // Half the width of the matching windows of the simulated stereo.

@@ -175,7 +175,7 @@ TEST_F(GatherEvidenceTest, SpreadsObservationsOverTheSuperpixel) {
     inputs_.samples.Data()[i].z =
         static_cast<float>(++count[inputs_.superpixels.Data()[i]]);
   }
-  // Of superpixel 0 just the first 31 are left, of superpixel 1 the first 33.
+  // Only the first 31 samples of superpixel 0 and 33 of superpixel 1 stay.
   for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
     RayDepth& sample = inputs_.samples.Data()[i];
     const int superpixel = inputs_.superpixels.Data()[i];

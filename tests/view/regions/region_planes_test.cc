@@ -160,7 +160,7 @@ TEST_F(RegionPlanesTest, IsNotBelievedFarFromItsSupport) {
   EXPECT_TRUE(Assign(trusting)(80, 45).Valid());
 }
 
-// A wall whose rim is what hangs on it. One tolerance is 0.6 % of the depth.
+// A wall with a rim of what hangs on it. One tolerance is 0.6 % of the depth.
 TEST_F(RegionPlanesTest, ACoreOnTheWallWinsOverFramesAroundIt) {
   for (const float height : {0.015f, 0.05f}) {
     const Plane frames =
