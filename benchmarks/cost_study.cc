@@ -30,7 +30,7 @@
 namespace tsar {
 namespace {
 
-// Of the pixels that are compared; all of them would take minutes.
+// The stride of the pixels compared; all of them would take minutes.
 constexpr int kStride = 3;
 
 // The image as COLMAP reads it, in gray.

@@ -32,8 +32,8 @@
 namespace tsar {
 namespace {
 
-constexpr float kRight = 0.01f;        // Of the depth.
-constexpr size_t kMaxSamples = 40000;  // Of a scene.
+constexpr float kRight = 0.01f;        // A fraction of the depth.
+constexpr size_t kMaxSamples = 40000;  // Per scene.
 
 struct Sample {
   DepthEvidence depth;

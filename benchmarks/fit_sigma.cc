@@ -39,7 +39,7 @@
 namespace tsar {
 namespace {
 
-constexpr float kRight = 0.01f;  // Of the depth.
+constexpr float kRight = 0.01f;  // A fraction of the depth.
 constexpr double kNormalShare = 0.6827;
 // Scenes with fewer depths of a kind do not count for it.
 constexpr size_t kMinSamples = 500;
@@ -51,7 +51,7 @@ enum Kind {
   kGuessed,
   kStanding,
   kInterpolated,
-  // Of images that were refined on their own.
+  // Depths of images that were refined on their own.
   kViewMeasured,
   kViewSuperpixel,
   kViewRegion,
@@ -60,7 +60,7 @@ enum Kind {
 };
 struct KindFacts {
   const char* name;
-  float constant;  // Of SceneSigmaOptions or ViewSigmaOptions.
+  float constant;  // In SceneSigmaOptions or ViewSigmaOptions.
 };
 
 const KindFacts& FactsOf(Kind kind) {

@@ -5,7 +5,7 @@
 import math
 from xml.sax.saxutils import escape
 
-WIDTH, HEIGHT = 640, 220  # Of one curve's panel.
+WIDTH, HEIGHT = 640, 220  # The size of one curve's panel.
 LEFT, RIGHT, TOP, BOTTOM = 60, 30, 34, 40
 COLORS = ("#1f6fb4", "#c4541a", "#3a8a3a", "#7a4fa0", "#8a7a1a", "#555555")
 

@@ -51,7 +51,7 @@ struct ModeledImage {
   float noise = 0.f;  // See ViewEvidence.
   FoundScene found;
   std::vector<ObservedView> views;
-  Intrinsics intrinsics;  // Of the map.
+  Intrinsics intrinsics;  // For the map.
   Image<uint8_t> flags;
   Image<uint16_t> superpixels;
   Image<float> texture;

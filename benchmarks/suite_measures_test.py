@@ -94,7 +94,7 @@ def put(workspace, kind, name, values, map_type="geometric"):
 
 
 def check_harm(folder):
-    """Of 100 pixels 80 were right: 8 are off by 4 %, 4 by 8 %, 2 are gone."""
+    """Of 100 pixels, 80 were right: 8 are off by 4 %, 4 by 8 %, 2 are gone."""
     scene, refined = folder / "before", folder / "after"
     truth = np.full((10, 10), 2.0)
     truth[0] = 0  # Unknown, whatever the maps say.
@@ -107,7 +107,7 @@ def check_harm(folder):
     new[2, :8] *= 1.04
     new[3, :4] *= 1.08
     new[4, :2] = 0
-    new[5] *= 1.02  # Not right any more, yet no harm.
+    new[5] *= 1.02  # No longer right, yet no harm.
     write_map(scene / "ground_truth" / "depth" / f"{NAME}.bin",
               np.kron(truth, np.ones((3, 3))))
     put(scene, "depth", NAME, old)
@@ -265,8 +265,8 @@ def check_surfaces_of_scans(folder):
         f"{' '.join(map(str, values.ravel()))}</MLMatrix44></MLMesh>"
         for name, values in (("a", np.eye(4)), ("b", matrix)))
         + "</MeshGroup></MeshLabProject>")
-    # Of the 40 rows of the floor 20 are 1 cm off, and 10 are 4 cm off, which
-    # are within 5 cm of the row beside them.
+    # Of the floor's 40 rows, 20 are 1 cm off, and 10 are 4 cm off, which are
+    # within 5 cm of the next row.
     row = np.round((floor[:, 0] + 0.395) / 0.02)
     cloud = folder / "cloud.ply"
     write_ply(cloud, np.concatenate([

@@ -12,7 +12,7 @@ MAX_POINT_ERROR = 1.5
 MIN_TRACK = 3
 # Provenances of depths that come from a plane.
 PLANE_PROVENANCES = (4, 5, 6)
-MAX_SAMPLES = 6000  # Of each view.
+MAX_SAMPLES = 6000  # Per view.
 # Beyond these stereo_fusion does not join two depths, by default.
 MAX_DEPTH_GAP = 0.01
 MAX_ANGLE = 10.0

@@ -70,8 +70,8 @@ def cell_numbers(points, size):
 
 
 def one_per_cell(points, size=CELL):
-    """Indices of one point in each cell. Borders of cells are off the round
-    numbers at which surfaces lie, whose noise would fill two layers."""
+    """Indices of one point in each cell. Cell borders avoid round numbers, at
+    which surfaces lie: their noise would fill two layers."""
     return np.unique(cell_numbers(points + size / 4, size),
                      return_index=True)[1]
 

@@ -61,7 +61,7 @@ def sensitivities(options):
 
 
 def simulated(kind):
-    """A depth prior of this kind, whose folder is known when a scene is."""
+    """A depth prior of this kind, whose folder is known once the scene is."""
     return ["--prior_path", name_of(kind)]
 
 

@@ -96,7 +96,7 @@ class Workspaces:
         return self._kept(configuration.stem(), "workspace", key, make)
 
     def _write(self, configuration, workspace):
-        """The scene without maps, at the size and noise that are asked for."""
+        """The scene without maps, at the requested size and noise."""
         scene = configuration.path
         old = read_model(scene / "sparse")
         new = old.scaled(configuration.size)

@@ -89,7 +89,7 @@ TEST_F(TsarPlanesTest, TurnsAndScales) {
   const auto json = nlohmann::json::parse(ReadText(json_));
   EXPECT_EQ(json["vertical"], nlohmann::json({0, 1, 0}));
   EXPECT_EQ(json["unit"], "meter");
-  ASSERT_EQ(json["planes"].size(), 2u);  // Of 15 square units and more.
+  ASSERT_EQ(json["planes"].size(), 2u);  // Those of at least 15 square units.
   for (const auto& plane : json["planes"]) {
     EXPECT_NEAR(std::abs(plane["normal"][1].get<double>()), 1.0, 1e-3);
     EXPECT_GT(plane["area"].get<double>(), 60.0);

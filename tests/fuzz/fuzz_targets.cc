@@ -131,7 +131,7 @@ DmapContent SmallDmap() {
   return content;
 }
 
-// As an import processes it further.
+// The conversion that follows reading.
 void Convert(const FloatMap& map) {
   map.channels == 1 ? void(ToDepth(map, "map")) : void(ToNormals(map, "map"));
 }

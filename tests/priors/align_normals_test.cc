@@ -15,7 +15,7 @@
 namespace tsar {
 namespace {
 
-constexpr int kSize = 4;  // Of a superpixel.
+constexpr int kSize = 4;  // The side of a superpixel.
 constexpr int kNumColumns = 20;
 constexpr int kNumSuperpixels = kNumColumns * kNumColumns;
 

@@ -3,9 +3,9 @@
 """Runs the examples of docs/python.md verbatim, one after the other, on the
 sample scene: the first begins with its photos and a sparse model.
 
-Needs pycolmap and NumPy, in a virtual environment that is kept in the build folder.
-Skipped if they are not available. One step of COLMAP, patch_match_stereo, needs a GPU:
-the sample's own COLMAP maps are copied in its place."""
+Needs pycolmap and NumPy, in a virtual environment that is kept in the build
+folder. Skipped without them. COLMAP's patch_match_stereo needs a GPU: the
+sample's own maps are copied in its place."""
 import os
 import pathlib
 import re

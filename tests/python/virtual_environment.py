@@ -14,7 +14,7 @@ import unittest
 from sample_testing import SKIPPED
 from support import WORK_FOLDER
 
-IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of an environment.
+IS_INSIDE = sys.argv[1:] == ["--inside"]  # Whether this runs in an environment.
 
 # What pip says where there is no network or no index, and what it says there if it
 # was told to do without. Anything else that goes wrong is a failure, not a reason

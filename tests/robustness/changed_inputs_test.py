@@ -89,7 +89,7 @@ def written(root):
     return {path: os.stat(os.path.join(folder, path)).st_ino for path in read_tree(folder)}
 
 
-# What changes, and the report; tests/run/input_fingerprints_test.cc has more.
+# Changes and what is reported; tests/run/input_fingerprints_test.cc has more.
 CHANGES = {
     "a pose": (lambda root: edit(os.path.join(root, "sparse/images.txt"), b" -0.0 0 0 1 v0.png",
                                  b" -0.003 0 0 1 v0.png"), f"the camera of {A} has changed"),

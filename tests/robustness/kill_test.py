@@ -105,7 +105,7 @@ def kill_in_workspace(case):
             code, errors = program.call("tsar_refine", site, "--restore", 1)
             nothing = code == 1 and "nothing to restore" in errors
             check(code == 0 or nothing, f"undoing failed: {errors}")
-            # Where nothing was done there may be a temporary file.
+            # Where nothing was done, there may be a temporary file.
             left = {path: content for path, content in read_tree(site).items()
                     if not (nothing and path.endswith((".tsar_tmp", "tsar/lock")))}
             check_same(left, untouched, "after undoing")

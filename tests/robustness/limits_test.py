@@ -12,7 +12,7 @@ import resource
 from robustness import Setting, check, check_kept, check_one_line, check_same, read_tree
 
 SEED = 20240607
-NUM_MOMENTS = 6  # Of each command at which memory runs out.
+NUM_MOMENTS = 6  # At which memory runs out, for each command.
 NO_THREADS = "no more threads can be started"
 
 setting = Setting("limit")

@@ -74,7 +74,7 @@ class RefineDevicesTest : public testing::Test {
   std::map<int, size_t> memory_;
   std::set<int> without_code_;
   std::map<int, int> num_created_;
-  int max_num_devices_ = kMaxGpuWorkers;  // Of each GPU.
+  int max_num_devices_ = kMaxGpuWorkers;  // For each GPU.
   int64_t machine_bytes_ = 64 * static_cast<int64_t>(kGigabyte);
 };
 

@@ -186,7 +186,7 @@ TEST_F(RefineMaskedTest, RefinesAgainWhereMasksHaveChanged) {
 
 TEST_F(RefineMaskedTest, AnImageThatIsMaskedAltogetherGetsEmptyMaps) {
   WriteMasks([](int, int) { return true; });
-  // Of "v1.png", and of one without a mask.
+  // The photo of "v1.png", and one without a mask.
   for (const char* name : {"images/v1.png", "images/v3.png"}) {
     cv::Mat photo = cv::imread((root_ / name).string());
     photo.colRange(0, 3) = cv::Scalar::all(0);

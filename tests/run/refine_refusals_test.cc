@@ -153,7 +153,7 @@ TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
                 {Paths(2).depth.string(), "no depth map"});
 }
 
-// Of references and sources, and of both types.
+// Maps of references and sources, and of both types.
 TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
   Refine();
   WriteText(root_ / "stereo/patch-match.cfg", "v0.png\nv1.png, v3.png\n");

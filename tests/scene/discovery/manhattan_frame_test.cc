@@ -13,7 +13,7 @@ namespace tsar {
 namespace {
 
 constexpr double kLossScale = 0.5;
-constexpr double kError = 0.01;  // Of the samples.
+constexpr double kError = 0.01;  // The error of the samples.
 
 bool AcceptAll(int, const WorldPlane&) { return true; }
 

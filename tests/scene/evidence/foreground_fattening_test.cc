@@ -20,7 +20,7 @@ namespace {
 constexpr int kWidth = 60;
 constexpr int kHeight = 24;
 constexpr int kBorder = 30;  // The first column of the right superpixel.
-constexpr int kRadius = 5;   // Of patches.
+constexpr int kRadius = 5;   // The radius of patches.
 constexpr int kNear = 2;     // A pattern this near is the pixel's.
 
 template <typename T>

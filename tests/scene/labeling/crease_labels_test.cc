@@ -13,7 +13,7 @@ namespace {
 
 // Where the wall ends and the ceiling begins.
 constexpr double kCrease = -1.0;
-constexpr float kPixels = 100.f;  // Of a superpixel.
+constexpr float kPixels = 100.f;  // Per superpixel.
 
 class CreaseLabelsTest : public DrawnWallTest {
  protected:
@@ -123,7 +123,7 @@ TEST_F(CreaseLabelsTest, WhatStandsBeforeTheCeilingStays) {
   EXPECT_GT(num_before, 10);
 }
 
-// Where the plane beyond was measured, and from above the ceiling.
+// First the plane beyond was measured; then it is seen from above.
 TEST_F(CreaseLabelsTest, PlanesBeyondAreHelpedOnlyWhereTheyAreNewAndSeen) {
   creases_[0].is_new = false;
   Image<float> votes = Votes();

@@ -139,7 +139,7 @@ TEST_F(DepthEvaluationTest, MaskedPixelsAreNotScored) {
   }
   DepthEvaluationOptions options;
   options.mask_path = folder_ / "masks";
-  // Of one image, one pixel less than the upper half.
+  // In one image, one pixel less than the upper half is masked.
   WriteMask(options.mask_path / "left/b.pgm.png", 40, 40, [](int x, int y) {
     return y < 20 && !(x > 37 && y > 17);
   });

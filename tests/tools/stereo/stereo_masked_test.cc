@@ -15,7 +15,7 @@ namespace {
 
 class StereoMaskedTest : public StereoWorkspaceTest {
  protected:
-  // Of the second image, of its own size.
+  // A mask of the second image, of its own size.
   void WriteMaskWhere(bool (*is_masked)(int x, int y)) const {
     WriteMask(folder_.Path() / "masks/v1.png.png",
               SyntheticWorkspace::kWidth,

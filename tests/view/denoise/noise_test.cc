@@ -73,7 +73,7 @@ TEST(EstimateNoise, DoesNotTakeSmoothTextureForIt) {
 }
 
 constexpr int kDegreesOfFreedom = 61;
-// Of rounding to whole levels.
+// The variance of rounding to whole levels.
 constexpr float kLeastVariance = 1.f / 12.f;
 
 // Blocks whose brightness runs from one level to another, with variances as

@@ -229,7 +229,7 @@ TEST(FitSamplesTest, MiddleIsOfTheMediansOfTheCoordinates) {
     observation.center = {1.0, 2.0, 0.0};
     observation.ray = {0.0, 1.0, 1.0};
     observation.depth = i < 8 ? i : 1e6 * i;
-    observation.weight = i;  // Of no effect.
+    observation.weight = i;  // Has no effect.
     samples.Add(observation);
   }
   EXPECT_EQ(samples.Middle(), Eigen::Vector3d(1.0, 8.0, 6.0));
