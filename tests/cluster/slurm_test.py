@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/cluster/submit.sh on a Slurm of one machine: three shards, one of which
-is killed in the first pass and one requeued by the scheduler in the second."""
+"""scripts/cluster/submit.sh on a Slurm of one machine: three shards, one killed
+in the first pass, one requeued by the scheduler in the second."""
 import re
 import time
 

@@ -95,10 +95,10 @@ def check_one_line(code, errors, what):
 
 
 class Setting:
-    """A program, a folder that goes with this object, and in it workspaces to start
-    from: `bare` has no maps, `mapped` has some, which are refined in `refined`;
-    `external` has depth images for an import to `imported`. The commands are called
-    in `work`. names: of arguments that the test gets besides the usual ones."""
+    """A program, a folder that goes with this object, and in it workspaces to
+    start from: `bare` has no maps, `mapped` has some, which are refined in
+    `refined`; `external` has depth images for an import to `imported`. Commands
+    run in `work`. names: of arguments besides the usual ones."""
 
     def __init__(self, *names, on_disk=False):
         parser = argparse.ArgumentParser()
