@@ -2,7 +2,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs chain on a small room whose scan is the cloud of the drawn maps, which a
-stand-in for COLMAP's fusion makes, too: that way has F1 1, and is measured
+stand-in for COLMAP's fusion makes, too: this way has an F1 of 1 and is measured
 before the others, which have other clouds."""
 
 import shutil

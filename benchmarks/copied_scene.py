@@ -1,10 +1,10 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""A workspace of many images: a small scene, copied beside itself.
+"""A workspace of many images: copies of a small scene, side by side.
 
-The copies share the scene's files by links and lie so far from each other that
-none sees another; what one copy's images give is what the scene's would. Or they
-are the rooms of one large building, linked by some views. Needs numpy.
+The copies share the scene's files by links and lie so far apart that none sees
+another; the images of a copy give what the scene's would. Or they are the rooms
+of one large building, linked by some views. Needs numpy.
 """
 
 import math
@@ -54,7 +54,7 @@ class ModelImage:
         self.keypoints["point"] = values[:, 2]
 
     def translation_at(self, offset):
-        """Of the same camera, moved by an offset in the world."""
+        """For the same camera, moved by an offset in the world."""
         return self.translation - rotation_matrix(self.quaternion) @ offset
 
 
@@ -192,10 +192,10 @@ def make_copies(scene, workspace, num_copies, sources):
     """Writes the workspace.
 
     sources: "listed" names each image's sources in patch-match.cfg, all others
-    of its copy; "linked" sets the copies side by side and names one image of the
-    copies to the right and below as well, so that the views are all connected and
-    walls and floors go on from copy to copy; "auto" leaves the sources to be
-    chosen by the points that they share.
+    of its copy; "linked" sets the copies side by side and names one image of
+    the copies to the right and below as well, so that the views are all
+    connected and walls and floors continue from copy to copy; "auto" leaves the
+    sources to be chosen by the points that they share.
     """
     grid = Grid(num_copies, sources)
     images = workspace / "images"

@@ -8,7 +8,7 @@
 // 121 pixels of it, and with all pixels of images like those that COLMAP reads
 // (gray by Rec. 709, in whole numbers, black around the image).
 //
-// Types of maps without exported costs are passed over.
+// Types of maps without exported costs are skipped.
 //
 //   cost_study WORKSPACE [WORKSPACE ...]
 
@@ -30,7 +30,7 @@
 namespace tsar {
 namespace {
 
-// Of the pixels that are compared; all of them would take minutes.
+// The stride of the pixels compared; all of them would take minutes.
 constexpr int kStride = 3;
 
 // The image as COLMAP reads it, in gray.

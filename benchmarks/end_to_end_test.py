@@ -81,7 +81,7 @@ def run_end_to_end(program, maker, folder, *options):
 
 
 def check_own_folder(folder):
-    """That a folder with the user's files is not taken for results."""
+    """Checks that a folder with the user's files is not taken for results."""
     mine = folder / "mine"
     mine.mkdir()
     (mine / "stereo").write_text("years of work")

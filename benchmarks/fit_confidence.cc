@@ -32,8 +32,8 @@
 namespace tsar {
 namespace {
 
-constexpr float kRight = 0.01f;        // Of the depth.
-constexpr size_t kMaxSamples = 40000;  // Of a scene.
+constexpr float kRight = 0.01f;        // A fraction of the depth.
+constexpr size_t kMaxSamples = 40000;  // Per scene.
 
 struct Sample {
   DepthEvidence depth;
@@ -72,7 +72,7 @@ void CollectView(const ModeledImage& view,
     for (int x = 0; x < refined.depth.Width(); ++x) {
       const float depth = refined.depth(x, y);
       const float right = AtSamePlace(view.truth, x, y, refined.depth);
-      // The confidence of a prior's depth is the prior's own.
+      // The confidence of a depth from a prior is the prior's own.
       const bool is_of_prior = static_cast<Provenance>(refined.provenance(
                                    x, y)) == Provenance::kPrior;
       if (depth > 0.f && right > 0.f && !is_of_prior) {

@@ -28,7 +28,7 @@
 namespace tsar {
 namespace {
 
-constexpr size_t kMaxSamples = 40000;  // Of a scene.
+constexpr size_t kMaxSamples = 40000;  // Per scene.
 // Errors beyond this count alike, as shares of the depth.
 constexpr float kFullError = 0.025f;
 constexpr float kMinGap = 0.3f;  // In relative depths of one pixel.

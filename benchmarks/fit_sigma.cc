@@ -4,8 +4,7 @@
 // How well sigma maps are calibrated, and the constants of SceneSigmaOptions
 // (compose/depth_sigma.h) that would calibrate them: of the depths that are
 // right to 1 %, the share whose error is less than one and than two standard
-// deviations, for each way in which depths come about. It should be 0.68 and
-// 0.95.
+// deviations, for each origin of depths. These should be 0.68 and 0.95.
 //
 //   fit_sigma REFINED [REFINED ...]
 //
@@ -40,7 +39,7 @@
 namespace tsar {
 namespace {
 
-constexpr float kRight = 0.01f;  // Of the depth.
+constexpr float kRight = 0.01f;  // A fraction of the depth.
 constexpr double kNormalShare = 0.6827;
 // Scenes with fewer depths of a kind do not count for it.
 constexpr size_t kMinSamples = 500;
@@ -52,7 +51,7 @@ enum Kind {
   kGuessed,
   kStanding,
   kInterpolated,
-  // Of images that were refined on their own.
+  // Depths of images that were refined on their own.
   kViewMeasured,
   kViewSuperpixel,
   kViewRegion,
@@ -61,7 +60,7 @@ enum Kind {
 };
 struct KindFacts {
   const char* name;
-  float constant;  // Of SceneSigmaOptions or ViewSigmaOptions.
+  float constant;  // In SceneSigmaOptions or ViewSigmaOptions.
 };
 
 const KindFacts& FactsOf(Kind kind) {
@@ -82,13 +81,13 @@ const KindFacts& FactsOf(Kind kind) {
   return facts[kind];
 }
 
-// Of a depth, all as shares of it.
+// All in fractions of the depth.
 struct Sample {
   float error;
   float sigma;
   float unit;  // One pixel of disparity.
 
-  // With another constant. That of a plane's error stays as it is.
+  // The standard deviation with another constant; a plane's own error stays.
   double SigmaWith(Kind kind, double constant) const {
     const double old_constant = FactsOf(kind).constant;
     if (kind == kStanding) {
@@ -209,7 +208,7 @@ Scene CollectScene(const std::string& root) {
   return scene;
 }
 
-// Of the errors, the share below so many standard deviations.
+// The share of errors below this many standard deviations.
 template <typename Sigma>
 double ShareBelow(const std::vector<Sample>& samples,
                   double num_sigmas,
@@ -221,8 +220,7 @@ double ShareBelow(const std::vector<Sample>& samples,
   return static_cast<double>(num_below) / static_cast<double>(samples.size());
 }
 
-// The median over the scenes that have enough such depths, of which there is
-// one.
+// The median over the scenes that have enough such depths, at least one.
 template <typename Sigma>
 double MedianShare(const std::vector<Scene>& scenes,
                    Kind kind,
@@ -288,7 +286,7 @@ void PrintTable(const std::vector<Scene>& scenes,
   std::printf("\n\n");
 }
 
-// By bisection: the larger the constant, the larger is the share.
+// By bisection: the larger the constant, the larger the share.
 double FitConstant(const std::vector<Scene>& scenes, Kind kind) {
   double low = 0.0;
   double high = 100.0;

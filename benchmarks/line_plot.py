@@ -1,11 +1,11 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Curves as an SVG picture, by nothing but text."""
+"""Curves as an SVG picture, written as text."""
 
 import math
 from xml.sax.saxutils import escape
 
-WIDTH, HEIGHT = 640, 220  # Of one curve's panel.
+WIDTH, HEIGHT = 640, 220  # The size of one curve's panel.
 LEFT, RIGHT, TOP, BOTTOM = 60, 30, 34, 40
 COLORS = ("#1f6fb4", "#c4541a", "#3a8a3a", "#7a4fa0", "#8a7a1a", "#555555")
 
@@ -57,7 +57,7 @@ def draw_curve(panel, xs, ys, color):
 
 
 def draw_panel(panel, x_label, xs, name, lines, first_color):
-    """lines: values by the line's name, which is told if there are several."""
+    """lines: values by the line's name, which is shown if there are several."""
     top = panel.top
     parts = [text(LEFT, top + 22, name, "start")]
     for step in range(5):
@@ -81,7 +81,7 @@ def draw_panel(panel, x_label, xs, name, lines, first_color):
 
 
 def write_line_plot(path, x_label, xs, curves, logarithmic=True):
-    """One panel for each curve (its name and values), below each other.
+    """One panel for each curve (its name and values), one below the other.
 
     xs: ascending numbers, shared by all curves, positive on a logarithmic axis;
     each y axis begins at 0, so that a curve that looks flat is flat. Values may

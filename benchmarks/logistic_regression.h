@@ -71,7 +71,7 @@ std::vector<T> TakeEvenly(const std::vector<T>& samples, size_t max_count) {
   return taken;
 }
 
-// The weights by the samples of several scenes, each of which counts the same.
+// The weights from the samples of several scenes, all of which count equally.
 // make_case: the Case of a sample.
 template <typename Sample, typename MakeCase>
 Eigen::VectorXd SolveRegression(const std::vector<std::vector<Sample>>& scenes,
@@ -90,7 +90,7 @@ Eigen::VectorXd SolveRegression(const std::vector<std::vector<Sample>>& scenes,
 }
 
 // Where there are several scenes, calls print(name, scene, weights) for each
-// with the weights that the others give. Then prints those of all.
+// with the weights from the others. Then prints those from all.
 template <typename Sample, typename Fit, typename Print>
 void CrossValidate(const std::vector<std::vector<Sample>>& scenes,
                    const char* const* names,

@@ -51,12 +51,12 @@ struct ModeledImage {
   float noise = 0.f;  // See ViewEvidence.
   FoundScene found;
   std::vector<ObservedView> views;
-  Intrinsics intrinsics;  // Of the map.
+  Intrinsics intrinsics;  // For the map.
   Image<uint8_t> flags;
   Image<uint16_t> superpixels;
   Image<float> texture;
 
-  // Of the superpixel under a pixel of the map.
+  // The index of the superpixel under a pixel of the map.
   size_t SuperpixelAt(int x, int y) const {
     return AtSamePlace(superpixels, x, y, depth);
   }

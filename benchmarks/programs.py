@@ -30,7 +30,7 @@ def colmap_environment(library_folder):
 
 
 def run(command, environment=None):
-    """Runs a command, with these variables besides its own, and returns what it
+    """Runs a command with these additional variables, and returns what it
     printed."""
     command = [str(word) for word in command]
     try:

@@ -6,11 +6,11 @@
 //
 //   tsar_stages [--device cpu] [--benchmark_filter=Median] [...]
 //
-// Draws a room, or takes the first image of --workspace_path. Times are those
-// of the wall, from the call until the device is idle. items_per_second and
-// bytes_per_second count what a stage must do at least (the cases in stages/
-// say what that is): a low number means that the stage does more than it must.
-// Options that begin with --benchmark_ are Google Benchmark's.
+// Draws a room, or takes the first image of --workspace_path. Times are
+// wall-clock times, from the call until the device is idle. items_per_second
+// and bytes_per_second count what a stage must do at least (the cases in
+// stages/ say what that is): a low number means that the stage does more than
+// it must. Options that begin with --benchmark_ are Google Benchmark's.
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/cli/commands.h"

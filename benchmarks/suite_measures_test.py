@@ -94,7 +94,7 @@ def put(workspace, kind, name, values, map_type="geometric"):
 
 
 def check_harm(folder):
-    """Of 100 pixels 80 were right: 8 are off by 4 %, 4 by 8 %, 2 are gone."""
+    """Of 100 pixels, 80 were right: 8 are off by 4 %, 4 by 8 %, 2 are gone."""
     scene, refined = folder / "before", folder / "after"
     truth = np.full((10, 10), 2.0)
     truth[0] = 0  # Unknown, whatever the maps say.
@@ -107,7 +107,7 @@ def check_harm(folder):
     new[2, :8] *= 1.04
     new[3, :4] *= 1.08
     new[4, :2] = 0
-    new[5] *= 1.02  # Not right any more, yet no harm.
+    new[5] *= 1.02  # No longer right, yet no harm.
     write_map(scene / "ground_truth" / "depth" / f"{NAME}.bin",
               np.kron(truth, np.ones((3, 3))))
     put(scene, "depth", NAME, old)
@@ -129,8 +129,8 @@ def check_harm(folder):
 
 
 def check_outliers(folder):
-    """A plane at depth 2 before a far corner: of 840 depths that are there and
-    known, 34 are off, 8 of them at the corner, where nothing is smooth."""
+    """A plane at depth 2 in front of a far corner: of 840 depths that are there
+    and known, 34 are off, 8 of them at the corner, where nothing is smooth."""
     scene = folder / "outliers"
     truth = np.full((30, 30), 2.0)
     truth[0] = 0  # Unknown.
@@ -169,8 +169,8 @@ def check_outliers(folder):
 
 
 def check_planes_off(folder):
-    """A wall 2 m away that slants across the view and lies .03 before the
-    truth along its normal, one far off its surface, and a speck."""
+    """A slanted wall 2 m away that lies .03 in front of the truth along its
+    normal, one far off its surface, and a speck."""
     model, scene = two_views(0.1), folder / "planes"
     height, width = 30, 40
     y, x = np.mgrid[:height, :width] + 0.5
@@ -207,8 +207,8 @@ def check_planes_off(folder):
 
 
 def rectangle(corner, along, across, width, height, spacing=0.02):
-    """Points of a rectangle, each amid a cell of the scans' grid if corner and
-    axes are that of one."""
+    """Points of a rectangle, each inside a cell of the scans' grid if corner
+    and axes are those of a cell."""
     u, v = np.indices((round(width / spacing), round(height / spacing)))
     return (np.array(corner, float)
             + spacing * (u.reshape(-1, 1) * np.array(along, float)
@@ -265,8 +265,8 @@ def check_surfaces_of_scans(folder):
         f"{' '.join(map(str, values.ravel()))}</MLMatrix44></MLMesh>"
         for name, values in (("a", np.eye(4)), ("b", matrix)))
         + "</MeshGroup></MeshLabProject>")
-    # Of the 40 rows of the floor 20 are 1 cm off, and 10 are 4 cm off, which
-    # are within 5 cm of the row beside them.
+    # Of the floor's 40 rows, 20 are 1 cm off, and 10 are 4 cm off, which are
+    # within 5 cm of the next row.
     row = np.round((floor[:, 0] + 0.395) / 0.02)
     cloud = folder / "cloud.ply"
     write_ply(cloud, np.concatenate([
@@ -294,7 +294,7 @@ def check_surfaces_of_scans(folder):
 
 def check_plane_counts(folder):
     """What a view sees at 1 m, with pixels of 1.25 cm: a wall with two labels,
-    2 cm apart, a cupboard before it and a speck; the floor has no label."""
+    2 cm apart, a cupboard in front and a speck; the floor has no label."""
     model, scene = two_views(0.1), folder / "counts"
     depth, plane = np.full((60, 80), 1.0), np.full((60, 80), 7)
     plane[:, 30:] = 4
@@ -316,7 +316,7 @@ def check_plane_counts(folder):
           "two labels of a wall are copies")
     check(check_true_planes(scene, model, maps) == {},
           "without true depth there are no true planes")
-    # In truth the wall is one, and a picture hangs 3 cm before it.
+    # In truth the wall is one, and a picture hangs 3 cm in front.
     truth = np.full((60, 80), 1.0)
     truth[:, 60:] = 0.8
     truth[10:50, 10:50] = 0.97
@@ -399,7 +399,7 @@ def check_calibration():
 
 
 def two_views(shift):
-    """Two cameras beside each other, and points at depth 2."""
+    """Two cameras side by side, and points at depth 2."""
     random = np.random.default_rng(2)
     points = [Point(i, np.array([*random.uniform(-0.3, 0.3, 2), 2.0]),
                     (0, 0, 0), 0.5,
@@ -490,7 +490,7 @@ def check_noise():
 
 
 def make_runs(scene, role, values, size=640, noise=0):
-    """Of one variant; F1 and HARM are values and a tenth of them."""
+    """Runs of one variant; F1 is each value and HARM a tenth of it."""
     return [{"role": role, "scene": scene, "size": size, "noise": noise,
              "maps": "own", "variant": "v", "seed": seed, "seconds": 1.0,
              "before": {"cloud_0.05": [0.1, 0.1, 0.1]},
@@ -570,7 +570,7 @@ def check_cloud_table(report):
 
 
 def check_surface_table(runs):
-    """Of scene a with two seeds, and b without clouds."""
+    """Runs of scene a with two seeds, and of b without clouds."""
     for one, held in zip(runs, (0.1, 0.2)):
         one["scores"].update({
             "surfaces": [[-0.001, 0, 1.0, 2.5, 0.3, held, 0.4]],

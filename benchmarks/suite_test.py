@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs suite on a tiny scene and checks that it goes on where it stopped, that
-seeds give other maps, and its tables; without OpenCV for Python the runs at
-other sizes are left out. suite_measures_test.py checks the measures."""
+"""Runs suite on a tiny scene and checks that it continues where it stopped,
+that seeds give other maps, and its tables; without OpenCV for Python the runs
+at other sizes are left out. suite_measures_test.py checks the measures."""
 
 import importlib.util
 import json

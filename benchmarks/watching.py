@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 from programs import CommandFailed, describe_failure, run
 
-# Seldom enough that nvidia-smi, which takes the driver's locks, does not slow
-# what is measured.
+# Rarely enough that nvidia-smi, which takes the driver's locks, does not slow
+# down what is measured.
 POLL_SECONDS = 0.2
 
 

@@ -32,7 +32,7 @@ constexpr int kMaxRows = 8;
 // What the cameras look at, and how far from it they stand.
 const Vector3d kTarget(0.0, 0.1, 2.2);
 constexpr double kArcRadius = 3.6;
-// Of the image's width: an angle of view of 64 degrees.
+// In image widths: a field of view of 64 degrees.
 constexpr double kFocalShare = 0.8;
 
 // Nearer hits are the surface that the ray started from.

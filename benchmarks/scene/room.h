@@ -19,7 +19,7 @@ namespace tsar {
 // Colors are 0-255, red first.
 struct Material {
   Eigen::Vector3d base;
-  Eigen::Vector3d accent;  // The color that the texture goes to.
+  Eigen::Vector3d accent;  // The other end of the texture's colors.
   double cell = 0.0;       // Width of the coarsest detail in meters; 0: none.
 
   bool IsBare() const { return cell == 0.0; }

@@ -15,7 +15,7 @@ struct RoomWorkspaceOptions {
   int width = 3110;
   int height = 2073;
   int num_images = 12;
-  // Of each image; all others where there are not so many.
+  // For each image; all other images if there are fewer.
   int num_sources = 10;
   uint32_t seed = 1;
 };

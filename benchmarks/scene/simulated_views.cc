@@ -14,7 +14,7 @@
 namespace tsar {
 namespace {
 
-// Where two surfaces meet, a pixel is the mean of this many rays squared.
+// Where two surfaces meet, a pixel is the mean of the square of this many rays.
 constexpr int kRaysPerSide = 3;
 
 // In gray levels, half the width of the noise of each channel: about what is
@@ -126,7 +126,7 @@ double Gaussian(Philox* random) {
   return sum;
 }
 
-// What the two maps say of one pixel.
+// What the two maps say about one pixel.
 struct SimulatedPixel {
   double depth;
   Vec3f normal;

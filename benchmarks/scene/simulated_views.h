@@ -29,7 +29,7 @@ RenderedView RenderView(const Room& room,
                         uint32_t noise_key,
                         ThreadPool& threads);
 
-// Maps with the faults of those that patch_match_stereo writes.
+// Maps with the typical errors of those that patch_match_stereo writes.
 struct SimulatedMaps {
   // Dense: noise and some outliers where the image has texture, smooth and
   // wrong surfaces where it has none.

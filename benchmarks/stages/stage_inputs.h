@@ -62,14 +62,14 @@ class StageInputs {
   const DeviceImage<float> raster_score;
   const Superpixels superpixels;
   const CorrelationResult correlation;
-  const DeviceImage<RayDepth> samples;  // Of what is trusted, on the raster.
+  const DeviceImage<RayDepth> samples;  // Trusted depths, on the raster.
   const PixelGroups superpixel_groups;
   const DeviceImage<Plane> superpixel_planes;
   const DeviceImage<uint8_t> edges;    // Before the segments are drawn.
   const DeviceImage<uint8_t> borders;  // Edges and segments.
   const Regions regions;
   const RegionPlanes region_planes;
-  const DeviceImage<Plane> pixel_planes;  // Of the regions.
+  const DeviceImage<Plane> pixel_planes;  // Planes of the regions.
   const ComposedMap composed;
 };
 

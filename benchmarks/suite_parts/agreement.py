@@ -12,7 +12,7 @@ MAX_POINT_ERROR = 1.5
 MIN_TRACK = 3
 # Provenances of depths that come from a plane.
 PLANE_PROVENANCES = (4, 5, 6)
-MAX_SAMPLES = 6000  # Of each view.
+MAX_SAMPLES = 6000  # Per view.
 # Beyond these stereo_fusion does not join two depths, by default.
 MAX_DEPTH_GAP = 0.01
 MAX_ANGLE = 10.0
@@ -43,8 +43,8 @@ def lift(x, y, depth, image, camera, shape):
 
 
 def check_sparse(model, maps):
-    """Of the observations of triangulated points the share with a depth, and
-    of those with one the shares that are right to 1 % and 2 %."""
+    """The share of triangulated points' observations with a depth, and among
+    those the shares that are right to 1 % and 2 %."""
     seen_by = {image.id: [] for image in model.images}
     for point in model.points:
         if point.error <= MAX_POINT_ERROR and len(point.track) >= MIN_TRACK:

@@ -14,8 +14,8 @@ from suite_parts.variants import DEFAULT
 
 GAIN = 2  # Standard errors that the mean of the tuning scenes must gain,
 LOSS = 1  # and that no testing scene may lose.
-# Name; the score's key and number, and what stands in where no cloud was fused;
-# 1 where more is better. The rule judges the first three, the others are told.
+# Name; the score's key and number, and the substitute where no cloud was fused;
+# 1 if more is better. The rule judges the first three, the others are reported.
 MEASURES = (
     ("F1 2 cm", (("cloud_0.02", 2), ("depth_all_0.02", 2)), 1),
     ("F1 5 cm", (("cloud_0.05", 2), ("depth_all_0.05", 2)), 1),
@@ -27,7 +27,7 @@ NUM_JUDGED = 3
 
 @dataclass
 class Difference:
-    """Of a mean over seeds, positive where the second variant is better."""
+    """Between means over seeds, positive where the second variant is better."""
     value: float
     error: float
 

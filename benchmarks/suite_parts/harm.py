@@ -6,11 +6,11 @@ import numpy as np
 
 from suite_parts.maps import at_pixels_of, read_gray_png, read_map
 
-RIGHT = 0.01  # Of the depth; so is the rest.
+RIGHT = 0.01  # As a fraction of the depth; so are the rest.
 HARMED = 0.025
 HARMED_FAR = 0.05
 NUM_BINS = 10
-# Bins with a smaller share of the pixels say nothing by their gap.
+# The gap of a bin with a smaller share of the pixels says nothing.
 MIN_BIN_SHARE = 0.01
 
 

@@ -113,7 +113,7 @@ class Maps:
         self.type = map_type or self._type()
 
     def _type(self):
-        """The one that tsar_refine takes by itself."""
+        """The type that tsar_refine chooses by default."""
         depth = self.stereo / "depth_maps"
         for name in ("geometric", "photometric"):
             if next(depth.rglob(f"*.{name}.bin"), None):

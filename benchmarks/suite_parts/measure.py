@@ -37,7 +37,7 @@ def hash_of_file(path):
 
 
 def write_json(path, value):
-    """Under its name only when it is whole."""
+    """The file gets its name only once it is complete."""
     new = path.with_name(f"{path.name}.{os.getpid()}.new")
     new.write_text(json.dumps(value, indent=1) + "\n")
     new.replace(path)
@@ -57,8 +57,8 @@ class Measurer:
         self.runs = own_folder(arguments.results / "runs")
 
     def _stored(self, kind, key):
-        """Where a result is, and the result if it is there; one with a cloud
-        serves where none is asked for."""
+        """Where a result is, and the result if it exists; one with a cloud also
+        serves where no cloud is asked for."""
         for with_cloud in (True, False) if not self.fuse else (True,):
             text = json.dumps([VERSION, kind, with_cloud, *key])
             digest = hashlib.sha256(text.encode()).hexdigest()[:24]

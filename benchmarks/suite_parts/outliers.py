@@ -7,8 +7,8 @@ import numpy as np
 from suite_parts.harm import share, truth_of
 from suite_parts.maps import read_gray_png
 
-OUTLIER = 0.05  # Of the true depth.
-# The surface around a pixel is smooth where the true depths within so many
+OUTLIER = 0.05  # As a fraction of the true depth.
+# The surface around a pixel is smooth where the true depths within this many
 # pixels differ by less than this factor.
 SPECK_RADIUS = 7
 SPECK_FACTOR = 1.1

@@ -9,9 +9,9 @@ import numpy as np
 
 from programs import CommandFailed
 
-EXPOSURE = 0.08  # Of each image, at most.
+EXPOSURE = 0.08  # At most, for each image.
 VIGNETTING = 0.25  # Darker at the corners.
-NOISY_QUALITY = 88  # Of JPEG.
+NOISY_QUALITY = 88  # JPEG's quality.
 CLEAN_QUALITY = 95
 
 

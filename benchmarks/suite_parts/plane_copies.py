@@ -14,7 +14,7 @@ from suite_parts.surfaces import (CELL, CELL_SPAN, INLIER, cell_numbers,
                                   fit_plane, one_per_cell, within)
 
 # A plane counts if a connected piece of it has this area; pieces consist of
-# blocks of which the cells that the plane covers fill a fifth.
+# blocks with at least a fifth of their cells covered by the plane.
 MIN_AREA = 0.1
 BLOCK = 5 * CELL
 MIN_CELLS = 5
@@ -22,13 +22,13 @@ MIN_CELLS = 5
 # the plane, closer than this across it, and nearly parallel.
 COPY_OFFSET = 0.06
 COPY_COSINE = np.cos(np.radians(5))
-# True normals are taken over so many pixels to each side. Those of a plane's
-# points differ by less than an angle from its own.
+# True normals are computed over this many pixels to each side. Those of a
+# plane's points differ by less than an angle from its own.
 NORMAL_STEP = 2
 NORMAL_COSINE = np.cos(np.radians(10))
 NUM_TRIALS = 500
 NUM_JUDGES = 10000
-# Curved is what bends more, if that explains most of how far it is off.
+# A surface is curved if it bends more and that explains most deviations.
 MAX_CURVATURE = 0.5
 STEPS = [x * CELL_SPAN ** 2 + y * CELL_SPAN
          for x, y in itertools.product((-1, 0, 1), repeat=2)]
@@ -146,7 +146,7 @@ def find_true_surfaces(points, normals):
     """The planes among points with normals, greedily. What lies in one plane
     is one, however far apart; what is curved is left out."""
     def support(points, normals, normal, offset):
-        """1 of a point in the plane, 0 of one that is not on it."""
+        """1 for a point in the plane, 0 for one that is not on it."""
         return ((normals @ normal > NORMAL_COSINE) * np.maximum(
             0, 1 - ((points @ normal - offset) / INLIER) ** 2))
 

@@ -11,7 +11,7 @@ from suite_parts.maps import read_gray_png, read_map
 from suite_parts.plane_copies import (CELL, MIN_AREA, count_surfaces,
                                       surface_of_labels, thin)
 
-# Smaller planes are left out: of the pixels of planes with a true depth.
+# Planes with a smaller share of plane pixels with truth are left out.
 MIN_SHARE = 0.02
 
 
@@ -57,7 +57,7 @@ def score_offsets(planes, distances):
 def check_planes(scene, model, maps):
     """The large planes by falling share of the pixels: the share, and the
     quartiles of the distance behind the true surface, in units of the scene.
-    Beside it the mean of the absolute medians, weighed by the shares; both
+    Beside it the mean of the absolute medians, weighted by the shares; both
     need true depth. Also the scores of count_surfaces. Nothing without planes.
 
     scene: the workspace with ground_truth/depth; maps: refined Maps.

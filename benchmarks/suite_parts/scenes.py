@@ -77,7 +77,7 @@ def read_entry(path, entry, root):
 
 
 def read_scenes(path, root):
-    """All configurations of a list; the keys are told in benchmarks/README.md.
+    """All configurations of a list; benchmarks/README.md describes the keys.
 
     root: the folder below which the paths of the scenes are.
     """

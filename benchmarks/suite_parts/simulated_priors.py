@@ -15,17 +15,17 @@ from suite_parts.sparse_model import read_model
 VERSION = 2
 KINDS = ("network", "lidar", "normals")
 WIDTHS = {"network": 518, "lidar": 256, "normals": 518}
-# Of a network: the scale of each surface and of the image from place to place,
-# the blur of edges as a share of the width, noise; all relative.
+# A network's errors: the scale of each surface and of the image from place to
+# place, the blur of edges as a share of the width, noise; all relative.
 SURFACE_SCALE = 0.06
 WARP = 0.05
 BLUR = 0.005
 NOISE = 0.01
-# Of normals: the blur of edges, the tilt from place to place in radians, noise.
+# Normals' errors: the blur of edges, the local tilt in radians, noise.
 NORMAL_BLUR = 0.01
 TILT = np.radians(8)
 NORMAL_NOISE = 0.06
-# Of a sensor: how far it reaches and what it misses beside its noise, in meters
+# A sensor's errors: its range and what it misses besides its noise, in meters
 # and in gray levels.
 REACH = 5.0
 FLOOR = 0.005

@@ -64,7 +64,7 @@ class SparseModel:
     points: list
 
     def scaled(self, long_side):
-        """Of the same images, enlarged or reduced to this long side."""
+        """The model of the same images at this long side."""
         cameras, images = {}, []
         for camera in self.cameras.values():
             scale = long_side / max(camera.width, camera.height)

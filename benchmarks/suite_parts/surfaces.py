@@ -16,12 +16,12 @@ from programs import CommandFailed
 CELL = 0.02
 INLIER = 0.01
 TOLERANCES = (0.02, 0.05)
-# Of the scan: what is no large plane, and what is too small to be the worst.
+# Least share of the scan, of a large plane and of the worst surface.
 MIN_SHARE = 0.02
 MIN_WORST_SHARE = 0.1
 MAX_PLANES = 10
 NUM_TRIALS = 400
-# Trials are judged by so many points, or up to twice as many.
+# Trials are judged by this many points, or up to twice as many.
 NUM_JUDGES = 25000
 CELL_SPAN = 1 << 20
 LOCK = threading.Lock()
@@ -63,15 +63,15 @@ def read_scans(project):
 
 
 def cell_numbers(points, size):
-    """The cell of a grid that each point is in; cells that follow each other
-    along the last axis have numbers that do."""
+    """The cell of a grid that each point is in; cells that are adjacent along
+    the last axis have consecutive numbers."""
     x, y, z = np.floor(points / size).astype(np.int64).T
     return (x * CELL_SPAN + y) * CELL_SPAN + z
 
 
 def one_per_cell(points, size=CELL):
-    """Indices of one point in each cell. Borders of cells are off the round
-    numbers at which surfaces lie, whose noise would fill two layers."""
+    """Indices of one point in each cell. Cell borders avoid round numbers, at
+    which surfaces lie: their noise would fill two layers."""
     return np.unique(cell_numbers(points + size / 4, size),
                      return_index=True)[1]
 
@@ -101,7 +101,7 @@ def within(points, cloud, distance):
 
 def fit_plane(points):
     """The unit normal, whose largest component is positive, and the offset
-    along it of the plane with the least squares of distances."""
+    along it of the least-squares plane."""
     center = points.mean(0)
     normal = np.linalg.eigh(np.cov((points - center).T))[1][:, 0]
     normal *= np.sign(normal[np.abs(normal).argmax()])

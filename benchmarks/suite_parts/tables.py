@@ -46,7 +46,7 @@ CLOUD_COLUMNS = (("points", "points", None, 0), *(
     for name, index in (("F1", 2), ("completeness", 0), ("accuracy", 1))))
 FUSIONS = (("stereo_fusion", ""), ("tsar_fuse", "tsar_fuse_"))
 IDENTITY = ("role", "scene", "size", "noise", "maps", "variant")
-# Those by which variants are set beside each other.
+# Those by which variants are compared.
 VARIANT_COLUMNS = (*(column for column in COLUMNS if column[0] in (
     "cloud F1 2 cm", "cloud F1 5 cm", "depth F1 2 cm", "depth F1 5 cm",
     "accuracy 2 cm", "accuracy 5 cm", "worst surface",
@@ -68,7 +68,7 @@ class Sample:
     def __init__(self, values):
         self.median = statistics.median(values)
         self.mean = statistics.fmean(values)
-        # Of the mean; unknown from a single value.
+        # The error of the mean; unknown from a single value.
         self.error = (statistics.stdev(values) / math.sqrt(len(values))
                       if len(values) > 1 else math.nan)
 
@@ -122,7 +122,7 @@ def mean_of_samples(rows, key, index):
 
 
 def true_text(rows, key):
-    """What a score is of the true surfaces, for those that have that."""
+    """The score of the true surfaces, for the scores that have one."""
     values = [row.before.get(f"true_{key}") for row in rows]
     return (f" / {statistics.fmean(values):.3g}"
             if values and None not in values else "")
@@ -204,11 +204,11 @@ def variant_table(title, key, index, digits, rows):
 
 
 def surface_table(rows):
-    """What the refined maps' clouds hold of each large surface; nothing
+    """How much of each large surface the refined maps' clouds hold; nothing
     without clouds."""
     lines = []
     for row in rows:
-        # Of each fusion the planes in turn, of each plane those of the seeds.
+        # For each fusion the planes in turn, for each plane the seeds'.
         planes = [zip(*(scores[f"{prefix}surfaces"] for scores in row.scores
                         if f"{prefix}surfaces" in scores))
                   for _, prefix in FUSIONS]

@@ -8,13 +8,13 @@ import shlex
 from programs import CommandFailed, run
 from suite_parts.simulated_priors import KINDS, name_of
 
-# Parts of the method that --help tells of, beside those that --help_all does.
+# Parts of the method that --help lists, besides those that --help_all does.
 OPTIONS = ("TsarRefine.scene_planes",)
 DEFAULT = "default"
 
 
 def ask_options(program):
-    """What the program tells of the options of tsar_refine."""
+    """What the program says about the options of tsar_refine."""
     return json.loads(run([program, "tsar_refine", "--help_json"]))["options"]
 
 
@@ -26,7 +26,7 @@ def read_variant(text):
 
 
 def method_of(options):
-    """(name, what is told of it, words that set it to {}) of each part."""
+    """(name, what is said about it, words that set it to {}) of each part."""
     for option in options:
         name = option["name"]
         if name in OPTIONS or (name.startswith("TsarRefine.") and option["advanced"]):
@@ -34,7 +34,7 @@ def method_of(options):
 
 
 def ablations(options):
-    """Each switch turned, and each preset."""
+    """Each switch toggled, and each preset."""
     for name, told, words in method_of(options):
         if told["value"] != "0|1":
             continue
@@ -61,7 +61,7 @@ def sensitivities(options):
 
 
 def simulated(kind):
-    """A depth prior of this kind, whose folder is known when a scene is."""
+    """A depth prior of this kind, whose folder is known once the scene is."""
     return ["--prior_path", name_of(kind)]
 
 
@@ -69,7 +69,7 @@ def make_variants(given, ablation, sensitivity, priors, extra, options):
     """Name -> options, in the order of the tables.
 
     given: texts NAME=OPTIONS; priors: whether with simulated depth priors as
-    well; extra: options for all runs; options: what ask_options() tells.
+    well; extra: options for all runs; options: what ask_options() returns.
     """
     variants = dict(read_variant(text) for text in given)
     if len(variants) < len(given):

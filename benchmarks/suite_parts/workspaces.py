@@ -21,7 +21,7 @@ TRUTHS = ("ground_truth", "scans")
 
 
 def hash_files(root, names):
-    """Of the contents of files below a workspace and of their names."""
+    """A hash of the contents of files below a workspace and of their names."""
     digest = hashlib.sha256()
     for name in names:
         top = root / name
@@ -48,7 +48,7 @@ class Workspaces:
         return self.hashes[key]
 
     def prepare(self, configuration):
-        """The workspace, and a fingerprint of all that its scores rest on."""
+        """The workspace, and a fingerprint of all that its scores depend on."""
         scene = configuration.path
         if configuration.maps == "own":
             workspace = scene
@@ -65,8 +65,8 @@ class Workspaces:
                 else word for word in options]
 
     def _kept(self, name, content, key, make):
-        """What make(path) writes at cache/name/content, made again only where
-        the key is another than the last time."""
+        """What make(path) writes at cache/name/content, made again only if the
+        key differs from the last one."""
         folder = own_folder(self.cache / name)
         record, path = folder / "made_from.json", folder / content
         if not (record.is_file() and json.loads(record.read_text()) == key):
@@ -96,7 +96,7 @@ class Workspaces:
         return self._kept(configuration.stem(), "workspace", key, make)
 
     def _write(self, configuration, workspace):
-        """The scene without maps, at the size and noise that are asked for."""
+        """The scene without maps, at the requested size and noise."""
         scene = configuration.path
         old = read_model(scene / "sparse")
         new = old.scaled(configuration.size)

@@ -59,7 +59,7 @@ TEST(Half, EveryNumberComesBack) {
   for (int bits = 1; bits <= 0x7bff; ++bits) {
     const float value = HalfToFloat(static_cast<uint16_t>(bits));
     ASSERT_EQ(ToPositiveHalf(value), bits);
-    // Numbers within half a step of it are rounded to it.
+    // Floats within half a step of the value are rounded to it.
     const float next =
         bits < 0x7bff ? HalfToFloat(static_cast<uint16_t>(bits + 1)) : value;
     ASSERT_EQ(ToPositiveHalf(0.51f * value + 0.49f * next), bits);

@@ -32,7 +32,7 @@ TEST(AtomicFileTest, ShowsTheOldContentUntilTheCommit) {
   }
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
   AtomicFile file(UserPath(path));
-  // More than a buffer, in pieces; the data of an empty vector.
+  // More than one buffer holds, in pieces; then the data of an empty vector.
   std::string text;
   for (int i = 0; i < 300; ++i) {
     text += std::string(static_cast<size_t>(i * 13 % 1000),
@@ -82,7 +82,7 @@ TEST(AtomicFileTest, AUsersFileOfTheTemporarysNameStays) {
               [&] { AtomicFile file(UserPath(path)); });
   EXPECT_EQ(ReadText(temporary), "mine");
   EXPECT_EQ(NumEntries(folder.Path()), 1u);
-  // As a killed program leaves it.
+  // Left behind by a killed program.
   std::filesystem::remove(temporary);
   WriteText(path, "old");
   AtomicFile file(UserPath(path));
@@ -101,7 +101,7 @@ TEST(AtomicFileTest, AUsersFileOfTheTemporarysNameStays) {
   EXPECT_EQ(NumEntries(folder.Path()), 2u);
 }
 
-// Not even where one is complete and the other has just begun.
+// Not even if the first is complete and the second has just begun.
 TEST(AtomicFileTest, RefusesAFileThatAnotherProgramWrites) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "file";
@@ -165,7 +165,7 @@ TEST(AtomicFileTest, RefusesTheNameOfAFolder) {
   EXPECT_TRUE(std::filesystem::exists(path / "inside"));
 }
 
-// A limit on the size of files fails in the same place as a full disk.
+// A limit on file sizes fails in the same place as a full disk.
 TEST(AtomicFileTest, KeepsTheOldFileWhereWritingFails) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "file";

@@ -130,7 +130,7 @@ TEST(DisparityScale, DepthErrorIsOnePixelOfTheMapWithinItsBounds) {
   EXPECT_FLOAT_EQ(scale.RelativeDepthError(10.f), 10.f / 1500.f);
   EXPECT_FLOAT_EQ(scale.RelativeDepthError(0.1f), 0.002f);
   EXPECT_FLOAT_EQ(scale.RelativeDepthError(1e4f), 0.02f);
-  // Half the map: a pixel is twice as much.
+  // In a map of half the size, a pixel is twice as much.
   const DisparityScale half = ComputeDisparityScale(
       reference.Resized(reference.width / 2, reference.height / 2),
       {PlaceAt(0.5)});

@@ -25,7 +25,7 @@ std::exception_ptr FailureOf(Function function) {
   return nullptr;
 }
 
-// A matrix of these takes more than any machine's addresses reach.
+// A matrix of these exceeds the address space of any machine.
 constexpr int kManyRows = 1 << 24;
 constexpr int kManyColumns = 1 << 22;
 

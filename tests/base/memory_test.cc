@@ -36,8 +36,8 @@ class MainMemoryTest : public testing::Test {
 
 constexpr int64_t kMachine = int64_t{16000000} * 1024;
 
-// Of a group, its parents, a container that sees them at its root, and the
-// first version of groups, with what the kernel writes where there is no limit.
+// Limits of a control group, of its parents, of a container that sees them at
+// its root, and of version 1, with what the kernel writes for no limit.
 TEST_F(MainMemoryTest, IsTheLeastLimitOfTheMachineAndTheGroupsAround) {
   EXPECT_EQ(MainMemoryBytes(root_), kMachine);
   Put("proc/self/cgroup", "5:cpu:/a\n4:memory:/a/b\n0::/job/step\n");

@@ -105,7 +105,7 @@ TEST(Printable, IsOneLineWithoutControlCharacters) {
     EXPECT_EQ(HasControlCharacter(text), std::string(text) != expected);
   }
   EXPECT_EQ(Printable(std::string("a\0b", 3)), "a?b");
-  // What is not UTF-8, such as Latin-1, is replaced, and may be in a name.
+  // Invalid UTF-8, such as Latin-1, is replaced, and may occur in a name.
   for (const char* name : {"caf\xE9.jpg", "caf\x9B.jpg", "caf\xC2.jpg"}) {
     EXPECT_EQ(Printable(name), "caf?.jpg");
     EXPECT_FALSE(HasControlCharacter(name));

@@ -54,7 +54,7 @@ Outcome RunCommandWith(const std::vector<std::string>& arguments) {
   });
 }
 
-// A command that works on the workspace root_, in a folder of its own.
+// A command that works on the workspace root_ in a folder of its own.
 template <CommandFunction kCommand>
 class CommandTest : public testing::Test {
  protected:
@@ -86,7 +86,7 @@ class CommandTest : public testing::Test {
     ExpectFailure(arguments, Words{text});
   }
 
-  // Besides --workspace_path.
+  // Arguments of every call, besides --workspace_path.
   Words always_;
   TemporaryFolder folder_;
   const std::filesystem::path root_ = folder_.Path() / "dense";

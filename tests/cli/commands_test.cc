@@ -44,7 +44,7 @@ TEST(RunProgram, HelpListsAllCommands) {
   }
 }
 
-// Of every command, or every form of one.
+// The help of every command, or of every form of one.
 TEST(RunProgram, HelpFitsTwoScreensAndTellsOfAllOptions) {
   std::vector<Words> commands;
   for (const Command& command : Commands()) {

@@ -44,7 +44,7 @@ class OptionSetTest : public testing::Test {
     return Parse(arguments);
   }
 
-  // Expects that parsing fails with one line that has this text.
+  // Expects that parsing fails with one line that contains this text.
   void ExpectFailure(const Words& arguments,
                      const std::string& text,
                      ErrorCode code = ErrorCode::kBadOption) {
@@ -169,7 +169,7 @@ TEST_F(OptionSetTest, HelpWinsOverEverythingAndTouchesNothing) {
               testing::HasSubstr("--TsarTest.sigma NUMBER (=2)"));
 }
 
-// What the manual, the completions and Python are made of.
+// The manual, the completions and the Python module are made from it.
 TEST_F(OptionSetTest, HelpAsJsonTellsAllToPrograms) {
   const auto json = nlohmann::json::parse(
       Printed({"--TsarTest.iterations", "9", "--wrong", "--help_json"}));

@@ -58,8 +58,8 @@ int CountOf(const std::string& text, const std::string& part) {
   return count;
 }
 
-// Files of faces contain no planes without outlines, and these are not counted:
-// no image sees one plane of the room.
+// Planes without outlines are neither in files of faces nor counted: one plane
+// of the room is seen by no image.
 TEST_F(TsarPlanesTest, CountsWhatTheFileHolds) {
   for (const auto& [name, group] : {std::pair("planes.obj", "\ng plane_"),
                                     std::pair("planes.dxf", "\nPOLYLINE\n")}) {
@@ -89,7 +89,7 @@ TEST_F(TsarPlanesTest, TurnsAndScales) {
   const auto json = nlohmann::json::parse(ReadText(json_));
   EXPECT_EQ(json["vertical"], nlohmann::json({0, 1, 0}));
   EXPECT_EQ(json["unit"], "meter");
-  ASSERT_EQ(json["planes"].size(), 2u);  // Of 15 square units and more.
+  ASSERT_EQ(json["planes"].size(), 2u);  // Those of at least 15 square units.
   for (const auto& plane : json["planes"]) {
     EXPECT_NEAR(std::abs(plane["normal"][1].get<double>()), 1.0, 1e-3);
     EXPECT_GT(plane["area"].get<double>(), 60.0);
@@ -139,7 +139,7 @@ TEST_F(TsarPlanesTest, RefusesWhatCannotBe) {
        "--plan_path: is the --output_path, too"},
       {{"--plan_path", path("plan.png")}, "let it end in .svg or .dxf"},
       {{"--plan_path", path("none/a.svg")}, "choose another --plan_path"},
-      // Options that a plan alone does not use.
+      // Options that have no effect on a floor plan alone.
       {{"--plan_path", path("a.dxf"), "--up", "y"},
        "--up is for --output_path"}};
   for (const auto& [arguments, text] : failures) {

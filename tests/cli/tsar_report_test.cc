@@ -51,7 +51,7 @@ TEST_F(TsarReportTest, WrongInputIsOneLine) {
   ExpectFailure({"--report_path", root_.string()}, "is no report");
   ExpectFailure({"--report_path", (root_ / "images").string()},
                 "is in the folder images of a workspace");
-  // Of any workspace, and through any links.
+  // Of any workspace, even through links.
   const fs::path other = folder_.Path() / "other";
   fs::create_directories(other / "images/left");
   fs::create_directories(other / "sparse");

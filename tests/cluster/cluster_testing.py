@@ -13,8 +13,8 @@ NUM_SHARDS = 3
 
 
 class Scene:
-    """Six images of the sample, in a folder of the test's own that goes when the test
-    ends."""
+    """Six images of the sample, in a folder of the test's own that is removed
+    at its end."""
 
     def __init__(self):
         args = parse_arguments("program", "repository", "folder")
@@ -35,7 +35,7 @@ class Scene:
         shutil.rmtree(self.folder)
 
     def copy(self, name, source=None):
-        # With the files' times, by which what was observed in them is known.
+        # With the files' times, by which observations are found valid.
         return pathlib.Path(
             shutil.copytree(source or self.sample, self.folder / name, symlinks=True))
 
@@ -54,9 +54,9 @@ class Scene:
         return workspace
 
     def disturbed_program(self, **actions):
-        """A program that does the same, but where it begins with a shard of a pass for
-        the first time it does this in place of it. actions: by names such as
-        observe_1, in the shell's language."""
+        """A program that does the same, except that the first call for a shard
+        of a pass runs an action first. actions: shell commands by names such as
+        observe_1."""
         lines = ["#!/bin/sh", 'case "$*" in']
         for name, action in actions.items():
             pass_name, index = name.split("_")

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Three shards as processes side by side, of which one is killed in each pass:
-what the others and further programs may do meanwhile, and that the result is that
-of one run."""
+"""Three shards run as parallel processes, one of which is killed in each pass:
+what the others and further programs may do meanwhile, and that the result is
+that of a single run."""
 import json
 import os
 import re
@@ -17,7 +17,7 @@ from sample_testing import call, check, digests, run
 
 
 def files(workspace):
-    """All but the locks of the whole and of shards, which may stay."""
+    """All but the locks of the workspace and of shards, which may stay."""
     return {path: digest for path, digest in digests(workspace).items()
             if not path.endswith("lock")}
 
@@ -45,8 +45,8 @@ def start(command):
 
 
 def run_shards(scene, workspace, pass_name, victim):
-    """Runs all shards. That number `victim` comes first, is stopped when it has done one
-    image, and, when the others have ended, killed. Returns whether that came in time."""
+    """Runs all shards. Number `victim` starts first, is stopped after an image,
+    and killed once the others ended. Returns whether it stopped in time."""
     shard = start(scene.shard(workspace, pass_name, victim))
     while num_done(workspace, pass_name) == 0 and shard.poll() is None:
         time.sleep(0.002)
@@ -73,7 +73,7 @@ def run_shards(scene, workspace, pass_name, victim):
 
 
 def run_with_a_killed_shard(scene, start_state, pass_name, victim):
-    """The workspace after run_shards; anew until the shard was not too fast."""
+    """The workspace after run_shards; repeated if the shard was too fast."""
     while True:
         workspace = scene.copy(pass_name, start_state)
         if run_shards(scene, workspace, pass_name, victim):
@@ -112,7 +112,7 @@ def test_shards(scene):
                    scene.command(workspace, "--TsarRefine.pass", "merge"),
                    "merge before all are composed")
     check_restore(scene, workspace, "after a shard was killed while it composed")
-    # Of the image at which it was stopped, the last file may have been missing.
+    # The last file of the image at which it was stopped may have been missing.
     check(re.search("2 images: [12] refined", run(*scene.shard(workspace, "compose", 2))),
           "a shard that composes goes on where it was killed")
     check((workspace / "stereo/tsar/evidence").exists(), "the evidence stays until the merge")

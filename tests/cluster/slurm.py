@@ -19,7 +19,7 @@ _LIBC = ctypes.CDLL(None)
 
 
 class NotAvailable(Exception):
-    """With the reason."""
+    """The message says why."""
 
 
 def _free_ports(count):
@@ -33,7 +33,7 @@ def _free_ports(count):
 
 
 def _children():
-    """The processes whose parent this one is, also those of ended children."""
+    """The children of this process, also those that ended ones left to it."""
     found = []
     for entry in pathlib.Path("/proc").iterdir():
         if entry.name.isdigit():
@@ -97,7 +97,7 @@ class Slurm:
         return dict(line.split() for line in text.splitlines())
 
     def describe(self, job):
-        """What scontrol knows of a job, as a dict."""
+        """What scontrol knows about a job, as a dict."""
         text = self.run("scontrol", "--oneliner", "show", "job", job)
         return dict(part.split("=", 1) for part in text.split() if "=" in part)
 
@@ -113,8 +113,8 @@ class Slurm:
             (folder / name).mkdir()
         (folder / "cgroup.conf").write_text("CgroupMountpoint=/sys/fs/cgroup\n")
         # Credentials that expire soon, because a job that is queued again waits
-        # until its last one has. More cores than there may be: the shards shall
-        # run at the same time.
+        # until its last one has. More cores than there may be, so that the
+        # shards run at the same time.
         (folder / "slurm.conf").write_text(
             f"""ClusterName=tsar
 SlurmctldHost={host}(127.0.0.1)
@@ -175,8 +175,8 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
         for daemon in reversed(self._daemons.values()):
             daemon.kill()
             daemon.wait()
-        # What slurmd had started is handed on to this process, then what that
-        # had started.
+        # This process inherits what slurmd had started, then what that had
+        # started.
         while children := _children():
             for child in children:
                 os.kill(child, signal.SIGKILL)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/cluster/submit.sh on a Slurm of one machine: three shards, of which one
-is killed in the first pass and one queued again by the scheduler in the second."""
+"""scripts/cluster/submit.sh on a Slurm of one machine: three shards, one killed
+in the first pass, one requeued by the scheduler in the second."""
 import re
 import time
 
@@ -12,7 +12,7 @@ from slurm import NotAvailable, Slurm
 
 
 def refine(slurm, scene):
-    """A workspace that Slurm refined."""
+    """A workspace refined through Slurm."""
     workspace = scene.copy("sharded")
     program = scene.disturbed_program(observe_1="kill -KILL $$", compose_2="exec sleep 600")
     output = slurm.run(

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/cluster/Snakefile with three shards, of which one is killed once."""
+"""scripts/cluster/Snakefile with three shards, one of which is killed once."""
 import os
 import shutil
 

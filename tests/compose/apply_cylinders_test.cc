@@ -21,10 +21,10 @@ constexpr int kWidth = 40;
 constexpr int kHeight = 30;
 constexpr Intrinsics kIntrinsics = {40.f, 40.f, 20.f, 15.f};
 constexpr float kWall = 4.f;
-// Pixels before the cylinder's axis.
+// A column of pixels in front of the cylinder's axis.
 constexpr int kBefore = 20;
 
-// Upright before the camera, below its optical axis.
+// Upright in front of the camera, below its optical axis.
 CameraCylinder MakeCylinder(float distance, float radius) {
   CameraCylinder cylinder;
   cylinder.point = {0.f, 0.f, distance};
@@ -100,7 +100,7 @@ TEST_F(ApplyCylindersTest, LaysWhatIsSeenAndLeavesTheRest) {
 
 TEST_F(ApplyCylindersTest, KeepsWhatWasMeasuredBeforeIt) {
   const auto guessed = static_cast<uint8_t>(Provenance::kGuessed);
-  depth_(kBefore, 18) = 1.97f;  // 1.2 u before it are at 1.976.
+  depth_(kBefore, 18) = 1.97f;  // 1.2 u in front of it is 1.976.
   depth_(kBefore, 19) = 1.98f;
   depth_(kBefore, 20) = 1.9f;
   provenance_(kBefore, 20) = guessed;

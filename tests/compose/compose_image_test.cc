@@ -17,7 +17,7 @@
 namespace tsar {
 namespace {
 
-// A depth this close to the truth is right.
+// A depth this close to the truth counts as right.
 constexpr float kRight = 5e-3f;
 
 class ComposeImageTest : public SyntheticViewsTest {
@@ -28,7 +28,7 @@ class ComposeImageTest : public SyntheticViewsTest {
     EXPECT_EQ(result.reason_to_keep, "");
     return std::move(result.maps);
   }
-  // Draws views of this size and reduces them. Returns them as drawn.
+  // Draws views of this size and reduces them. Returns the views as drawn.
   SyntheticViews DrawReduced(int width, int height, int factor) {
     SyntheticViewsOptions options;
     options.width = width;

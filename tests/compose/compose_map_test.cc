@@ -22,7 +22,7 @@ struct Composed {
   Provenance provenance = Provenance::kNone;
 };
 
-// One pixel. Of one surface is what differs by 1 % of a depth of 4 at most.
+// One pixel. Depths near 4 are of one surface if they differ by at most 1 %.
 class ComposeTest : public testing::Test {
  protected:
   ComposeTest() : device_(CreateTestDevice(1)) {

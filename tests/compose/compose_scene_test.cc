@@ -28,14 +28,14 @@ constexpr float kScene = 5.f;
 
 // Far off all planes.
 constexpr float kOff = 4.f;
-// Of every superpixel.
+// The measures of every superpixel.
 constexpr LabelMeasures kLabel = {
     .strength = 0.5f, .confirmed = 0.2f, .uncertainty = 0.1f, .margin = 0.4f};
 
 constexpr float kResolution = 0.002f;
 constexpr float kNoise = 0.2f;
 
-// Of a depth on a plane that no other view sees.
+// The confidence of a depth on a plane that no other view sees.
 float ConfidenceOnPlane(DepthKind kind, const LabelMeasures& label = kLabel) {
   return ConfidenceOf({kind, {}, label, kResolution, kNoise});
 }
@@ -371,7 +371,7 @@ TEST_F(ComposeSceneTest, APriorSpeaksForAMeasurementOrForThePlane) {
   };
   EXPECT_EQ(depth_with(log_odds - 0.1f), kOff);
   EXPECT_FLOAT_EQ(depth_with(log_odds + 0.1f), kScene);
-  // By the logarithms of 0.05 and of 0.05 + 0.95 times 79.8.
+  // The logarithms of 0.05 and of 0.05 + 0.95 times 79.8, without their signs.
   constexpr float kMost = 4.33f + 3.f;
   SetPrior(kOff, 0.005f);
   EXPECT_EQ(depth_with(log_odds + kMost - 0.1f), kOff);

@@ -22,7 +22,7 @@ TEST(SparseDepthInterval, IsThatOfThePointsInFrontWidened) {
   model.images[0].point_indices.push_back(101);
   const std::optional<DepthInterval> range = SparseDepthInterval(model, 0);
   ASSERT_TRUE(range);
-  // Depths 2 to 102; one of a hundred is left out at either end.
+  // Depths 2 to 102; one in a hundred is left out at either end.
   EXPECT_DOUBLE_EQ(range->min, 3 * 0.75);
   EXPECT_DOUBLE_EQ(range->max, 101 * 1.25);
   EXPECT_FALSE(SparseDepthInterval(model, 1));

@@ -27,7 +27,7 @@ constexpr SceneSigmaOptions kOptions = {.moved = 1.f,
                                         .interpolated = 6.f,
                                         .on_cylinder = 7.f};
 
-// Pixels in a row, each of its own superpixel, on a plane that faces the
+// Pixels in a row, each a superpixel of its own, on a plane that faces the
 // camera. One pixel of disparity is 1 % of the depth.
 class DepthSigmaTest : public testing::Test {
  protected:
@@ -44,7 +44,7 @@ class DepthSigmaTest : public testing::Test {
     provenance_(x, 0) = static_cast<uint8_t>(provenance);
     of_superpixel_[x].origin = origin;
   }
-  // In shares of the depth.
+  // As fractions of the depth.
   std::vector<float> Compute(bool is_of_scene = true) {
     Image<uint16_t> superpixels(kWidth, 1);
     for (int x = 0; x < kWidth; ++x) {

@@ -124,7 +124,7 @@ TEST(Download, TiltsNormalsThatFaceAwayAndNoOthers) {
   const Vec3f& tilted = maps.normal(2, 0);
   EXPECT_LT(Dot(tilted, intrinsics.Ray(2.f, 0.f)), 0.f);
   EXPECT_NEAR(Norm(tilted), 1.f, 1e-6f);
-  // By less than a degree.
+  // Tilted by less than a degree.
   EXPECT_GT(Dot(tilted, normal(2, 0)), 0.9998f);
 }
 

@@ -45,7 +45,7 @@ class OcclusionVotesTest : public testing::Test {
     }
   }
 
-  // Of the middle of the image, if it had this depth.
+  // The votes on the middle of the image, if it had this depth.
   OcclusionVotes VotesOn(float depth) const {
     const Image<float> depths(kWidth, kHeight, depth);
     const DeviceImage<float> on_device(*device_, depths);
@@ -132,7 +132,7 @@ TEST(MeasurementSupportTest, WhatSpeaksForADepthRaisesItsOdds) {
   EXPECT_GT(LogOddsAgainst(worse, support), odds);
 }
 
-// A red post, narrower than its parallax before the wall.
+// A red post, narrower than its parallax against the wall.
 TEST_F(OcclusionVotesTest, ColorsFitWhatIsThinAndNotTheWallBehindIt) {
   constexpr float kPost = 2.f;
   for (size_t i = 0; i < evidence_.size(); ++i) {

@@ -81,7 +81,7 @@ class RefineWithPriorsTest : public SyntheticViewsTest {
   struct Quality {
     double right = 0.0;  // Shares of all pixels.
     double wrong = 0.0;
-    double mean_error = 0.0;  // Of the pixels that have a depth.
+    double mean_error = 0.0;  // Over the pixels that have a depth.
   };
   Quality Measure(const RefinedMaps& maps) const {
     Quality quality;
@@ -99,7 +99,7 @@ class RefineWithPriorsTest : public SyntheticViewsTest {
     return quality;
   }
 
-  PriorAssessment assessment_;  // Of the view that was refined last.
+  PriorAssessment assessment_;  // That of the view refined last.
 };
 
 TEST_F(RefineWithPriorsTest, GoodPriorsOfEachTypeHelp) {

@@ -73,8 +73,8 @@ TEST_F(UpsampleDepthFlagsTest, PixelsOfAPlaneTakeTheirBlocksFlags) {
 
 TEST_F(UpsampleDepthFlagsTest,
        PixelsOfABlockAcrossAnEdgeTakeTheirNeighborsFlags) {
-  // A nearer surface over the right third of column 4 of the blocks and what
-  // lies right of it: no depth represents the blocks of column 4.
+  // A nearer surface covers the right third of block column 4 and everything to
+  // its right: no depth represents the blocks of column 4.
   ForEachPixel(
       14, view_.depth.Width(), 0, view_.depth.Height(), [&](int x, int y) {
         view_.depth(x, y) *= 0.8f;
@@ -108,7 +108,7 @@ TEST_F(UpsampleDepthFlagsTest, TheToleranceIsHalfOfWhatMatchingCanTell) {
   view_.depth = depth;
   view_.depth(13, 10) *= 1.0035f;
   EXPECT_EQ(Transfer()(13, 10), 0);
-  // u(z) is 0.008 and more, so the tolerance is half of that.
+  // u(z) is 0.008 or more, so the tolerance is half of that.
   EXPECT_EQ(Transfer({0.01f / view_.depth(13, 10)})(13, 10), FlagsOf(4, 3));
 }
 
@@ -134,8 +134,8 @@ TEST_F(UpsampleDepthFlagsTest, RefusesTheTrustOfAnotherMap) {
   });
 }
 
-// Trusted in the first row only; columns are not confirmed, weakly and
-// distinctly by turns.
+// Trusted in the first row only; columns are in turn unconfirmed, weakly and
+// distinctly confirmed.
 TEST(PackFlags, KeepTrustAndConfirmation) {
   constexpr int kCount = 6;
   Image<uint8_t> trusted(kCount, 2);

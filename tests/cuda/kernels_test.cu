@@ -23,7 +23,7 @@
 namespace tsar {
 namespace {
 
-// About the sizes of warps and blocks, and beyond 65,536 warps.
+// Around the sizes of warps and blocks, and beyond 65,536 warps.
 constexpr int kCounts[] = {
     0, 1, 31, 32, 33, 255, 256, 257, 10007, 65536 * 32 + 17};
 constexpr std::pair<int, int> kRasters[] = {{0, 5},
@@ -60,7 +60,7 @@ std::vector<float> DrawNumbers(int count) {
   return numbers;
 }
 
-// Shows which elements were visited, and that each was so once.
+// Shows which elements were visited, and that each was visited once.
 struct VisitKernel {
   ImageView<int64_t> visits;
   TSAR_HD void operator()(int64_t i) const { visits.data[i] += i + 1; }
@@ -223,7 +223,7 @@ struct Moments {
   }
 };
 
-// Sums that rounding makes depend on the order of the terms, one of which needs
+// Sums that, because of rounding, depend on the order of their terms; one needs
 // the result of another.
 struct TeamKernel {
   static constexpr int kNumSums = 5;

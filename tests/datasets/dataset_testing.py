@@ -12,8 +12,8 @@ import sys
 import unittest
 
 REPOSITORY = pathlib.Path(os.environ["TSAR_SOURCE_DIR"])
-# What begins with "env python3" gets this interpreter at once, and not through a
-# version manager, which takes longer than the stand-ins themselves.
+# Scripts that begin with "env python3" get this interpreter directly, not
+# through a version manager, which takes longer than the stand-ins themselves.
 os.environ["PATH"] = os.pathsep.join((os.path.dirname(sys.executable), os.environ["PATH"]))
 
 PROGRAM = os.environ["TSAR_PROGRAM"]
@@ -64,8 +64,8 @@ class Sample:
 
 
 def make_eth3d(sample, scene, with_scans=True):
-    """As the benchmark ships it: names with their folder, comments, and points with
-    the tracks of the images that are there."""
+    """As the benchmark ships it: names with their folder, comments, and points
+    with tracks of the existing images only."""
     sample.copy_images(scene / "images" / "dslr_images_undistorted")
     calibration = scene / "dslr_calibration_undistorted"
     calibration.mkdir()
@@ -153,15 +153,15 @@ class FolderTest(unittest.TestCase):
         return path
 
     def rejects(self, text, function, *arguments):
-        """Is refused by one line that has this text in it."""
+        """Checks that a call is refused by one line that contains this text."""
         with self.assertRaises(DatasetError) as caught:
             function(*arguments)
         self.assertIn(text, str(caught.exception))
         self.assertNotIn("\n", str(caught.exception))
 
     def rejects_changes(self, good, read, cases):
-        """That what is read of a good text is refused where a part of it is replaced.
-        cases: (text of the error, part, what is in its place)."""
+        """Checks that a good text is refused once a part of it is replaced.
+        cases: (text of the error, part, replacement)."""
         path = self.write("changed", good)
         read(path)
         for text, old, new in cases:
@@ -172,7 +172,7 @@ class FolderTest(unittest.TestCase):
 
 
 def check_one_line(test, result, text):
-    """Ended with exactly one line, which has this text in it."""
+    """Ended with exactly one line, which contains this text."""
     test.assertEqual(result.returncode, 1, result.stdout + result.stderr)
     test.assertEqual(result.stderr.count("\n"), 1, result.stderr)
     test.assertTrue(result.stderr.startswith("ERROR: "), result.stderr)
@@ -209,9 +209,9 @@ class DatasetTest(unittest.TestCase):
         check_one_line(self, self.call(*arguments), text)
 
     def fails_of_changes(self, scene, options, cases):
-        """That copies of a scene are refused in which a file is changed, and nothing is
-        written. cases: (file, part of its text or None where it is removed, what is in
-        its place, text of the error)."""
+        """Checks that copies of a scene with one changed file are refused, and
+        nothing is written. cases: (file, part of its text or None to remove the
+        file, replacement, text of the error)."""
         output = self.folder / "nothing"
         for number, (file, old, new, text) in enumerate(cases):
             copy = self.folder / f"damaged{number}" / scene.name

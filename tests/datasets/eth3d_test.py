@@ -2,7 +2,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """scripts/eth3d.sh on the sample scene in the layout of ETH3D: from images to a
-submission and scores, stopped in the middle and taken up again."""
+submission and scores, interrupted in the middle and resumed."""
 import fcntl
 import json
 import os
@@ -97,7 +97,7 @@ class Eth3dTest(DatasetTest):
                          [l for l in text.splitlines() if l[0] != "["])  # The scores.
 
     def check_paper(self, scene):
-        """Another preset and fusion repeat what follows from them, on a copy."""
+        """Another preset and fusion repeat what depends on them, on a copy."""
         copy = self.folder / "paper"
         shutil.copytree(self.output / "room", copy / "room", symlinks=True)
         text = self.run_well(self.scenes, "--output_path", copy, "--preset", "paper",
@@ -113,8 +113,8 @@ class Eth3dTest(DatasetTest):
             self.assertGreater(vertex_count(copy / "room" / name), vertex_count(scene / name))
 
     def check_priors(self):
-        """Stereo without geometric passes, and maps of another program, with options that
-        are handed on; on copies."""
+        """Stereo without geometric passes, and maps of another program, with
+        options that are passed on; on copies."""
         copy = self.folder / "priors"
         command = (self.scenes, "--output_path", copy / "gp", "--prior", "gp", "--paper_size")
         self.run_well(*command, "--TsarStereo.num_levels", 1, "--TsarRefine.segment", 0)
@@ -177,7 +177,7 @@ class Eth3dTest(DatasetTest):
         refined = (self.output / name / "refined" / "stereo" / "depth_maps" / PREFIX /
                    "v000.jpg.geometric.bin" for name in ("room", "hall"))
         self.assertEqual(*(path.read_bytes() for path in refined))
-        # Maps that were put there are not lost to other inputs or options.
+        # Other inputs or options do not destroy maps that a user put there.
         maps = self.files_of(self.output / "hall" / "dense" / "stereo")
         self.fails(hall, "--output_path", self.output, "--stereo", "tsar",
                    text="were not made by this script")

@@ -31,7 +31,7 @@ class FocalLengthTest(FolderTest):
         names = sorted(poses)
         for i, a in enumerate(names):
             for b in names[i + 1:]:
-                wrong = rng.uniform(0, 480, (20, 2))  # A tenth is wrong.
+                wrong = rng.uniform(0, 480, (20, 2))  # A tenth are wrong.
                 yield a, b, pixels[a], np.concatenate([pixels[b][:180], wrong])
 
     def poses(self):

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Masks of photos: which steps of reconstruct.sh get them, by stand-ins for the
-programs; and by COLMAP, that they are undistorted as their photos are."""
+"""Masks of photos: which steps of reconstruct.sh get them, with stand-ins for
+the programs; and, with COLMAP, that they are undistorted like their photos."""
 import unittest
 
 from dataset_testing import COLMAP, PROGRAM, FolderTest, write_gray_png
@@ -56,7 +56,7 @@ class MasksTest(StandInTest):
         self.assertEqual(self.commands(*self.options), [])
         (self.masks / "left" / "c d.png.png").write_bytes(PHOTO + b"changed")
         self.assertEqual(self.commands(*self.options), COMMANDS[:1] + AFTER_FEATURES)
-        # Undistorted as their photos are.
+        # Undistorted like their photos.
         options = (*self.options, "--undistorted_size", 64)
         _, calls = self.run_well(*options)
         self.assertEqual([c.endswith("--max_image_size 64") for c in calls
@@ -100,7 +100,7 @@ class MasksTest(StandInTest):
 
 
 class UndistortedMasksTest(FolderTest):
-    """By COLMAP itself: pictures that are the same before are so afterwards."""
+    """With COLMAP itself: pictures that are equal before are equal after."""
 
     def setUp(self):
         super().setUp()

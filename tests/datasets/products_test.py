@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Meshes and exports of scripts/reconstruct.sh with stand-ins for the programs; and
-once all of it with the programs, on photos of the sample scene."""
+"""Meshes and exports of scripts/reconstruct.sh with stand-ins for the programs;
+and once all of it with the programs, on photos of the sample scene."""
 import subprocess
 import unittest
 
@@ -38,8 +38,8 @@ class ProductsTest(StandInTest):
                                  "--MeshTextureMapping.min_cos_normal_angle", 0.2)
         self.assertEqual(len(calls), 1)
         self.assertIn(" --MeshTextureMapping.min_cos_normal_angle 0.2", calls[0])
-        # Of the same mesh it stays, of another one it is made anew or gone, and of
-        # another cloud it is kept elsewhere, as its mesh is.
+        # A texture of the same mesh stays, of another mesh it is made anew or
+        # removed, and of another cloud it is kept elsewhere, like its mesh.
         self.assertEqual(self.commands("--mesh"), [])
         self.assertTrue(texture.is_dir())
         self.assertEqual(self.commands("--mesh", "--texture", "--PoissonMeshing.trim", 5),
@@ -69,11 +69,11 @@ class ProductsTest(StandInTest):
     def test_products_of_earlier_runs(self):
         self.run_well("--mesh", "--export", "npy")
         mesh, export = self.output / "mesh_poisson.ply", self.output / "export_npy"
-        # Of the same cloud: they stay, but are no result of this run.
+        # Made from the same cloud: they stay, but are no result of this run.
         text, calls = self.run_well()
         self.assertNotIn("mesh", text)
         self.assertEqual((calls, mesh.exists(), export.exists()), ([], True, True))
-        # Of another one: they are kept elsewhere.
+        # Made from another one: they are kept elsewhere.
         content = mesh.read_bytes()
         text, _ = self.run_well("--preset", "paper")
         self.assertFalse(mesh.exists() or export.exists())

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""scripts/reconstruct.sh with stand-ins for the programs: which steps it does in which
-order, what it does again, and what it says."""
+"""scripts/reconstruct.sh with stand-ins for the programs: which steps it runs
+in which order, what it repeats, and what it prints."""
 import os
 import shutil
 import unittest
@@ -31,7 +31,7 @@ class ReconstructTest(StandInTest):
                                  "left/c d.png"])
 
     def test_options_redo_what_depends_on_them(self):
-        """Each run has one option more, of an earlier step than those before."""
+        """Each run adds an option of an earlier step than those before."""
         self.run_well()
         options = []
         after = lambda command: COMMANDS[COMMANDS.index(command):]
@@ -174,7 +174,7 @@ class ReconstructTest(StandInTest):
         self.assertIn("features: done before", text)
         self.assertTrue(calls[0].startswith("  0 pairs") or calls[1] == "  0 pairs were matched",
                         calls)
-        # Stopped on the way, it goes on with the pairs that are there.
+        # Interrupted midway, it continues with the pairs that are there.
         self.write("fail", "exhaustive_matcher")
         self.refuses("matches failed", "--matcher", "exhaustive")
         (self.root / "fail").unlink()
@@ -214,7 +214,7 @@ class ReconstructTest(StandInTest):
         self.assertIn("3 models that no photos connect, of 4, 3, 2 images", text)
         self.assertIn("4 of 6 photos have a pose; left out: left/b.PNG, left/c d.png", text)
         self.assertEqual(len((self.output / "dense/stereo/fusion.cfg").read_text().split("\n")), 5)
-        # Fewer images than stereo_fusion wants views.
+        # Fewer images than the views that stereo_fusion requires.
         text, calls = self.run_well("--fusion", "colmap")
         self.assertTrue(calls[0].endswith("--StereoFusion.min_num_pixels 4"), calls[0])
         self.assertIn("4 of 6 photos", text)
@@ -225,7 +225,7 @@ class ReconstructTest(StandInTest):
         error = self.refuses("could not find the camera poses")
         self.assertNotIn("--matcher", error)
         self.assertIn("sharp photos", error)
-        # Of a program that fails for it.
+        # With the message of a program that fails.
         self.write("fail", "mapper")
         error = self.refuses("could not find the camera poses (out: sparse failed: "
                              "stand_ins.py mapper says 'cannot go on'")

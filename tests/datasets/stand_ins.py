@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stands in for COLMAP and colmap_tsar in tests of reconstruct.sh: does at once what
-their commands leave behind, and adds each call to calls.txt in the folder that
-STAND_IN_FOLDER names. Files there tell it what to do otherwise:
+"""Stands in for COLMAP and colmap_tsar in tests of reconstruct.sh: writes at
+once what their commands leave behind, and adds each call to calls.txt in the
+folder that STAND_IN_FOLDER names. Files there change its behavior:
 
   fail       a command that fails, after it has done its work
   models     the number of images of each model of the mapper
@@ -48,7 +48,7 @@ def told(name):
 
 
 def print_help(command):
-    # As COLMAP from 3.9 on has it.
+    # As in COLMAP 3.9 and later.
     print(f"I2026 {time.time_ns()} {os.getpid()} option_manager.cc:1] COLMAP 3.9 (stand-in)")
     if command == "delaunay_mesher" and told("no_cgal"):
         print("ERROR: Delaunay meshing requires CGAL, which is not available on your system.")
@@ -176,7 +176,7 @@ COMMANDS = {
 
 
 def main():
-    # As a Python.
+    # Called as a Python interpreter.
     if sys.argv[1] == "-c":
         sys.exit("cv2" in sys.argv[2] and bool(told("no_cv2")))
     if sys.argv[1:3] == ["-m", "colmap_tsar"]:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the scripts for data sets do again, what not, and what they leave behind when
-they are stopped."""
+"""What the scripts for data sets repeat, what they do not, and what they leave
+behind when they are stopped."""
 import os
 import signal
 import subprocess

@@ -86,7 +86,7 @@ class StrechaTest(DatasetTest):
         self.assertEqual([c.params for c in cameras.values()],
                          [self.sample.camera(i).params for i in self.sample.images])
 
-        # Scored later, and by a mesh as by the scans of the same room.
+        # Scored later, against a mesh and against scans of the same room.
         text = self.run_well(*command, "--ground_truth", self.mesh)
         self.assertIn("fusion_after: done before", text)
         by_mesh = self.scores(output)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Submissions: whole sets, archives, limits, and options handed on to the programs."""
+"""Submissions: whole sets, archives, limits, and options that are passed on."""
 import contextlib
 import io
 import os
@@ -90,7 +90,7 @@ class SubmissionTest(FolderTest):
             self.rejects("without cmake", submission.pack, self.root / "a.7z", self.root, ["x"])
         self.rejects("cmake -E tar", submission.pack, self.root / "a.7z", self.root, ["not_there"])
         self.assertEqual(list(self.root.iterdir()), [])
-        # A full disk, of which cmake says nothing, leaves a part of it, or nothing.
+        # A full disk, which cmake ignores, leaves part of it, or nothing.
         (self.root / "x").write_bytes(os.urandom(9999))
         real, stand_in = shutil.which("cmake"), self.root / "bin" / "cmake"
         stand_in.parent.mkdir()

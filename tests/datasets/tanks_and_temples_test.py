@@ -40,7 +40,7 @@ class TanksAndTemplesTest(DatasetTest):
         for workspace in ("dense", "refined"):
             self.check_workspace(scene / workspace)
         self.check_poses(read_images(scene / "sparse" / "images.txt"), 1e-9)
-        # The calibration, of which the data set says nothing.
+        # The calibration, which the data set does not provide.
         (camera,) = read_cameras(scene / "sparse" / "cameras.txt").values()
         true = self.sample.camera(self.sample.images[0]).params[0]
         self.assertAlmostEqual(camera.params[0] / true, 1, delta=0.005)
@@ -71,7 +71,7 @@ class TanksAndTemplesTest(DatasetTest):
         scene = self.folder / "Images"
         make_tanks_and_temples(self.sample, scene, with_poses=False,
                                truth_from_world=turned_and_scaled())
-        # Images right in the scene's folder, as the archives have them.
+        # Images directly in the scene's folder, as in the archives.
         for image in (scene / "images").iterdir():
             image.rename(scene / image.name)
         (scene / "images").rmdir()

@@ -4,7 +4,7 @@
 #pragma once
 
 // Rasters whose connected components are hard to find. A negative value is a
-// pixel that takes no part.
+// pixel that belongs to no component.
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
@@ -14,7 +14,7 @@
 
 namespace tsar {
 
-// Joins neighbors whose values differ by 1 at most.
+// Joins neighbors whose values differ by at most 1.
 struct SimilarValue {
   const int* values;
   TSAR_HD bool Contains(int i) const { return values[i] >= 0; }
@@ -37,7 +37,7 @@ inline Image<int> DrawNoise(int width,
   return values;
 }
 
-// One corridor that turns inwards: the worst case for joining trees.
+// One corridor that spirals inwards: the worst case for joining trees.
 inline Image<int> DrawSpiral(int width, int height) {
   Image<int> values(width, height, -1);
   int x = 0;

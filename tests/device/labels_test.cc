@@ -15,7 +15,7 @@
 namespace tsar {
 namespace {
 
-// The plain form: floods from each pixel in raster order.
+// The reference: flood-fills from each pixel in raster order.
 Image<int> Flood(const Image<int>& values, bool eight) {
   Image<int> labels(values.Width(), values.Height(), -1);
   const SimilarValue relation{values.Data()};
@@ -125,7 +125,7 @@ TEST(GroupPixels, ListsNegativeLabelsLastAndKeepsEmptyOnes) {
   Image<int> labels(19, 11);
   Philox random(1, 0, 0);
   for (int& label : labels) {
-    // 0, 3 and 9 stay without pixels.
+    // Labels 0, 3 and 9 stay without pixels.
     label = static_cast<int>(random.NextBelow(10)) - 2;
     label = label == 0 || label == 3 ? -1 : label;
   }

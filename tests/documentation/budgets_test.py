@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""No folder of the library, nor the tests or the documents, outgrow the lines
-that they may have: what makes one of them longer takes something else away. A
-line of a page has at most 130 columns, but for table rows, pictures and
-indented blocks."""
+"""No folder of the library, nor the tests or the documents, exceeds its budget
+of lines: whatever lengthens one of them must shorten it elsewhere. A line of a
+page has at most 130 columns, except in table rows, pictures and indented
+blocks."""
 import argparse
 from pathlib import Path
 
@@ -46,7 +46,7 @@ repository = Path(parser.parse_args().repository)
 
 
 def count_lines(folder, endings):
-    """Of the files below the folder whose names end in one of these."""
+    """In the files below the folder whose names end in one of these."""
     return sum(len(path.read_text(encoding="utf-8").splitlines())
                for path in folder.rglob("*")
                if path.is_file() and path.suffix in endings)

@@ -2,14 +2,14 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Every commit that the documents name is in the history. Without a history, or
-with a part of it alone, nothing can be told."""
+with only part of it, this cannot be checked."""
 import os
 import re
 
 from sample_testing import call, check, parse_arguments, run, skip
 
 
-# Of other projects, which are named beside them.
+# Commits of other projects, which are named beside them.
 OTHERS = {
     "54c035f": "the trainer of 3D Gaussian splatting",
     "9c5c202": "its rasterizer",
@@ -36,7 +36,7 @@ num_named = 0
 for name in run(*git("ls-files", "*.md")).split("\n")[:-1]:
     with open(os.path.join(args.repository, name), encoding="utf-8") as file:
         text = file.read()
-    # Letters and digits in one word, but for scenes with their seed.
+    # Letters and digits in one word, except for scenes with their seed.
     hashes = set(re.findall(
         r"\b(?!facade)(?=[a-f]*[0-9])(?=[0-9]*[a-f])[0-9a-f]{7,40}\b", text))
     hashes |= set(re.findall(r"\b[Cc]ommits?\s+([0-9a-f]{7,40})\b", text))

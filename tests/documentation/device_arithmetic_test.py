@@ -61,7 +61,7 @@ def violations(name, source):
     return sorted(found)
 
 
-# What shows that the rule finds what it is for and nothing else: %s are what a
+# Shows that the rule finds what it should and nothing else; %s stand for what a
 # kernel and what the host computes.
 KERNEL = """
 struct FadeKernel {

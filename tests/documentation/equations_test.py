@@ -25,7 +25,7 @@ for number, stems in places.items():
         check(glob.glob(os.path.join(args.repository, "colmap_tsar", stem + ".*")),
               f"Eq. {number} is in {stem}")
 
-# What a comment names stands in a file of that equation.
+# A comment that names an equation is in a file that computes it.
 num_named = 0
 for name, text in library_sources(args.repository):
     for number in re.findall(r"\bEq\.(?:\s|//)*(\d+)", text):

@@ -47,7 +47,7 @@ def circle(includes):
     return []
 
 
-# What the two say of a library that breaks the rules.
+# What the two report for a library that breaks the rules.
 check(upward_includes({"a/x.h": ["b/y.h", "a/z.h"], "b/y.h": ["a/z.h"]}, ["a", "b"]) ==
       [("a/x.h", "b/y.h")], "an include that goes up is found")
 check(circle({"a/x.h": ["a/y.h"], "a/y.h": ["a/z.h"], "a/z.h": ["a/y.h"]}) ==

@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""The sources of the library, for tests of what stands in them."""
+"""The sources of the library, for tests of their text."""
 import glob
 import os
 

@@ -39,7 +39,7 @@ def known_options():
     return commands, options
 
 
-# They tell what was changed or measured once, by the options of that time.
+# They record past changes or measurements, with the options of that time.
 OF_THEIR_TIME = ("CHANGELOG.md", "benchmarks/RESULTS.md", "docs/ablation.md")
 
 commands, options = known_options()

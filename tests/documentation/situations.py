@@ -1,7 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""What goes wrong in docs/troubleshooting.md, made for real: commands, each with
-a function that first spoils "dense", a fresh copy of the sample scene's
+"""The problems of docs/troubleshooting.md, provoked: commands, each with a
+function that first spoils "dense", a fresh copy of the sample scene's
 workspace, in the current folder. Its files are hard links: they are replaced,
 never written into."""
 import contextlib
@@ -33,7 +33,7 @@ MAP = "dense/stereo/depth_maps/v003.jpg.geometric.bin"
 
 
 class SmallFiles:
-    """Files may have so few bytes as long as it lives."""
+    """Limits files to so few bytes as long as it lives."""
 
     def __init__(self, num_bytes):
         self.before = resource.getrlimit(resource.RLIMIT_FSIZE)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the library does in one place alone, because it is easily done wrong in
-others, is not in the sources elsewhere."""
+"""What the library does in a single place, because it is easily done wrong, is
+found nowhere else in the sources."""
 import fnmatch
 import re
 
@@ -11,7 +11,7 @@ from sample_testing import check, parse_arguments
 
 args = parse_arguments("repository")
 
-# What must not be there, in which files it may, and what to take instead.
+# What must not occur, in which files it may, and what to use instead.
 RULES = (
     (r"<glog/|\bV?LOG\(", ("base/warning.cc",), "Warn() of base/warning.h"),
     (r"std::(cout|cerr|clog)\b|<iostream>|\bprintf\(", ("cli/*",),

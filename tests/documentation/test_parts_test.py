@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""The list of the tests' large parts names what is there, and scripts/test.sh
-runs each of them; what changed decides which."""
+"""The list of the tests' large parts names what exists, and scripts/test.sh can
+run each of them; the changed files decide which."""
 import json
 import re
 import subprocess

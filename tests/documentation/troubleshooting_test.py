@@ -45,7 +45,7 @@ def literals():
 
 
 def provoke(command, spoil, work):
-    """What the program says of what the function has spoiled."""
+    """What the program says about what the function has spoiled."""
     folder, base = os.path.join(work, "situation"), os.path.join(work, "sample")
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
@@ -69,7 +69,7 @@ def look_up(quoted, texts):
 
 
 args.program, args.repository = map(os.path.abspath, (args.program, args.repository))
-os.environ["COLMAP_TSAR"] = args.program  # For situations that come of a run.
+os.environ["COLMAP_TSAR"] = args.program  # For situations that arise in a run.
 sources = literals()
 quoted = quotations()
 check(len(quoted) == len(set(quoted)), "the page quotes every message once")

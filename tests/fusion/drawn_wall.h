@@ -11,16 +11,16 @@
 
 namespace tsar {
 
-// A wall at z = 4 in the world, seen head-on by cameras at z = 0 or before, of
-// 40 x 30 pixels and a focal length of 40 pixels: at z = 0 a pixel covers 0.1
-// of the wall.
+// A wall at z = 4 in the world, seen head-on by cameras at z <= 0, of 40 x 30
+// pixels and a focal length of 40 pixels: from z = 0 a pixel covers 0.1 of the
+// wall.
 struct DrawnWall {
   static constexpr int kWidth = 40;
   static constexpr int kHeight = 30;
   static constexpr double kFocalLength = 40.0;
   static constexpr float kDepth = 4.f;
 
-  // x: of the camera; distance: from the wall.
+  // x: the camera's; distance: to the wall.
   static FusionView View(double x, double distance = kDepth) {
     FusionView view;
     Camera& camera = view.camera;

@@ -23,7 +23,7 @@ std::vector<FusionView> ViewsSideBySide(int count) {
   return views;
 }
 
-// Of the only point of a view whose other pixels have no depth.
+// The only point of a view, whose other pixels lose their depth.
 struct OnePixel {
   static constexpr int kX = 25;
   static constexpr int kY = 15;
@@ -215,7 +215,7 @@ TEST(FuseViewTest, OnePixelOfEachSquareBecomesAPoint) {
 }
 
 TEST(FuseViewTest, NoiseDoesNotChooseTheNearestDepth) {
-  // Of views at equal distance, the first one always becomes the point,
+  // Among views at equal distance, the first one always gives the point,
   // whatever its error.
   std::vector<FusionView> views = ViewsSideBySide(5);
   uint32_t state = 1;

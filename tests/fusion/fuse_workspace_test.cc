@@ -100,7 +100,7 @@ TEST_F(FuseWorkspaceTest, ImagesThatTheConfigurationLeavesOutAreNotUsed) {
   WriteText(root_ / "stereo/fusion.cfg", "v0.png\nv3.png\n");
   EXPECT_EQ(Fuse().num_images, 2);
   WriteText(root_ / "stereo/fusion.cfg", "v0.png\n");
-  EXPECT_EQ(Fuse().num_points, 0);  // Nobody agrees with it.
+  EXPECT_EQ(Fuse().num_points, 0);  // No other view agrees with it.
 }
 
 TEST_F(FuseWorkspaceTest, MaskedDepthsAreMissing) {

@@ -11,10 +11,10 @@
 
 namespace tsar {
 
-// A format of files to be fed as hostile input to all that read it.
+// A file format, whose readers are all fed hostile input.
 struct FuzzTarget {
   std::string name;
-  // Nothing but tsar::Error may leave them.
+  // They may throw nothing but tsar::Error.
   std::vector<std::function<void(std::span<const uint8_t> input)>> readers;
   // Inputs that are read without an error.
   std::vector<std::string> seeds;

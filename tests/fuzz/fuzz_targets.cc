@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 using Bytes = std::span<const uint8_t>;
 
-// For the files of one process, in memory where that can be; removed when the
+// Holds the files of one process, in memory if possible; removed when the
 // program ends by itself.
 struct Folder {
   Folder() {
@@ -131,7 +131,7 @@ DmapContent SmallDmap() {
   return content;
 }
 
-// As it is taken further.
+// The conversion that follows reading.
 void Convert(const FloatMap& map) {
   map.channels == 1 ? void(ToDepth(map, "map")) : void(ToNormals(map, "map"));
 }

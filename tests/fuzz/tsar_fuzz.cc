@@ -5,8 +5,8 @@
 //
 //   tsar_fuzz          the seeds of all targets, and all that these begin with
 //   tsar_fuzz TARGET FOLDER [libFuzzer's options and files]
-//                      writes the target's seeds to the folder and goes on from
-//                      there; where Clang built the program with TSAR_FUZZ
+//                      writes the target's seeds to the folder and continues
+//                      from there; where Clang built the program with TSAR_FUZZ
 
 #include "colmap_tsar/base/error.h"
 
@@ -28,8 +28,8 @@ extern "C" int LLVMFuzzerRunDriver(
 namespace tsar {
 namespace {
 
-// The number of readers that accept the input. An Error must be one that a user
-// can make use of.
+// The number of readers that accept the input. An Error must have a message for
+// the user.
 int Read(const FuzzTarget& target, std::span<const uint8_t> input) {
   int num_accepted = 0;
   for (const auto& read : target.readers) {
@@ -57,7 +57,7 @@ int ReadSeeds() {
         std::cerr << target.name << ": a seed is refused\n";
         return 1;
       }
-      // Up to a size where that takes no time.
+      // Up to a size for which that takes no time.
       for (size_t size = 0; size < std::min<size_t>(seed.size(), 512); ++size) {
         const std::string cut = seed.substr(0, size);
         Read(target, BytesOf(cut));

@@ -61,7 +61,7 @@ def read(file):
 
 
 def build(*arguments):
-    """The ended script, CMake's calls and the packages that were looked for."""
+    """The finished script, CMake's calls and the packages looked for."""
     for name in ("log", "log.packages"):
         if os.path.exists(path(name)):
             os.remove(path(name))

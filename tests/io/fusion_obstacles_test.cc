@@ -20,7 +20,7 @@ class FusionObstaclesTest : public testing::Test {
     }
   }
 
-  // Of one camera there, which sees a point 4 units before it.
+  // For one camera at this center, which sees a point 4 units in front of it.
   std::vector<std::string> Find(const Eigen::Vector3d& center,
                                 const std::string& name = "a.jpg") const {
     SparseModel model;

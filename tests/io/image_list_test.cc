@@ -43,7 +43,7 @@ class ImageListTest : public testing::Test {
 using testing::ElementsAre;
 using testing::Pair;
 
-// With blanks, empty lines, and the line ends and marks of other systems.
+// With blanks, empty lines, and other systems' line ends and byte order marks.
 TEST_F(ImageListTest, ReadsNamesInTheirOrder) {
   EXPECT_THAT(Read("left/b c.png\n\n  a.png \na.png"),
               ElementsAre(Pair(1, 1), Pair(0, 3), Pair(0, 4)));

@@ -93,7 +93,7 @@ TEST_F(MapConventionsTest, NumbersFarBeyondAllDepthsStandForNone) {
   }
   FillTop(65535.f);
   EXPECT_EQ(NoDepth(), 65535.f);
-  // In the whole map.
+  // The marker fills the whole map.
   std::ranges::fill(depth_, 1e6f);
   EXPECT_EQ(NoDepth(), 1e6f);
 }
@@ -112,7 +112,7 @@ TEST_F(MapConventionsTest, DepthsThatMayBeRightStay) {
     depth = std::min(depth, 4.f);
   }
   EXPECT_EQ(NoDepth(), 0.f);
-  // In too few pixels.
+  // The value is in too few pixels.
   depth_(5, MapSample(kWidth, kHeight).rows[2]) = 1e6f;
   EXPECT_EQ(NoDepth(), 0.f);
   std::ranges::fill(depth_, 5.f);

@@ -30,7 +30,7 @@ const std::vector<float> kSix = {1, 2, 3, 4, 5, 6};
 std::string Encoded(const std::string& extension, const cv::Mat& mat) {
   setenv("OPENCV_IO_ENABLE_OPENEXR", "1", 0);
   std::vector<uchar> bytes;
-  // Without this, OpenCV writes three channels of TIFF with loss.
+  // Without this, OpenCV compresses TIFFs of three channels lossily.
   constexpr int kNoCompression = 1;
   EXPECT_TRUE(cv::imencode(
       extension, mat, bytes, {cv::IMWRITE_TIFF_COMPRESSION, kNoCompression}));
@@ -74,8 +74,8 @@ constexpr auto kReadExr = &ReadImage<kExr>;
 
 constexpr char kNpz[] = "some.file.npz";
 
-// As numpy.savez writes arrays, of which this is the first; without most of the
-// numbers, which are not read.
+// As numpy.savez writes arrays, the first of which is this one; most fields of
+// the headers, which are not read, are zero.
 std::string NpzBytes(const std::string& npy, char num_arrays = 1) {
   std::string bytes = "PK\3\4" + std::string(26, '\0') + "depth.npy" + npy +
                       "PK\1\2" + std::string(42, '\0') + "depth.npy" +
@@ -338,7 +338,7 @@ class CompanionMapTest : public testing::Test {
     PutSigmaMap(halves, &file);
     file.Commit();
   }
-  // By all readers.
+  // Expects that all readers refuse the file.
   void ExpectRefused(ErrorCode code, const std::string& bytes) const {
     WriteText(path_, bytes);
     ExpectError(code, {path_.string()}, [&] { ReadGrayPng(path_); });

@@ -158,7 +158,7 @@ TEST(SourceSelectorTest, OrdersByTheNumberOfSharedPoints) {
               ElementsAre(3, 0, 2));
 }
 
-// A point on the reference's axis at depth z is seen from x under atan(x / z).
+// At depth z on the axis, the triangulation angle from x is atan(x / z).
 TEST(SourceSelectorTest, ComparesTheAngleWithTheMinimum) {
   const double tan1 = std::tan(std::numbers::pi / 180.0);
   SparseModel model = MakeModel({0, 0.999 * tan1, 1.001 * tan1});
@@ -184,7 +184,7 @@ TEST(SourceSelectorTest, ChoosesOneOfSeveralImagesFromOnePlace) {
               ElementsAre(1, 3, 4));
 }
 
-// Of n angles the one of rank round(0.75 (n - 1)) counts. Near points have
+// Among n angles, the one of rank round(0.75 (n - 1)) counts. Near points have
 // large angles, far points small ones.
 TEST(SourceSelectorTest, TakesThe75thPercentileOfTheAngles) {
   const auto selected = [](int num_near, int num_far) {

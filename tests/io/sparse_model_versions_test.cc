@@ -75,8 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-// Binary, with a camera of each of COLMAP's models by its number; with fewer
-// parameters than PINHOLE has it is too short.
+// Binary, with a camera of each of COLMAP's models, given by its number; with
+// fewer parameters than PINHOLE's the file is too short.
 TEST(SparseModelVersionsTest, RefusesCamerasWithDistortion) {
   struct Case {
     int32_t model;

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares the manual pages and the completions with --help_json: every command,
-option, choice and default is in them, the pages are clean troff, and bash really
-completes. What needs a shell or formatter that is not installed is
-skipped by a line that says so."""
+"""Compares the manual pages and the completions with --help_json: every
+command, option, choice and default is in them, the pages are clean troff, and
+bash really completes. What needs a shell or formatter that is not installed is
+skipped, and a line says so."""
 import gzip
 import json
 import os
@@ -90,7 +90,7 @@ def bash_completes(*words):
 
 
 def values_of(option):
-    """What a shell offers behind an option."""
+    """What a shell offers after an option."""
     if option["choices"]:
         return option["choices"]
     return [os.path.join(args.folder, "a b folder")] if option["is_path"] else []
@@ -117,7 +117,7 @@ def test_bash():
 
 
 def test_fish_and_zsh():
-    """That what they read names all."""
+    """Checks that the files for fish and zsh name all commands and options."""
     for shell, command, written, choices in (("fish", " -a {} ", " -l {} ", " -a '{}' "),
                                              ("zsh", "'{}':", "--{}=", "({})")):
         path = os.path.join(args.pages, shell)

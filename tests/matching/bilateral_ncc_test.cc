@@ -147,8 +147,8 @@ void ExpectSameSums(const ReferencePatch& patch,
   ++(is_inside ? met->num_inside : met->num_on_border);
 }
 
-// From planes seen from the front to those seen along their surface, a part of
-// which lies behind the cameras.
+// From planes seen head-on to those seen edge-on, part of which lies behind the
+// cameras.
 template <typename Function>
 void ForHomographies(int count, const Function& function) {
   const Intrinsics intrinsics{50.f, 50.f, 16.f, 16.f};
@@ -203,7 +203,7 @@ TEST(WindowHomography, SeesNoPlaneAlongItsSurfaceNorBehindTheCamera) {
       PlaneHomography steep = homography;
       steep.h[element] = slope;
       steep.h[8] = 1.f - 16.f * slope;  // The center's depth stays 1.
-      // It changes by a half five pixels off where the slope is 0.1.
+      // Five pixels away it changes by a half where the slope is 0.1.
       EXPECT_EQ(WindowHomography(steep, 16.f, 16.f, 5.f).is_seen,
                 std::abs(slope) < 0.1f)
           << slope << ", " << element;

@@ -16,7 +16,7 @@ namespace {
 constexpr int kWidth = 64;
 constexpr int kHeight = 48;
 
-// At each scale a plane three units off.
+// At each scale, a plane three units away.
 class FilterHypothesesTest : public testing::TestWithParam<float> {
  protected:
   FilterHypothesesTest()
@@ -168,7 +168,7 @@ TEST_P(FilterHypothesesTest, MatchesUnderThePlane) {
   AddThreeSources();
   options_.min_ncc = 0.9f;
   EXPECT_EQ(ShareKept(), 1.f);
-  // Seen from the side the window is squeezed to a line.
+  // Seen edge-on, the window is squeezed to a line.
   normal_ = Image<Vec3f>(kWidth, kHeight, Normalized(Vec3f{1.f, 0.f, -0.15f}));
   EXPECT_LT(ShareKept(), 0.1f);
 }

@@ -38,7 +38,7 @@ class MatchingCostTest : public testing::Test {
             costs.second_cost.ToHost(),
             costs.left_right_difference.ToHost()};
   }
-  // Moves each depth by so many pixels of disparity.
+  // Moves each depth by this many pixels of disparity.
   void ShiftDepth(float pixels) {
     const float factor = static_cast<float>(camera_.fx * kBaseline);
     for (float& depth : scene_.Depth()) {
@@ -113,7 +113,7 @@ TEST_F(MatchingCostTest, LooksTheSameFromTheOtherSideAtTheTruth) {
 }
 
 TEST_F(MatchingCostTest, IsUndefinedWhereASourceSeesNothing) {
-  // One source looks away; one stands so far off that nothing is shared.
+  // One source looks away; one is so far away that the views share nothing.
   AddSource(kBaseline, 3.1);
   AddSource(50.0, 0.0);
   const HostCosts costs = Compute();

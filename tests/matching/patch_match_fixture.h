@@ -32,9 +32,9 @@ struct HostHypotheses {
   Image<float> costs;
 };
 
-// How near planes are to the truth, over the pixels off the border.
+// How close planes are to the truth, over the pixels away from the border.
 struct Accuracy {
-  float share = 0.f;  // Of the pixels within half a percent of the depth.
+  float share = 0.f;  // Of pixels whose depth is right to half a percent.
   float median_depth_error = 0.f;   // As a fraction of depth.
   float median_normal_error = 0.f;  // In degrees.
 };

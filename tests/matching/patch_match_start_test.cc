@@ -21,7 +21,7 @@ TEST_F(PatchMatchTest, DrawsPlanesBetweenTheBounds) {
     const Plane& plane = planes(x, y);
     ASSERT_NEAR(Norm(plane.normal), 1.f, 1e-5f);
     ASSERT_LE(Dot(plane.normal, ray), 0.f);
-    // A plane may be seen too nearly from the side to have a depth.
+    // A plane may be seen too nearly edge-on to have a depth.
     const float slope = -Dot(plane.normal, ray);
     if (slope > 1e-2f) {
       const float depth = plane.Depth(ray);
@@ -96,7 +96,7 @@ TEST_F(PatchMatchTest, TakesOnePixel) {
 
 TEST_F(PatchMatchTest, KeepsPlanesBetweenTheBounds) {
   TexturedPlane scene = Scene(kSlant);
-  // Of the plane only a strip lies between them.
+  // Only a strip of the plane lies between them.
   options_.depth_min = 2.9f;
   options_.depth_max = 3.1f;
   const HostHypotheses found = Run(scene, Images(scene), Draw());

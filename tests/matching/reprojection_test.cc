@@ -179,7 +179,7 @@ class LookThroughSourceTest : public testing::Test {
                              point,
                              &seen_);
   }
-  // From this far to the right of the reference, looking the same way.
+  // A source this far to the right of the reference, looking the same way.
   bool LookFrom(double x, const Vec3f& point) {
     return Look(SourceCamera(camera_, {x, 0.0, 0.0}, 0.0), point);
   }
@@ -239,8 +239,8 @@ TEST_F(LookThroughSourceTest, SeesNothingOutsideOfTheSource) {
 
 TEST_F(LookThroughSourceTest, SeesNothingBehindEitherCamera) {
   EXPECT_FALSE(LookFrom(0.3, {0.f, 0.f, -3.f}));
-  // From the far side; what it sees at depth 2 lies before the reference, what
-  // it sees at depth 5 behind it.
+  // From the far side; what it sees at depth 2 lies in front of the reference,
+  // what it sees at depth 5 behind it.
   const Camera opposite = SourceCamera(camera_, {0.0, 0.0, 4.0}, 3.14159265);
   EXPECT_TRUE(Look(opposite, {0.f, 0.f, 3.f}));
   EXPECT_NEAR(seen_.point.z, 2.f, 1e-4f);

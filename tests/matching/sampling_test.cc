@@ -21,7 +21,7 @@ namespace {
 constexpr int kNumDraws = 10000;
 constexpr DepthBounds kBounds{2.f, 50.f};
 
-// Of a pixel far from the middle.
+// The ray of a pixel far from the middle.
 const Vec3f kRay = {0.7f, -0.5f, 1.f};
 
 TEST(DepthBounds, DrawsUniformlyInInverseDepth) {
@@ -134,7 +134,7 @@ TEST(BestOfArea, FindsTheLowestCostWhereverItIs) {
   for (int area = 0; area < kNumPropagationAreas; ++area) {
     const std::vector<PixelOffset> offsets = OffsetsOf(area);
     for (const PixelOffset& offset : offsets) {
-      // Pixels of no area, which cost less than all.
+      // Pixels outside of all areas cost less than any inside.
       Image<float> costs(kSize, kSize, 0.f);
       float cost = 1.f;
       for (const PixelOffset& member : offsets) {

@@ -31,7 +31,7 @@ class TexturedPlane {
         normal_(camera.width, camera.height, plane.normal),
         gray_(Render(camera).first) {}
 
-  // Adds a source whose gray levels are contrast * texture + brightness.
+  // Adds a source with gray levels contrast * texture + brightness.
   void AddSource(const Camera& source,
                  float contrast = 1.f,
                  float brightness = 0.f) {

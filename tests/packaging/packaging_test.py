@@ -32,7 +32,7 @@ LIBRARY_FILES = [
 
 
 def check_conda_recipe():
-    """It repeats what it cannot read."""
+    """The recipe repeats the version, which it cannot read."""
     path = os.path.join(args.source, "packaging", "conda", "recipe.yaml")
     with open(path) as file:
         check(f'\n  version: "{args.version}"\n' in file.read(), "the recipe's version")
@@ -59,7 +59,7 @@ def check_modes(members, where):
 
 
 def check_tree(root, expected, where):
-    """Files that must be there; none may tell where it was built."""
+    """Files that must be there; none may reveal where it was built."""
     for path in expected:
         check(os.path.isfile(os.path.join(root, path)), f"{where} has {path}")
     count = 0
@@ -177,7 +177,7 @@ def test_debian_packages():
 
 
 def test_dpkg(packages):
-    """dpkg itself installs and removes them, in a system of nothing else."""
+    """dpkg itself installs and removes them, in a system with nothing else."""
     root = os.path.join(args.folder, "system")
     os.makedirs(os.path.join(root, "var", "lib", "dpkg", "updates"))
     os.makedirs(os.path.join(root, "var", "lib", "dpkg", "info"))

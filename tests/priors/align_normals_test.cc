@@ -15,7 +15,7 @@
 namespace tsar {
 namespace {
 
-constexpr int kSize = 4;  // Of a superpixel.
+constexpr int kSize = 4;  // The side of a superpixel.
 constexpr int kNumColumns = 20;
 constexpr int kNumSuperpixels = kNumColumns * kNumColumns;
 
@@ -44,7 +44,7 @@ class AlignNormalsTest : public testing::Test {
         {0.f, 0.f, -1.f}, {0.8f, 0.f, -0.6f}, {0.f, -0.8f, -0.6f}};
     return directions[superpixel / 2 % 3];
   }
-  // Each superpixel's normals deviate alike.
+  // All normals of a superpixel deviate alike.
   void Draw(float sigma, float outlier_share) {
     Philox random(1, 2, 3);
     std::vector<Vec3f> drawn;

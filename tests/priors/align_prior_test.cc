@@ -24,7 +24,7 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 class AlignPriorTest : public testing::Test {
  protected:
-  // Of the room's own size, where all depths are known.
+  // A prior of the room's own size, where all depths are known.
   DepthPrior Draw(PriorType type,
                   const std::function<float(float depth)>& value_of) const {
     DepthPrior prior;
@@ -39,7 +39,7 @@ class AlignPriorTest : public testing::Test {
     return Draw(PriorType::kMetric, [](float depth) { return depth / 2.f; });
   }
 
-  // The share of pixels whose depth is further off than this.
+  // The share of pixels whose depth errs by more than this.
   float ShareBeyond(const AlignedPrior& aligned, float error) const {
     int count = 0;
     for (size_t i = 0; i < room_.depth.NumPixels(); ++i) {

@@ -44,7 +44,7 @@ class CorrectPriorTest : public testing::Test {
 };
 
 TEST_F(CorrectPriorTest, MovesAnObjectThatIsTooFar) {
-  // In an image that is warped as well: the errors of the whole image tell how
+  // In an image that is warped as well: the errors of the whole image show how
   // wrong objects may be.
   const auto error = [&](int x, int y) {
     return 0.0004f * static_cast<float>(80 - x) +

@@ -42,8 +42,8 @@ struct DrawnBoxRoom {
     }
   }
 
-  // Measures the pixels for which this is true, with normal errors of such a
-  // standard deviation, relative to the depth.
+  // Measures the pixels for which this is true, with normally distributed
+  // errors of this standard deviation, relative to the depth.
   Image<RayDepth> Measure(const std::function<bool(int x, int y)>& is_measured,
                           double noise = 0.0) const {
     Philox random(3, 0, 0);
@@ -63,7 +63,7 @@ struct DrawnBoxRoom {
   Image<uint8_t> is_box{kRoomWidth, kRoomHeight};
 };
 
-// Of squares of 4 x 4 pixels every third, in both directions.
+// Every third square of 4 x 4 pixels, in both directions.
 inline bool IsInSparseSquare(int x, int y) {
   return x / 4 % 3 == 0 && y / 4 % 3 == 0;
 }

@@ -19,8 +19,8 @@ namespace {
 constexpr double kNoise = 0.002;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-// Depths between 2 and 8 with errors of 0.2 %, of which a share is wrong by
-// factors up to 3 either way.
+// Depths between 2 and 8 with errors of 0.2 %, a share of which is wrong by
+// factors of up to 3 either way.
 std::vector<PriorSample> DrawSamples(
     const std::function<double(double depth)>& value_of,
     double share_of_wrong = 0.2) {
@@ -54,7 +54,7 @@ double FactorValue(double depth) { return depth / 3.0; }
 double RelativeValue(double depth) { return (depth - 1.5) / 3.0; }
 double InverseValue(double depth) { return (1.0 / depth - 0.1) / 0.7; }
 
-// Where the type is given, and where it is to be found.
+// With a given type, and with one that is to be found.
 TEST(FitPriorTest, FindsTheFunctionAmongWrongSamples) {
   struct Case {
     double (*value_of)(double depth);
@@ -85,7 +85,7 @@ TEST(FitPriorTest, NoiseExplainsNothing) {
   }
 }
 
-// Depth where inverse depth was said to be.
+// Depth that was declared as inverse depth.
 TEST(FitPriorTest, AFallingPriorIsNoneOfItsType) {
   const PriorFit fit = FitPrior(DrawSamples(&InverseValue), PriorType::kMetric);
   EXPECT_EQ(fit.function.type, PriorType::kMetric);

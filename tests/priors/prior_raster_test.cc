@@ -15,7 +15,7 @@ namespace {
 constexpr int kWidth = 12;
 constexpr int kHeight = 9;
 
-// A prior of 12 x 9 pixels on a map of so many times the size.
+// A prior of 12 x 9 pixels on a map that is this many times as large.
 class PriorRasterTest : public testing::Test {
  protected:
   PriorRaster On(int factor) const {

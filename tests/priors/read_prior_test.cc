@@ -109,7 +109,7 @@ TEST_F(ReadPriorTest, TakesTheNearestPixelsOfLargeRasters) {
       ASSERT_EQ(depth(x, y), 1 + (2 * x + 1) + kWidth * (2 * y + 1));
     }
   }
-  // Of a raster as high as wide is not a pixel less is left.
+  // A raster one pixel wide is not reduced to less than that.
   const Image<float> narrow = ReadDepth(
       Write("a.npy",
             NpyOf(1, kMaxPriorSide + 1, 1, std::vector<float>(1025, 1.f))),

@@ -1,6 +1,6 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""evaluate_depth() and evaluate_cloud() say what the command says."""
+"""evaluate_depth() and evaluate_cloud() return what the command reports."""
 import json
 import shutil
 import unittest

@@ -1,11 +1,11 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs the examples of docs/python.md as they stand there, one after the other, on the
+"""Runs the examples of docs/python.md verbatim, one after the other, on the
 sample scene: the first begins with its photos and a sparse model.
 
-Needs pycolmap and NumPy, in a virtual environment that is kept in the build folder.
-Skipped where they cannot be had. One step of COLMAP's, patch_match_stereo, needs a GPU:
-in its place, the sample's own maps of COLMAP's are copied."""
+Needs pycolmap and NumPy, in a virtual environment that is kept in the build
+folder. Skipped without them. COLMAP's patch_match_stereo needs a GPU: the
+sample's own maps are copied in its place."""
 import os
 import pathlib
 import re
@@ -25,8 +25,8 @@ DOCUMENT = REPOSITORY / "docs" / "python.md"
 
 
 def examples():
-    """Line and text of each example, as a program: fenced blocks of Python, and what
-    is typed at a prompt, with the error that comes of it."""
+    """Line and text of each example, as a program: fenced blocks of Python, and
+    what is typed at a prompt, with the error that it raises."""
     lines = DOCUMENT.read_text().splitlines()
     for i, line in enumerate(lines):
         if line == "```python":

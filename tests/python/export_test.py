@@ -1,10 +1,10 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Exports hold the maps of the workspace, in the formats of docs/export.md, and are written as
-a whole or not at all.
+"""Exports hold the maps of the workspace, in the formats of docs/export.md, and
+are written as a whole or not at all.
 
-Needs NumPy and OpenCV: the Python's own, or those of a virtual environment that is kept in the
-build folder. Skipped where they cannot be had."""
+Needs NumPy and OpenCV: this Python's own, or those of a virtual environment
+that is kept in the build folder. Skipped if they are not available."""
 import json
 import os
 import shutil
@@ -21,7 +21,7 @@ os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
 cv2, np = optional("cv2"), optional("numpy")
 
 NAMES = ["a.png", "left/b.png", "c.png"]  # The last has no maps.
-WIDTH, HEIGHT = 8, 6  # Of photos; maps have half of it.
+WIDTH, HEIGHT = 8, 6  # Of photos; maps have half the size.
 FX, FY, CX, CY = 7.0, 6.5, 4.2, 2.9
 KILLED = """
 import os, sys
@@ -167,7 +167,7 @@ class ExportTest(unittest.TestCase):
         cloud = self.folder / "fused.ply"
         cloud.write_bytes(b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n")
         masks = self.mask_right_half()
-        # Of the size that maps would have.
+        # Masks of the size that maps would have.
         cv2.imwrite(str(masks / "c.png.png"), np.full((3, 4), 255, "u1"))
         self.export("nerfstudio", mask_path=masks, cloud_path=cloud)
         transforms = self.json("transforms.json")

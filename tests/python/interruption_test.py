@@ -19,7 +19,7 @@ def refine():
     colmap_tsar.Workspace(sys.argv[1]).refine(device="cpu", num_threads=1, progress=tell, **{PLANES})
 """
 
-# Lives on, whatever comes; says what came.
+# Survives every signal, and reports it.
 GO_ON = """
 import signal, time
 num_signals = 0
@@ -69,8 +69,8 @@ class InterruptionTest(SampleTest):
         self.fail(f"the process ended without '{text}': {process.communicate()}")
 
     def expect_whole_workspace(self):
-        """Every map is COLMAP's or the refined one, some of both are there, and the
-        same call goes on from there to the same bytes as in one go."""
+        """Every map is COLMAP's or the refined one, some of both are there, and
+        the same call continues to the bytes of an uninterrupted run."""
         original, refined = results(self.sample), self.refined
         for path, digest in results(self.workspace).items():
             self.assertIn(digest, (original.get(path), refined[path]), path)
@@ -83,7 +83,7 @@ class InterruptionTest(SampleTest):
     def test_ends_in_order_and_goes_on(self):
         process = self.interrupt("refine()")
         _, errors = process.communicate()
-        # As Python ends whatever a KeyboardInterrupt ends.
+        # As Python ends every process that a KeyboardInterrupt ends.
         self.assertEqual(process.returncode, -signal.SIGINT, errors)
         self.assertTrue(errors.endswith("KeyboardInterrupt\n"), errors)
         self.expect_whole_workspace()

@@ -11,7 +11,7 @@ import colmap_tsar
 from colmap_tsar import Workspace
 from support import REPOSITORY, run_program
 
-# What the workspace and other methods say.
+# What the workspace and other methods specify.
 LEFT_OUT = {"workspace_path", "input_type", "project_path", "log_to_stderr", "log_level", "random_seed", "restore"}
 
 

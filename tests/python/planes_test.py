@@ -1,9 +1,9 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""read_planes() and read_plane_map() give as arrays what tsar_planes writes.
+"""read_planes() and read_plane_map() return as arrays what tsar_planes writes.
 
-Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
-build folder. Skipped where it cannot be had."""
+Needs NumPy: this Python's own, or that of a virtual environment that is kept in
+the build folder. Skipped if it is not available."""
 import json
 import sys
 from unittest import mock

@@ -1,9 +1,9 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Looks at a wheel that scripts/build_wheels.sh has built, and uses it in a new
-virtual environment: it needs nothing of the system but the run time of C and C++,
-and writes the maps that the program writes. What of that any wheel does is a function
-for wheel_test.py.
+virtual environment: it needs nothing from the system but the C and C++ run
+time, and writes the maps that the program writes. What holds for any wheel is a
+function for wheel_test.py.
 
   portable_wheel.py WHEEL"""
 import json
@@ -20,7 +20,7 @@ from virtual_environment import VirtualEnvironment
 
 MOST_LIBRARIES = 12
 UNWANTED = re.compile(r"gdal|hdf5|mpi|gtk|Qt|tbb|protobuf|blas|lapack|gfortran|cuda")
-# What every Linux has that can run Python.
+# What every Linux that can run Python has.
 RUN_TIME = re.compile(
     r"(ld-linux-[^/]*|libc|libm|libdl|librt|libpthread|libgcc_s|libstdc\+\+|libz)\.so[.\d]*"
 )
@@ -75,11 +75,11 @@ def check_content(wheel):
 
 
 def check_use(wheel, folder):
-    """What a process tells in which the wheel is installed, after what any has to do."""
+    """Returns what a process reports that uses the installed wheel."""
     user = VirtualEnvironment.with_wheel(folder / "user", wheel)
     unpack_small(REPOSITORY, folder / "dense")
     shutil.copytree(folder / "dense", folder / "expected")
-    # Nothing of this shell's, such as a path of libraries.
+    # Nothing from this shell, such as a library path.
     environment = {"PATH": os.environ["PATH"], "HOME": str(folder)}
     printed = run(user.python, "-I", "-c", USE, folder / "dense", env=environment)
     found = json.loads(printed)

@@ -3,8 +3,8 @@
 """Together with the newest pycolmap of the package index: it reads and fuses what
 refine() writes, and refine() reads the workspaces that it makes.
 
-Runs in a virtual environment that is kept in the build folder. Skipped where
-pycolmap cannot be had."""
+Runs in a virtual environment that is kept in the build folder. Skipped if
+pycolmap is not available."""
 import shutil
 
 import colmap_tsar
@@ -76,8 +76,8 @@ class PycolmapTest(RefinedTest):
         self.assertGreater(after.accuracy, before.accuracy - 0.1)
 
     def test_workspaces_of_pycolmap_are_refined(self):
-        """The whole dense folder is pycolmap's own, but for the maps, which need a
-        GPU."""
+        """The whole dense folder is pycolmap's own, except the maps, which need
+        a GPU."""
         dense = self.folder / "undistorted"
         pycolmap.undistort_images(dense, self.sample / "sparse", self.sample / "images")
         for name in ("rigs.bin", "frames.bin", "images.bin"):

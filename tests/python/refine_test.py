@@ -166,7 +166,7 @@ class RefineTest(SampleTest):
         finally:
             is_done.set()
             thread.join()
-        # With the GIL held there would be one for each waking at most.
+        # If the GIL were held, there would be at most one each time it wakes.
         self.assertGreater(num_ticks, 100)
 
     def expect_error(self, kinds, texts, function, workspace, **options):
@@ -205,7 +205,7 @@ class RefineTest(SampleTest):
         path = dense / "stereo/depth_maps/v000.jpg.geometric.bin"
         path.write_bytes(path.read_bytes()[:-1])
         self.expect_error(corrupt, [str(path)], refine, dense)
-        # Of an image that has no maps, nothing is missed.
+        # Nothing is missed of an image that has no maps.
         for name in ("images/v000.jpg", "stereo/depth_maps/v000.jpg.geometric.bin",
                      "stereo/normal_maps/v000.jpg.geometric.bin", "images/v001.jpg"):
             (dense / name).unlink()

@@ -1,7 +1,7 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""The types agree with the module: mypy finds no difference. Skipped where mypy cannot be had
-from the package index."""
+"""The types agree with the module: mypy finds no difference. Skipped if mypy is
+not available from the package index."""
 import os
 import pathlib
 import tempfile

@@ -14,7 +14,7 @@ PROGRAM = os.environ["TSAR_PROGRAM"]
 REPOSITORY = pathlib.Path(os.environ["TSAR_SOURCE_DIR"])
 WORK_FOLDER = pathlib.Path(os.environ["TSAR_WORK_FOLDER"])
 WORK_FOLDER.mkdir(parents=True, exist_ok=True)
-WIDTH, HEIGHT = 240, 180  # Of the maps; photos have 640 x 480.
+WIDTH, HEIGHT = 240, 180  # Of the maps; photos are 640 x 480.
 # Options of refine() that leave out what takes most of the time.
 QUICK = {"scene_planes": False, "segment": False, "num_iterations": 1}
 # The same with the planes of the scene.

@@ -14,7 +14,7 @@ import unittest
 from sample_testing import SKIPPED
 from support import WORK_FOLDER
 
-IS_INSIDE = sys.argv[1:] == ["--inside"]  # Of an environment.
+IS_INSIDE = sys.argv[1:] == ["--inside"]  # Whether this runs in an environment.
 
 # What pip says where there is no network or no index, and what it says there if it
 # was told to do without. Anything else that goes wrong is a failure, not a reason
@@ -28,7 +28,7 @@ NOTHING_FOUND = re.compile(r"No matching distribution found")
 
 
 class VirtualEnvironment:
-    """Made where there is none yet; kept, so that packages are installed once."""
+    """Made if there is none yet; kept, so that packages are installed once."""
 
     def __init__(self, folder):
         self.folder = pathlib.Path(folder)
@@ -94,7 +94,7 @@ def optional(module):
 
 def run_in_environment(file, *packages):
     """Runs this test again, with --inside, in an environment that is kept in the build
-    folder, and ends as it does; as a skipped test where it cannot have the packages."""
+    folder, and ends as it does; as a skipped test without the packages."""
     folder = WORK_FOLDER / f"{packages[0]}_environment"
     with locked(folder):
         environment = VirtualEnvironment(folder)

@@ -1,9 +1,9 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Builds the wheel from pyproject.toml, installs it into a new virtual environment
-and uses it there, with nothing else on the path. Skipped where what it is built by
-cannot be had from the package index. The scores of point clouds are left out of it,
-which scripts/build_wheels.sh leaves in.
+"""Builds the wheel from pyproject.toml, installs it into a new virtual
+environment and uses it there, with nothing else on the path. Skipped if its
+build requirements are not available from the package index. It omits the scores
+of point clouds, which scripts/build_wheels.sh includes.
 
   wheel_test.py BUILD_FOLDER [NAME=VALUE of CMake]..."""
 import re
@@ -18,7 +18,7 @@ from virtual_environment import VirtualEnvironment
 
 
 def build_requirements():
-    """As pyproject.toml has them; Python knows TOML from 3.11 on only."""
+    """As pyproject.toml has them; Python reads TOML only from 3.11 on."""
     text = (REPOSITORY / "pyproject.toml").read_text()
     return re.findall(r'"([^"]+)"', re.search(r"requires = \[(.*)\]", text)[1])
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The images and maps of a Workspace are those of the files.
 
-Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
-build folder. Skipped where it cannot be had."""
+Needs NumPy: this Python's own, or that of a virtual environment that is kept in
+the build folder. Skipped if it is not available."""
 import os
 import sys
 from unittest import mock
@@ -101,7 +101,7 @@ class WorkspaceMapsTest(RefinedTest):
         self.assertEqual(half.K[2].tolist(), [0, 0, 1])
         path.with_name("v000.jpg.geometric.bin").unlink()
         (self.workspace / "stereo/depth_maps/v000.jpg.geometric.bin").unlink()
-        image = ws["v000.jpg"].camera  # Of the photo, which is larger here.
+        image = ws["v000.jpg"].camera  # The photo's, which is larger here.
         self.assertEqual((image.width, image.height), (640, 480))
         np.testing.assert_allclose(image.K[:2], camera.K[:2] * 8 / 3, rtol=1e-12)
         self.assertEqual(ws["v000.jpg"].cam_from_world.shape, (3, 4))

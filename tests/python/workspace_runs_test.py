@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What can be done with a Workspace is what the commands do.
 
-Needs NumPy: the Python's own, or that of a virtual environment that is kept in the
-build folder. Skipped where it cannot be had."""
+Needs NumPy: this Python's own, or that of a virtual environment that is kept in
+the build folder. Skipped if it is not available."""
 import pathlib
 
 import colmap_tsar
@@ -122,7 +122,7 @@ class WorkspaceRunsTest(SampleTest):
         before = digests(self.workspace)
         with self.assertRaisesRegex(Enough, "^report$"):
             self.ws.report(progress=stop_at_the_first, num_threads=1)
-        # So short a work may be done before it hears: a page is whole or not there.
+        # Such short work may end before it stops: a page is whole or absent.
         after = digests(self.workspace)
         others = {name: of for name, of in after.items() if name[:7] != "report/"}
         self.assertEqual(others, before)

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Changes what results depend on after a run has ended, one thing at a time. The
-same command again names it and gives the bytes of a fresh run."""
+"""Changes what results depend on after a run has ended, one thing at a time.
+The same command then names the change and gives the bytes of a fresh run."""
 import os
 import shutil
 
@@ -11,8 +11,8 @@ from robustness import Setting, check, check_same, copy, edit, read, read_tree, 
 from synthetic_workspace import NAMES
 
 setting = Setting()
-# An output workspace leads to its input by its full path, so that all is done in
-# `work` and kept elsewhere.
+# An output workspace refers to its input by its full path, so everything is
+# done in `work` and kept elsewhere.
 work, begin, drawn, fresh = (setting.path(name) for name in ("work", "begin", "drawn", "fresh"))
 dense, second = (os.path.join(work, name) for name in ("dense", "second"))
 A, B, C, D = NAMES
@@ -30,8 +30,8 @@ def write(root, path, content):
 
 
 def write_lists(root, sources, names=NAMES):
-    """sources: with which images each image is compared; those that are left out are no
-    references. names: the images that are there."""
+    """sources: the images with which each image is compared; images left out
+    are no references. names: the existing images."""
     lists = "".join(f"{name}\n{', '.join(others)}\n" for name, others in sources.items())
     write(root, "stereo/patch-match.cfg", lists.encode())
     write(root, "stereo/fusion.cfg", "".join(f"{name}\n" for name in names).encode())
@@ -84,12 +84,12 @@ def results(root, names):
 
 
 def written(root):
-    """What becomes another one when an image is done again."""
+    """The files that are replaced when an image is refined again."""
     folder = os.path.join(root, "stereo", "confidence_maps")
     return {path: os.stat(os.path.join(folder, path)).st_ino for path in read_tree(folder)}
 
 
-# What is changed, and what is said of it; tests/run/input_fingerprints_test.cc has more.
+# Changes and what is reported; tests/run/input_fingerprints_test.cc has more.
 CHANGES = {
     "a pose": (lambda root: edit(os.path.join(root, "sparse/images.txt"), b" -0.0 0 0 1 v0.png",
                                  b" -0.003 0 0 1 v0.png"), f"the camera of {A} has changed"),

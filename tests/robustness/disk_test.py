@@ -39,7 +39,7 @@ for case, (_, source) in setting.commands.items():
     first = read_tree(work)
     program.run(*command)
     last = setting.read_work()
-    # What is needed on the way may be more than what stays.
+    # Intermediate files may need more space than what stays.
     most = max(start - free_bytes(), 0) + (256 << 10)
     num_full[case] = 0
     for level in range(NUM_LEVELS if case == "refine" else NUM_LEVELS // 3):

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Does to refined maps what users and other programs do, and undoes
-the work then, or refines again. What is no complete map is damage, and the
-original comes back; any other map is the new original and stays. No original and
-nothing that others wrote is removed."""
+"""Changes refined maps as users and other programs do, then undoes the
+refinement, or refines again. Anything but a complete map is damage, and the
+original comes back; any other map is the new original and stays. No original is
+removed, nor anything that others wrote."""
 import itertools
 import os
 import shutil
@@ -28,7 +28,7 @@ def path_of(kind):
 
 
 def mask(content):
-    """Without the values of the upper half, as a mask that a user lays over it."""
+    """Without the values of the upper half, as if a user had masked them."""
     head = content.rindex(b"&", 0, 20) + 1
     values = content[head:]
     plane = 4 * NUM_PIXELS
@@ -36,8 +36,8 @@ def mask(content):
     return content[:head] + b"".join(bytes(plane // 2) + p[plane // 2:] for p in planes)
 
 
-# What becomes of a map, and whether it is the user's then; that of one map alone, in
-# more ways, is in tests/run/store/ownership_test.cc.
+# What becomes of a map, and whether it is then the user's; more cases of a
+# single map are in tests/run/store/ownership_test.cc.
 CHANGES = {
     "left alone": (None, False),
     "copied": (lambda content: content, False),
@@ -47,8 +47,8 @@ CHANGES = {
 
 
 def check_owners(what, command, place):
-    """That after this command each original is in its place, a user's map as it was,
-    and what gave way is aside."""
+    """Checks that after this command each original is in its place, a user's
+    map is unchanged, and what was superseded is aside."""
     copy(setting.refined, work)
     written = {}
     for kind, name in zip(KINDS, changes):
@@ -80,7 +80,7 @@ for changes in itertools.product(CHANGES, repeat=2):
     check_owners("refining again", REFINE_AGAIN, "stereo/tsar/original")
     num_cases += 2
 
-# An original that is kept is no map any more, or gone: the whole refined map stays.
+# A kept original is no longer a map, or is gone: the whole refined map stays.
 for is_gone in (False, True):
     copy(setting.refined, work)
     kept = os.path.join(work, "stereo", "tsar", "original", "depth_maps", MAP)
@@ -95,7 +95,7 @@ for is_gone in (False, True):
                    {path: before[path] for path in before if MAP in path}, f"{command}, {is_gone}")
         num_cases += 1
 
-# Nothing that could be refined: what comes next must not go on with it.
+# Nothing that could be refined: what comes next must not continue with it.
 copy(setting.mapped, work)
 synthetic_workspace.write(os.path.join(work, "stereo", "patch-match.cfg"),
                           b"v0.png\nleft/v1.png\n")

@@ -19,7 +19,7 @@
 //   TSAR_FAULT_NO_MEMORY_AT=K      no memory at the K-th call of operator new
 //   TSAR_FAULT_NO_MEMORY_FROM=K    nor at any after it
 //   TSAR_FAULT_NO_ADDRESSES_FROM=K   no more from the system from that call on:
-//                                  what the program holds it may divide anew
+//                                  the program may reuse what it holds
 
 #include <algorithm>
 #include <atomic>

@@ -14,7 +14,7 @@ from robustness import (KEY, Setting, check, check_same, in_own_name_space, read
 in_own_name_space()
 setting = Setting(on_disk=True)
 program, work = setting.program, setting.work
-# Of every subset that somebody might move to another disk.
+# Sets of folders that somebody might move to another disk.
 MOUNTS = (("depth_maps",), ("normal_maps",), ("depth_maps", "normal_maps"),
           ("tsar",), ("confidence_maps", "sigma_maps", "provenance_maps"), ("depth_maps/left",))
 expected = {}
@@ -35,7 +35,7 @@ def mount(path):
 
 
 def check_work_and_undo(case, what):
-    """Of a command on what it starts from, twice, and of undoing it."""
+    """Checks a command on what it starts from, twice, and undoing it."""
     global num_cases
     command, source = setting.commands[case]
     for again in ("", ", again"):

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Puts what terminals obey (escape sequences, control characters of 8 bits, ends of
-lines) into every name and text that a command reads, and sees that none of it is
-printed."""
+"""Puts what terminals obey (escape sequences, control characters of 8 bits,
+ends of lines) into every name and text that a command reads, and checks that
+none of it is printed."""
 import json
 import os
 import shutil
@@ -28,12 +28,12 @@ num_cases = 0
 
 
 def printed(words, code=(0, 1)):
-    """All that a command prints, which no terminal obeys. code: how it may end."""
+    """What a command prints; no terminal obeys it. code: allowed exit codes."""
     global num_cases
     num_cases += 1
     result = subprocess.run(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
     text = result.stdout.decode(errors="replace")
-    # Control characters, but for the ends of lines.
+    # Control characters, except line ends.
     obeyed = {letter for letter in text
               if letter != "\n" and unicodedata.category(letter) == "Cc"}
     check(not obeyed, f"{words}: {result.stdout!r} holds {obeyed!r}")
@@ -43,7 +43,7 @@ def printed(words, code=(0, 1)):
 
 
 def call(case, *options, code=(0, 1)):
-    """As printed(), of what a command prints in `work` as it is."""
+    """Like printed(), for a command in `work` as it is."""
     return printed(setting.program.arguments(*setting.commands[case][0], *options), code)
 
 
@@ -125,7 +125,7 @@ def check_names():
 
 
 def check_files():
-    """Texts in the place of others: file, what is replaced in it, by what."""
+    """Texts in place of others: file, what is replaced in it, and by what."""
     for path, old, new, options in (
             *(("stereo/patch-match.cfg", old, text, ())
               for text in (EVERYTHING, b"v0.png, " + EVERYTHING, b"\xc3")

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Gives every command workspaces whose names and links lead elsewhere, whose files
-are no files or are cut off. It ends with one clear line; nothing outside of the
-workspace is written or removed, and no map in it changes. What is harmless, such as
-maps that are links to files that may not change, works."""
+"""Gives every command workspaces whose names and links lead elsewhere, whose
+files are no files or are cut off. Each ends with one clear line; nothing
+outside the workspace is written or removed, and no map in it changes. What is
+harmless, such as maps that are links to files that may not change, works."""
 import os
 import resource
 import shutil
@@ -29,7 +29,7 @@ def spread_outside():
 
 
 def fails(case, command, **expected):
-    """That a command fails on `work` and changes nothing outside."""
+    """Checks that a command fails on `work` and changes nothing outside."""
     global num_cases
     before = read_tree(outside)
     line = program.fails_with_one_line(*command, **expected)
@@ -107,7 +107,7 @@ def check_links():
         os.symlink(outside, os.path.join(work, "stereo", "depth_maps", "zzz"))
         fails(f"{case} in a deep tree", command, texts=["leads out"],
               prepare=lambda: resource.setrlimit(resource.RLIMIT_NOFILE, (256, 256)))
-        # A link in the place of the lock, to a file that is not there.
+        # A link in place of the lock, to a file that does not exist.
         command = setting.prepare(case)
         os.makedirs(os.path.join(work, "stereo", "tsar"), exist_ok=True)
         os.symlink(os.path.join(outside, "made"), os.path.join(work, "stereo", "tsar", "lock"))
@@ -115,7 +115,7 @@ def check_links():
 
 
 def check_false_records():
-    """What stands in a record counts for nothing: the files' own names do."""
+    """What a record says does not count: the files' own names do."""
     restore = setting.prepare("restore")
     edit(os.path.join(work, "stereo", "tsar", "records", KEY + ".json"),
          b'"v0.png"', b'"../../../../outside/precious"')
@@ -133,7 +133,7 @@ def check_false_records():
 
 
 def check_linked_files():
-    """All files are links: to those that may not change, out of the workspace."""
+    """All files are links to others outside, which must not change."""
     shutil.rmtree(work)
     before = read_tree(setting.mapped)
     for path in before:
@@ -167,7 +167,7 @@ def make_socket(path):
     os.chdir(before)
 
 
-# What may be in the place of a file. Opening a FIFO would wait for a writer.
+# What may be in place of a file. Opening a FIFO would wait for a writer.
 KINDS = {
     "FIFO": lambda path, content: os.mkfifo(path),
     "folder": lambda path, content: os.mkdir(path),
@@ -194,13 +194,13 @@ def replace(path, kind):
 
 
 def state_of_work():
-    # A run tells in the account what failed, and begins with it.
+    # A run records what failed in its manifest, which it writes first.
     return {path: content for path, content in describe(work).items()
             if path not in ("stereo/tsar", "stereo/tsar/manifest.json")}
 
 
 def check_files():
-    """Each file that a command reads, and in its place what is none or is damaged."""
+    """Replaces or damages each file that a command reads."""
     observed = setting.path("observed")
     copy(setting.mapped, work)
     program.run(*SHARD, "observe")
@@ -229,7 +229,7 @@ def check_files():
             (f"stereo/provenance_maps/{KEY}.png", refined, [report], ["half"]),
             (f"stereo/tsar/evidence/{KEY}.bin", observed, [[*SHARD, "compose"]], []),
             ("project.ini", with_ini, [ini], []))):
-        # A FIFO in the place of each; another kind in turn.
+        # A FIFO in place of each; then another kind, in turn.
         for kind in ("FIFO", SPECIAL[1 + index % 3], *damages):
             for command in commands[:1] if kind in SPECIAL[1:] else commands:
                 copy(source, work)
@@ -266,7 +266,7 @@ def check_files():
 
 
 def check_pages():
-    """What users put into the place of a page, or beside it, stays."""
+    """What users put in place of a page, or beside it, stays."""
     page = os.path.join(work, "report")
     for case, change, text in (
             ("a file in it", lambda: synthetic_workspace.write(f"{page}/mine/a.tex", b"a"), "move it"),

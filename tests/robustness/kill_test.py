@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Kills a command before each call by which it changes files, and in the middle of
-each write, one run per call. Of a workspace, each map is then, byte for byte, the one
-that was there or the one that an undisturbed run writes, and the former bytes are all
-to be found. A page, an import and a cloud are the former or the new one, whole. The
-same command goes on to the bytes of an undisturbed run."""
+"""Kills a command before each call by which it changes files, and in the middle
+of each write, one run per call. Each map of a workspace is then, byte for byte,
+the former one or the one that an undisturbed run writes, and all former bytes
+can be found. A page, an import and a cloud are the former or the new one,
+whole. The same command continues to the bytes of an undisturbed run."""
 import json
 import os
 import shutil
@@ -16,16 +16,16 @@ from robustness import (KEY, Setting, check, check_kept, check_same, copy, maps_
 setting = Setting("command")
 program, work = setting.program, setting.work
 before, site = setting.path("before"), setting.path("site")
-# One kill of so many, of those that write as others do or are slow.
+# One kill in so many, for commands that write like others or are slow.
 STEPS = {"compose": 3, "stereo": 4}
 SHARD = ["--TsarRefine.shard", "0/1", "--TsarRefine.pass"]
 setting.commands["compose"] = (["tsar_refine", work, *SHARD, "compose"], before)
 
 
 def check_order(log, is_final):
-    """That what a name stands for is on the disk before the name: a file before it is
-    renamed, and before a final name is given all that belongs to it. is_final: tells
-    from a name what belongs to it, or nothing of others."""
+    """Checks that contents are on the disk before names: a file's before it is
+    renamed, and all that belongs to a final name before that name is given.
+    is_final: returns what belongs to a final name, and nothing for others."""
     dirty = set()
     for line in log:
         name, first, second = line.split("\t")
@@ -44,8 +44,8 @@ def check_order(log, is_final):
 
 
 def kill_everywhere(what, start, command, check_killed, check_done, step=1, **faults):
-    """Returns the calls of an undisturbed run. step: one kill of so many, where it is a
-    number; or what tells the kills from the calls."""
+    """Returns the calls of an undisturbed run. step: a number, for one kill in
+    so many calls; or a function that selects the kills from the calls."""
     start()
     log = program.log(*command, **faults)
     kills = step(log) if callable(step) else range(1, len(log) + 1, step)
@@ -56,7 +56,7 @@ def kill_everywhere(what, start, command, check_killed, check_done, step=1, **fa
             check(code == -9, f"ended with {code}: {errors}")
             check_killed(kill_at)
             code, errors = program.call(*command, **faults)
-            # A killed undoing may have been at its end.
+            # A killed undoing may have been complete.
             at_end = code == 1 and "nothing to restore" in errors and "--restore" in command
             check(code == 0 or at_end, f"going on ended with {code}: {errors}")
             check_done()
@@ -68,7 +68,7 @@ def kill_everywhere(what, start, command, check_killed, check_done, step=1, **fa
 
 
 def leave_normals_unchanged():
-    """As if the refinement of this image had come to the normals that it had."""
+    """As if the refinement of this image had given the normals that it had."""
     normals = os.path.join(before, "stereo", "normal_maps", KEY + ".bin")
     synthetic_workspace.write(normals, read(os.path.join(
         before, "stereo", "tsar", "original", "normal_maps", KEY + ".bin")))
@@ -99,13 +99,13 @@ def kill_in_workspace(case):
 
     def check_killed(kill_at):
         check_kept(read_tree(work), first, last, untouched)
-        # That undoing gives all back, from some of these workspaces.
+        # Checks that undoing restores all, from some of these workspaces.
         if case in ("refine", "compose") and kill_at % 10 == 0:
             copy(work, site)
             code, errors = program.call("tsar_refine", site, "--restore", 1)
             nothing = code == 1 and "nothing to restore" in errors
             check(code == 0 or nothing, f"undoing failed: {errors}")
-            # Where nothing was done there may be a temporary file.
+            # Where nothing was done, there may be a temporary file.
             left = {path: content for path, content in read_tree(site).items()
                     if not (nothing and path.endswith((".tsar_tmp", "tsar/lock")))}
             check_same(left, untouched, "after undoing")
@@ -118,7 +118,7 @@ def kill_in_workspace(case):
 
 
 def kill_while_writing_a_folder(case):
-    """Only where the file system cannot exchange two folders there may be none."""
+    """There may be none only where a file system cannot exchange folders."""
     output = os.path.join(site, case)
     if case == "report":
         options = ["--num_threads", 1, "--overwrite", 1, "--report_path", output]
@@ -148,7 +148,7 @@ def kill_while_writing_a_folder(case):
         check(os.listdir(site) == [case], f"left {os.listdir(site)}")
 
     def kills(log):
-        # While the files are written, nothing is replaced: one kill of ten.
+        # While the files are written, nothing is replaced: one kill in ten.
         begin = next(i for i, line in enumerate(log, 1) if "/" + listed in line)
         return [*range(1, begin, 10), *range(begin, len(log) + 1)]
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs every command with less than it needs of what the system limits: sizes of
-files, memory, threads, open files. Each time it ends well, or with one clear line
-and exit code 1; nothing is lost, and without the limit it goes on to the bytes of
-an undisturbed run."""
+"""Runs every command with less than it needs of what the system limits: sizes
+of files, memory, threads, open files. Each time it succeeds, or ends with one
+clear line and exit code 1; nothing is lost, and without the limit it continues
+to the bytes of an undisturbed run."""
 import itertools
 import random
 import resource
@@ -12,7 +12,7 @@ import resource
 from robustness import Setting, check, check_kept, check_one_line, check_same, read_tree
 
 SEED = 20240607
-NUM_MOMENTS = 6  # Of each command at which memory runs out.
+NUM_MOMENTS = 6  # At which memory runs out, for each command.
 NO_THREADS = "no more threads can be started"
 
 setting = Setting("limit")
@@ -35,8 +35,8 @@ def with_two_threads(case):
 
 
 def try_case(case, texts, what, more=(), **how):
-    """Whether the command had enough. Otherwise: that it says so in a line with
-    one of these texts, and goes on once there is enough."""
+    """Whether the command had enough. Otherwise checks that it says so in a
+    line with one of these texts, and continues once there is enough."""
     command = setting.prepare(case)
     first = read_tree(setting.work)
     code, errors = program.call(*command, *more, **how)
@@ -47,7 +47,7 @@ def try_case(case, texts, what, more=(), **how):
         check_kept(read_tree(setting.work), first, LAST[case],
                    read_tree(setting.bare if case == "stereo" else setting.mapped))
         again, errors = program.call(*command)
-        # It may have been at its end: all is there, as the last check tells.
+        # It may have been complete: all is there, as the last check shows.
         check(again == 0 or case == "restore" and "nothing" in errors,
               f"{what}; going on ended with {again}: {errors}")
     check_same(setting.read_work(), LAST[case], what)
@@ -67,7 +67,7 @@ def limit_file_size():
 
 
 def count_moments(case, few, many):
-    """The calls of operator new of a run, to two hundred."""
+    """The number of calls of operator new in a run, to within two hundred."""
     while many - few > 200:
         middle = (few + many) // 2
         command = setting.prepare(case) if case else HELP
@@ -77,8 +77,8 @@ def count_moments(case, few, many):
 
 
 def limit_memory():
-    """At some moment, one allocation that fails, all from then on, or no more
-    addresses, so that no thread gets its stack."""
+    """At random moments, one allocation fails, or all from then on, or there
+    are no more addresses, so that no thread gets its stack."""
     print(f"seed {SEED}")
     moments = random.Random(SEED)
     texts = ["out of memory; close other programs", NO_THREADS, "Cannot allocate memory"]
@@ -104,7 +104,7 @@ def limit_threads():
 
 
 def limit_descriptors():
-    """From what starting takes on: with fewer the loader ends the process, by 127."""
+    """From what starting takes on: with fewer the loader exits with 127."""
     smallest = next(number for number in itertools.count(3) if program.call(
         *HELP, prepare=set_limit(resource.RLIMIT_NOFILE, number))[0] != 127)
     for case in setting.commands:

@@ -53,7 +53,7 @@ def check_kills(target, *options):
                 check_same(setting.read_work(), original, "the input")
                 if "stereo/confidence_maps/v0.png.geometric.png" not in tree:
                     continue  # Perhaps not all of it is made.
-            # Of an output workspace, the rest are links to folders.
+            # The rest of an output workspace is links to folders.
             check_kept(tree, first, last, original)
         num_runs += 1
         check_same(without_accounts(read_tree(target)), last, "in the end")

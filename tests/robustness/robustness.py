@@ -19,7 +19,7 @@ KEY = "v0.png.geometric"
 STEREO = [word for name in ("num_iterations", "num_geometric_passes", "num_sources", "num_levels")
           for word in ("--TsarStereo." + name, 1)]
 MAPS = ("depth_maps", "normal_maps", "cost_maps")
-# Beside these, which tell times, a run writes the same bytes always.
+# Except for these, which record times, a run always writes the same bytes.
 ACCOUNTS = ("stereo/tsar/manifest.json", "stereo/tsar/records/")
 
 
@@ -37,7 +37,7 @@ class Program:
 
     def arguments(self, command, workspace, *options):
         group = {"tsar_refine": "TsarRefine", "tsar_stereo": "TsarStereo"}.get(command)
-        # Words may be bytes that are no text.
+        # Words may be bytes that are not text.
         words = [self.path, command, *(["depth"] if command == "tsar_evaluate" else []),
                  "--workspace_path", workspace,
                  *(word if isinstance(word, bytes) else str(word) for word in options)]
@@ -77,8 +77,8 @@ class Program:
             return file.read().splitlines()
 
     def fails_with_one_line(self, *words, texts=(), **how):
-        """That the command ends with exit code 1 and one clear line, which holds
-        these texts."""
+        """Checks that the command ends with exit code 1 and one clear line that
+        contains these texts."""
         code, errors = self.call(*words, **how)
         what = f"{words} ended with {code}: {errors}"
         check_one_line(code, errors, what)
@@ -95,10 +95,10 @@ def check_one_line(code, errors, what):
 
 
 class Setting:
-    """A program, a folder that goes with this object, and in it workspaces to start
-    from: `bare` has no maps, `mapped` has some, which are refined in `refined`;
-    `external` has depth images for an import to `imported`. In `work` the commands
-    are called. names: of arguments that the test gets beside the usual ones."""
+    """A program, a folder that goes with this object, and in it workspaces to
+    start from: `bare` has no maps, `mapped` has some, which are refined in
+    `refined`; `external` has depth images for an import to `imported`. Commands
+    run in `work`. names: of arguments besides the usual ones."""
 
     def __init__(self, *names, on_disk=False):
         parser = argparse.ArgumentParser()
@@ -107,7 +107,7 @@ class Setting:
             parser.add_argument("--" + name, required=True)
         self.args = parser.parse_args()
         self.program = Program(self.args.program, self.args.shim)
-        # In memory where that can be: a run flushes dozens of files to the disk.
+        # In memory if possible: a run flushes dozens of files to the disk.
         parent = self.args.folder if on_disk or not os.access("/dev/shm", os.W_OK) else "/dev/shm"
         os.makedirs(parent, exist_ok=True)
         self._folder = tempfile.TemporaryDirectory(prefix="tsar_robustness_", dir=parent)
@@ -125,7 +125,7 @@ class Setting:
         return os.path.join(self.folder, *names)
 
     def use(self, work):
-        """Has the commands work there. Each with the workspace that it starts from."""
+        """Has each command work there, with the workspace it starts from."""
         self.work = work
         self.commands = {
             "refine": (["tsar_refine", work], self.mapped),
@@ -151,8 +151,8 @@ class Setting:
 
 
 def in_own_name_space():
-    """Starts this test again where it may mount; those mounts go when it ends. Skips
-    it where that is not permitted."""
+    """Restarts this test where it may mount; those mounts vanish when it ends.
+    Skips it where that is not permitted."""
     if "TSAR_IN_NAME_SPACE" in os.environ:
         return
     probe = subprocess.run(["unshare", "--mount", "sh", "-c", "mount -t tmpfs tmpfs /mnt"],
@@ -165,8 +165,8 @@ def in_own_name_space():
 
 
 def wait_until_stopped(process):
-    """Until a program that was started with stop_at is there. Whether it is; otherwise
-    it has ended."""
+    """Waits for a program that was started with stop_at. Returns whether it has
+    stopped; otherwise it has ended."""
     while True:
         with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
             state = file.read().rpartition(")")[2].split()[0]
@@ -229,8 +229,8 @@ def check_same(tree, expected, what):
 
 
 def check_kept(tree, first, last, originals=None):
-    """That every map is whole: of before or of after; and nothing else of before has
-    changed. originals: maps that are in their place or kept."""
+    """Checks that every map is whole, the former or the new one, and nothing
+    else has changed. originals: maps that are in their place or kept."""
     for path in maps_of(first).keys() | maps_of(last).keys() | maps_of(tree).keys():
         check(path not in first or path not in last or path in tree, f"{path} is lost")
         check(tree.get(path) in (first.get(path), last.get(path), None), f"{path} is neither")
@@ -249,6 +249,6 @@ def copy(source, target):
 
 
 def set_time(path, hours):
-    """Has the file changed so many hours later: clocks may stand still in a test."""
+    """Dates a change hours later: clocks may stand still in a test."""
     state = os.stat(path)
     os.utime(path, ns=(state.st_atime_ns, state.st_mtime_ns + hours * 3600 * 10**9))

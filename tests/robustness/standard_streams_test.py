@@ -11,7 +11,7 @@ import signal
 from robustness import Setting, check, check_same, wait_until_stopped
 
 CLOSED = ((0,), (1,), (2,), (0, 1, 2))
-NUM_STOPS = 3  # Of each run, spread over it.
+NUM_STOPS = 3  # Per run, spread over it.
 
 setting = Setting()
 program = setting.program

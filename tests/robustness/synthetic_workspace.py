@@ -19,8 +19,8 @@ def png_chunk(kind, body):
 
 
 def png(rows, bits=8):
-    """Of rows of gray levels: a photo in colors, or of 16 bits in gray, as other
-    programs write depth."""
+    """A PNG of rows of gray levels: a photo in colors, or gray with 16 bits, as
+    other programs write depth."""
     num_channels = 3 if bits == 8 else 1
     header = struct.pack(">IIBBBBB", len(rows[0]), len(rows), bits, num_channels - 1, 0, 0, 0)
     body = b"".join(b"\0" + b"".join(level.to_bytes(bits // 8, "big") * num_channels for level in row)

@@ -2,8 +2,8 @@
 # Copyright (c) 2026, the TSAR for COLMAP authors.
 # SPDX-License-Identifier: BSD-3-Clause
 """Starts every command on a workspace on which another one works: it stops with
-one clear line and changes nothing, and the first one ends as if alone. Two that write
-one cloud or page: whenever the second comes, what is there is of one of them, whole."""
+one clear line and changes nothing, and the first one ends as if alone. If two
+write one cloud or page, it is that of one of them, whole."""
 import os
 import shutil
 import signal
@@ -30,7 +30,7 @@ for first in setting.commands:
         check(wait_until_stopped(process), "the program ended")
         before, other_before = read_tree(work), read_tree(other)
         for second, (words, _) in setting.commands.items():
-            # Of two that read one workspace, the second must not write to theirs.
+            # If both write to one output workspace, it is the one refused.
             changed = other if other in command and other in words else work
             program.fails_with_one_line(*words, texts=["another program is working", changed])
             check_same(read_tree(work), before, f"{second} while {first} works")

@@ -82,7 +82,7 @@ class DrawnRoomTest : public testing::Test {
                        should_stop});
   }
 
-  // The number of the model's plane that is a surface's, or -1.
+  // The number of the model's plane for this surface, or -1.
   int Find(const DrawnSurface& surface, const SceneModel& model) const {
     for (size_t i = 0; i < model.planes.size(); ++i) {
       if (AngleBetween(model.planes[i].plane, surface.plane) < 0.2 &&

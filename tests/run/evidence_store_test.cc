@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* kKey = "options inputs";
 
-// The smallest that a file takes, with a number to tell it by.
+// The smallest evidence that a file takes, with a number to identify it.
 ViewEvidence EvidenceOf(int image) {
   ViewEvidence evidence;
   evidence.width = 2;
@@ -79,7 +79,7 @@ TEST_F(EvidenceStoreTest, GivesBackWhatWasWritten) {
   EXPECT_TRUE(IsCurrent(1));
   EXPECT_FALSE(IsCurrent(1, "options other inputs"));
   EXPECT_FALSE(IsCurrent(1, kKey, MapType::kPhotometric));
-  // Of an image that is none of the references, no one renews it.
+  // If the image is no longer a reference, nobody renews its evidence.
   WriteText(root_ / "stereo/patch-match.cfg", "a.png\nleft/b.png\n");
   const Workspace without(root_, MapType::kGeometric);
   EXPECT_FALSE(EvidenceStore(without, kKey, 4).IsObserved(1));
@@ -120,7 +120,7 @@ TEST_F(EvidenceStoreTest, PriorsOfWhichMostDoNotFitAreAllLeftOut) {
   };
   EXPECT_EQ(verdict_of_b(PriorVerdict::kUnlike), PriorVerdict::kOthersUnlike);
   EXPECT_EQ(verdict_of_b(PriorVerdict::kUsed), PriorVerdict::kUsed);
-  // Where too little was measured, nothing is known of the prior.
+  // Where too little was measured, nothing is known about the prior.
   EXPECT_EQ(verdict_of_b(PriorVerdict::kFewMeasured), PriorVerdict::kUsed);
 }
 

@@ -90,7 +90,7 @@ class DrawnPass : public ImagePass<int64_t> {
   std::function<void(size_t)> before_compute = [](size_t) {};
   bool writes_after_stop = false;
   std::atomic<int> num_written = 0;
-  mutable std::atomic<int> max_alive = 0;  // Of the views, with one thread.
+  mutable std::atomic<int> max_alive = 0;  // Views, with one thread.
 
  private:
   static void CheckFailure(const std::set<size_t>& failing, size_t index) {

@@ -79,7 +79,7 @@ TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
   EXPECT_GT(num_of_other, 100);
 }
 
-// Those of depths about which no image says anything.
+// Costs of depths about which no image says anything.
 TEST_F(LoadViewTest, DepthsWithoutEvidenceFillNoPhotometricMap) {
   // A photometric map with a hole in its upper half.
   const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kPhotometric);

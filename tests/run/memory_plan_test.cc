@@ -59,7 +59,7 @@ TEST(PlanRefinement, IsAnUpperBoundOfWhatAnImageTakes) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the optimized build measures the same memory, in less time";
 #endif
-  // As large as its raster; larger than that; one whose raster is not square.
+  // A map as large as its raster; a larger one; one with an oblong raster.
   for (const auto& [width, height] :
        {std::pair(161, 120), std::pair(840, 840), std::pair(801, 81)}) {
     SyntheticViewsOptions size;
@@ -176,7 +176,7 @@ TEST_F(FitIntoMainMemoryTest, OneImageAloneIsWarnedOfOrRefused) {
                              testing::HasSubstr("needs 3 GB of main memory"),
                              testing::HasSubstr("0.3 GB"),
                              testing::HasSubstr("cache_size")));
-  // Where a GPU computes, less of main memory is needed.
+  // If a GPU computes, less main memory is needed.
   Fit(false, 2.5);
   EXPECT_EQ(warning_, "");
   machine_bytes_ = kGigabyte;

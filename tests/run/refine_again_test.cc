@@ -147,7 +147,7 @@ TEST_F(RefineWorkspaceTest, AnImageThatCannotBeReadEndsTheRunButNotTheRest) {
                 testing::HasSubstr("v3.png"));
     EXPECT_TRUE(ReadText(Paths(3).depth) == depth);
     if (scene_planes) {
-      // What is seen while the images are observed comes before any change.
+      // Damage found while the images are observed stops any change.
       EXPECT_EQ(Manifest()["num_images"]["pending"], 2);
       ExpectSameFiles(before, MapsOf(root_));
     } else {

@@ -24,7 +24,7 @@ class RefineCylindersTest : public RefineShardTest {
  protected:
   void SetUp() override { MakeColumnWorkspace(root_); }
 
-  // Of the pixels of the column in all views, the share within 1 % of the
+  // The share of the column's pixels in all views that are within 1 % of the
   // truth.
   static double ShareRight(const std::filesystem::path& root) {
     int num_column = 0;
@@ -63,7 +63,7 @@ TEST_F(RefineCylindersTest, FillsAColumnAndAnyShardsGiveTheSameBytes) {
   EXPECT_TRUE(ResultOf(root_) == ResultOf(whole));
 }
 
-// The circles are not those of the outlines of some of the views.
+// Outlines of only some of the views would give other circles.
 TEST_F(RefineCylindersTest, SearchesNoFurtherOnceItIsToStop) {
   for (const std::string last : {"outlines", "circles"}) {
     std::vector<std::string> parts;

@@ -74,7 +74,7 @@ class RefineDevicesTest : public testing::Test {
   std::map<int, size_t> memory_;
   std::set<int> without_code_;
   std::map<int, int> num_created_;
-  int max_num_devices_ = kMaxGpuWorkers;  // Of each GPU.
+  int max_num_devices_ = kMaxGpuWorkers;  // For each GPU.
   int64_t machine_bytes_ = 64 * static_cast<int64_t>(kGigabyte);
 };
 
@@ -149,7 +149,7 @@ TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {
       const RefineDevices devices = Create(num_gpus, num_images);
       EXPECT_EQ(static_cast<int>(devices.workers.size()),
                 std::min(num_images, kMaxGpuWorkers * num_gpus));
-      // Of the GPUs that get no image none is opened.
+      // No GPU is opened that gets no image.
       EXPECT_EQ(static_cast<int>(num_created_.size()),
                 std::min(num_images, num_gpus));
       EXPECT_EQ(devices.view_caches.size(), num_created_.size());

@@ -100,7 +100,7 @@ TEST_F(RefineListedTest, LinksTheOthersInASecondWorkspace) {
   EXPECT_TRUE(is_link(1));
 }
 
-// The planes that they lie on are those of the whole scene.
+// Their planes are those of the whole scene.
 TEST_F(RefineListedTest, RefusesToLeaveOthersWithPlanesOfAnotherScene) {
   Refine();
   RefineOptions other;

@@ -42,7 +42,7 @@ class RefineMaskedTest : public RefineWorkspaceTest {
     return options;
   }
   WorkspaceRefineOptions Masked() const { return Masked(root_); }
-  // Replaces all that the maps of an image hold where it is masked.
+  // Replaces everything that the maps of an image hold where it is masked.
   static void Scramble(const std::filesystem::path& root,
                        const std::string& name) {
     for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
@@ -186,7 +186,7 @@ TEST_F(RefineMaskedTest, RefinesAgainWhereMasksHaveChanged) {
 
 TEST_F(RefineMaskedTest, AnImageThatIsMaskedAltogetherGetsEmptyMaps) {
   WriteMasks([](int, int) { return true; });
-  // Of "v1.png", and of one without a mask.
+  // The photo of "v1.png", and one without a mask.
   for (const char* name : {"images/v1.png", "images/v3.png"}) {
     cv::Mat photo = cv::imread((root_ / name).string());
     photo.colRange(0, 3) = cv::Scalar::all(0);

@@ -82,7 +82,7 @@ TEST_F(RefinePriorsTest, TellsOfHowManyImagesThereArePriors) {
   const RunSummary summary = Refine(WithPriors());
   EXPECT_EQ(summary.num_priors, 2);
   EXPECT_EQ(Manifest()["runtime"]["depth_priors"], "2");
-  // Of a constant depth, and without any.
+  // One prior has a constant depth, the other one has none.
   EXPECT_EQ(summary.counts.at(kPriorsDropped), 2);
   EXPECT_FALSE(summary.counts.contains(kPriorsUsed));
   ExpectSameFiles(without, MapsOf(root_));

@@ -103,7 +103,7 @@ TEST_F(RefineWorkspaceTest, RefusesImagesThatAreTooLargeToDecode) {
 
 TEST_F(RefineWorkspaceTest, RefusesMapsWithMorePixelsThanItCanNumber) {
   RemoveMaps(1, MapType::kPhotometric);
-  // Of these files only the heads take space.
+  // Only the headers of these files take space.
   for (const auto& [path, channels] :
        {std::pair(Paths(1).depth, 1), std::pair(Paths(1).normal, 3)}) {
     const std::string head = "40000&30000&" + std::to_string(channels) + "&";
@@ -153,7 +153,7 @@ TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
                 {Paths(2).depth.string(), "no depth map"});
 }
 
-// Of references and sources, and of both types.
+// Maps of references and sources, and of both types.
 TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
   Refine();
   WriteText(root_ / "stereo/patch-match.cfg", "v0.png\nv1.png, v3.png\n");
@@ -190,9 +190,8 @@ TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
   }
 }
 
-// What is kept of an image's maps and is no map of this image at all is named;
-// it matters only as long as nothing newer stands in the place of the refined
-// maps.
+// A kept original that is no map of this image at all is named; it matters only
+// as long as nothing newer is in the place of the refined maps.
 TEST_F(RefineWorkspaceTest, RefusesOriginalsThatAreNoMapsOfTheImage) {
   Refine();
   const MapPaths paths = Paths(3);

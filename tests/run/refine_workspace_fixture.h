@@ -21,7 +21,7 @@ namespace tsar {
 
 using Tree = std::map<std::string, std::string>;
 
-// Those files of a tree that other programs read.
+// The files of a tree that other programs read.
 inline Tree MapsOf(const std::filesystem::path& root) {
   Tree maps;
   for (const char* folder : {"stereo/depth_maps",
@@ -30,7 +30,7 @@ inline Tree MapsOf(const std::filesystem::path& root) {
                              "stereo/sigma_maps",
                              "stereo/provenance_maps",
                              "stereo/plane_maps"}) {
-    // Those of this program are not there from the beginning.
+    // This program's own folders do not exist from the beginning.
     if (!std::filesystem::exists(root / folder)) {
       continue;
     }
@@ -169,7 +169,7 @@ class RefineWorkspaceTest : public testing::Test {
           Image<float>(96, 72, 0.f));
     }
   }
-  // That more than half of the wall without texture has its true depth.
+  // Expects the true depth on over half of the wall without texture.
   void ExpectBareWallFilled(int view) const {
     const Image<float> depth = ReadDepthMap(Paths(view).depth);
     int num_bare = 0;

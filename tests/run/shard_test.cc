@@ -139,8 +139,8 @@ TEST_F(SplitImagesTest, PartsAreEqualAndHoldNeighbors) {
       EXPECT_GE(static_cast<int>(shard.size()), 100 / count);
       EXPECT_LE(static_cast<int>(shard.size()), 100 / count + 1);
     }
-    // At random it is 1 / count. Each part has four ends at most, and about
-    // each end 3 + 2 + 1 pairs of 600 go out.
+    // For random parts it is 1 / count. Each part has at most four ends, and at
+    // each end 3 + 2 + 1 of 600 pairs lead out of it.
     EXPECT_GE(ShareInside(shards), 1.0 - 2 * count * 12 / 600.0);
     EXPECT_EQ(Split(count), shards);
   }

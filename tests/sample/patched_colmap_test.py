@@ -57,7 +57,7 @@ fails_with_one_line("--workspace_path", path("nowhere"), text="nowhere")
 fails_with_one_line("--workspace_path", sample, "--TsarRefine.devise", "cpu", text="--TsarRefine.devise")
 fails_with_one_line("--workspace_path", sample, "--TsarRefine.num_threads", "9999", text="num_threads")
 
-# A project file of COLMAP's own, with a section more.
+# A project file of COLMAP's own, with one more section.
 project = path("project.ini")
 run(args.colmap, "project_generator", "--output_path", project, "--quality", "medium")
 configuration = configparser.ConfigParser()

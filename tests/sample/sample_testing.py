@@ -90,8 +90,8 @@ def unpack(repository, workspace):
 
 
 def unpack_small(repository, workspace):
-    """The same with maps of half the size, 240 x 180, with which all is done in a fifth
-    of the time."""
+    """The same with maps of half the size, 240 x 180, with which everything
+    takes a fifth of the time."""
     unpack(repository, workspace)
     for path in pathlib.Path(workspace, "stereo").glob("*_maps/*"):
         width, height, channels, body = path.read_bytes().split(b"&", 3)

@@ -17,7 +17,7 @@ namespace {
 
 const Eigen::Matrix3d kUpright = Eigen::Matrix3d::Identity();
 
-// A wall behind it all.
+// A wall behind everything.
 std::vector<ModelPlane> WallBehind() {
   return {MakeModelPlane({0.0, -1.0, 0.0}, {0.0, 3.5, 0.0})};
 }
@@ -69,13 +69,13 @@ void ExpectColumn(const std::vector<ModelCylinder>& found,
   const double top = point.z() + sign * cylinder.max_height;
   EXPECT_NEAR(std::min(bottom, top), column.bottom, 0.06);
   EXPECT_NEAR(std::max(bottom, top), column.top, 0.06);
-  // At most the error by a third of a pixel.
+  // At most the error caused by a third of a pixel.
   const double pixel = 3.0 / DrawnViews::kFocal;
   EXPECT_GT(cylinder.covariance(2, 2), 0.0);
   EXPECT_LT(std::sqrt(cylinder.covariance(2, 2)), 0.33 * pixel);
 }
 
-// What is drawn brightest of two.
+// The brighter of two drawings.
 DrawnScene Both(const DrawnColumn& a, const DrawnColumn& b) {
   return [=](const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
     return std::max(a(from, direction), b(from, direction));
@@ -84,7 +84,7 @@ DrawnScene Both(const DrawnColumn& a, const DrawnColumn& b) {
 
 // From the lower to the upper.
 void SortByHeight(std::vector<ModelCylinder>* cylinders) {
-  // Heights are along any of the two directions of the axis.
+  // Heights are along either of the two directions of the axis.
   const auto height = [](const ModelCylinder& cylinder) {
     return cylinder.frame.along.z() *
            (cylinder.min_height + cylinder.max_height);
@@ -201,7 +201,7 @@ TEST(CylindersTest, DropsWhatWasMeasuredOnAPlane) {
   EXPECT_EQ(Find(drawn, {kUpright}, labels).size(), 1u);
 }
 
-// Upright, two units before the camera, of radius one half.
+// Upright, two units in front of the camera, of radius one half.
 CameraCylinder UprightCylinder() {
   CameraCylinder cylinder;
   cylinder.point = {0.f, 1.f, 2.f};

@@ -16,7 +16,7 @@
 namespace tsar {
 namespace {
 
-// Of the ceiling; y points down.
+// The height of the ceiling; y points down.
 constexpr double kCeiling = -0.95;
 // One pixel spans this much in the corner of the room.
 constexpr double kPixel = 5.0 / 90.0;
@@ -125,7 +125,7 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
   const ModelPlane& plane = model.planes[ceiling];
   EXPECT_EQ(plane.frame, 0);
   EXPECT_EQ(plane.support, 0.0);
-  // In the corner other views hold the left wall for what is there.
+  // In the corner, other views mistake it for the left wall.
   EXPECT_GT(ShareOfCeiling(model, ceiling), 0.8);
   // What is measured is labeled as it was.
   for (size_t view = 0; view < views_.size(); ++view) {
@@ -145,8 +145,7 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
               testing::HasSubstr("Model, labels within creases: [3/3]"));
 }
 
-// What views would tell each other of the time before creases were known is
-// void.
+// What views would tell each other from before creases were known is void.
 TEST_F(ModelCreasesTest, LabelsWithinCreasesBeginAnew) {
   options_.num_sweeps = 1;
   MakeCeilingBare();

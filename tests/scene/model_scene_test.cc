@@ -181,7 +181,7 @@ TEST_F(ModelSceneTest, StopsWhenAsked) {
 TEST_F(ModelSceneTest, ViewsThatDifferAgreeInTheEnd) {
   ViewEvidence& evidence = room_.evidence[0];
   // Half of the observations of some superpixels of the back wall lie on the
-  // plane of the floor or nowhere.
+  // plane of the floor or on none.
   std::vector<size_t> doubtful;
   for (size_t k = 0; k < room_.seen[0].size(); k += 5) {
     if (room_.seen[0][k] != 0) {

@@ -25,7 +25,7 @@ namespace tsar {
 namespace {
 
 constexpr double kFocal = 147.0;
-// Per pixel and direction: of the column's outlines, and of soft texture.
+// Samples per pixel and direction, for the column's outlines and texture.
 constexpr int kOutlineSamples = 4;
 constexpr int kTextureSamples = 2;
 // Half the width of the matching windows of the simulated stereo.
@@ -72,7 +72,7 @@ Eigen::Vector3d RayAt(const Camera& camera, double x, double y) {
              (x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1.0);
 }
 
-// The plane of the room that a ray shows, and its depth.
+// The plane of the room that a ray hits, and its depth.
 const RoomPlane& RoomAt(const Eigen::Vector3d& from,
                         const Eigen::Vector3d& ray,
                         double* depth) {
@@ -103,7 +103,7 @@ double ColumnDepth(const Eigen::Vector3d& from, const Eigen::Vector3d& ray) {
   return (b - std::sqrt(b * b - a * c)) / a;
 }
 
-// In [0, 1), of a cell of the room.
+// A number in [0, 1) for each cell of the room.
 double Noise(int i, int j, int k) {
   Philox random(static_cast<uint32_t>(i),
                 static_cast<uint32_t>(j),

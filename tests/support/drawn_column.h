@@ -19,7 +19,7 @@ namespace tsar {
 using DrawnScene = std::function<double(const Eigen::Vector3d& from,
                                         const Eigen::Vector3d& direction)>;
 
-// A textureless column before a textureless background.
+// A textureless column in front of a textureless background.
 struct DrawnColumn {
   static constexpr double kBackground = 90.0;
   static constexpr double kColumn = 160.0;

@@ -35,7 +35,7 @@ std::string ApdBytes(int width,
 
 struct DmapContent {
   std::string image_name = "images/a.png";
-  Camera camera;  // Of the map's size.
+  Camera camera;  // Has the map's size.
   Image<float> depth;
   Image<Vec3f> normal;  // Empty: none.
   bool has_confidence = false;

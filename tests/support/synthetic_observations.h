@@ -68,7 +68,7 @@ inline std::vector<DepthObservation> ObservePlane(const WorldPlane& plane,
   return observations;
 }
 
-// By three cameras, 4 to 5 units before the point (0, 0, 4).
+// Observed by three cameras, 4 to 5 units in front of the point (0, 0, 4).
 inline std::vector<DepthObservation> ObservePlane(const WorldPlane& plane,
                                                   int count) {
   const Eigen::Vector3d target(0.0, 0.0, 4.0);

@@ -38,8 +38,8 @@ class SyntheticRoom {
   // Standard deviation of the depths, in pixels of disparity.
   static constexpr double kNoise = 0.3;
 
-  // A back wall, a wall on the left and a floor, and the given surfaces before
-  // them, seen by three cameras.
+  // A back wall, a wall on the left and a floor, and the given surfaces in
+  // front of them, seen by three cameras.
   explicit SyntheticRoom(std::vector<DrawnSurface> others = {})
       : surfaces{Surface({0.1, 0.0, -1.0}, {-0.5, -0.2, 4.95}),
                  Surface({1.0, 0.0, 0.1}, {-2.0, 0.0, 4.0}),

@@ -22,7 +22,7 @@ struct DrawnPart {
   Plane plane;
   // Which points of the plane exist.
   std::function<bool(const Vec3f& point)> holds;
-  // Without texture. There the maps hold nothing or, in one pixel of ten, a
+  // Without texture. There the maps hold nothing or, in one pixel in ten, a
   // wrong depth.
   std::function<bool(const Vec3f& point)> is_bare;
 };

@@ -32,13 +32,13 @@ class SyntheticViewsTest : public testing::Test {
   float RelativeError(const Image<float>& depth, int x, int y) const {
     return std::abs(depth(x, y) / drawn_.truth(x, y) - 1.f);
   }
-  // Of the first view, which is the reference.
+  // Depths of the first view, which is the reference.
   const Image<float>& Before() const { return drawn_.views[0].depth; }
   bool IsBare(int x, int y) const {
     return SyntheticViews::IsBare(
         drawn_.views[0].camera.GetIntrinsics().Ray(x, y));
   }
-  // Of the first num_views views, with all others as their sources.
+  // Evidence of the first num_views views, with all others as their sources.
   std::vector<std::unique_ptr<ViewEvidence>> Observe(
       size_t num_views, const RefineOptions& options = {}) const {
     std::vector<std::unique_ptr<ViewEvidence>> evidence;

@@ -23,7 +23,7 @@ TEST(StageOptions, KeyRandomNumbersByImageAndSeed) {
   EXPECT_EQ(ransac.seed, 7u);
 }
 
-// What the paper has and the default has not reaches its stage.
+// Settings that only the paper's preset has reach their stage.
 TEST(StageOptions, OfThePaper) {
   const RefineOptions paper = PresetOptions(RefinePreset::kPaper);
   const RegionPlaneOptions regions = MakeRegionPlaneOptions(paper, 1.0, 1);

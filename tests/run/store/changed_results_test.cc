@@ -48,7 +48,7 @@ TEST_F(ChangedResultsTest, EachFileThatIsGoneOrAnotherIsTold) {
     std::filesystem::create_directory(file.path->Path());
     expect_told();
     std::filesystem::remove(*file.path);
-    // The same bytes of another time, as after copying.
+    // The same bytes with another time, as after copying.
     WriteText(*file.path, bytes);
     EXPECT_EQ(Warnings(), "");
   }
@@ -60,13 +60,13 @@ TEST_F(ChangedResultsTest, ManyAreOneLine) {
       Warnings(),
       testing::AllOf(testing::HasSubstr("a.png.geometric.png and 2 more"),
                      testing::Not(testing::HasSubstr("left/b.png"))));
-  // Nothing is missed of images that were not refined.
+  // Nothing is missing for images that were not refined.
   WriteText(workspace().Paths(0, MapType::kGeometric).record, "no record");
   EXPECT_THAT(Warnings(),
               testing::HasSubstr("left/b.png.geometric.png and 1 more: gone"));
 }
 
-// As a run leaves them that was stopped, and users who move maps away.
+// As left by a run that was stopped, and by users who move maps away.
 TEST_F(ChangedResultsTest, WhatIsMixedOrLeftOutIsTold) {
   const MapPaths paths = workspace().Paths(0, MapType::kGeometric);
   const MapPaths others = workspace().Paths(1, MapType::kGeometric);

@@ -16,7 +16,7 @@
 namespace tsar {
 namespace {
 
-// The depth maps that there can be.
+// The depth maps that can exist.
 constexpr const char* kNone = "none";
 constexpr const char* kOriginal = "the original";
 constexpr const char* kRefined = "the refined one";
@@ -223,7 +223,7 @@ TEST_P(OwnershipTest, RefineAgain) {
   EXPECT_EQ(Which(paths_.depth), GetParam().kept);
 }
 
-// An image that cannot be refined any more gets its original back.
+// An image that can no longer be refined gets its original back.
 TEST_P(OwnershipTest, Keep) {
   if (GetParam().refusal[0] == '\0') {
     KeepImage(workspace(), 0, Record());
@@ -292,7 +292,7 @@ TEST_F(WriteBackTest, RestoreGivesBackTheSameBytesForAllTypes) {
     WriteRefined(photometric, image, MakeRefinedMaps(43.f), Record());
   }
   WriteText(root_ / "stereo/tsar/manifest.json", "{}");
-  // Of killed programs.
+  // Left behind by killed programs.
   for (const char* folder : {"depth_maps", "plane_maps/left", "tsar/records"}) {
     WriteText(root_ / "stereo" / folder / "a.jpg.geometric.bin.tsar_tmp",
               "half");

@@ -149,7 +149,7 @@ TEST_P(StateFileTest, RefusesOtherFilesByName) {
   EXPECT_EQ(Key(), std::nullopt);
   ExpectError(
       ErrorCode::kNotFound, {path_.string()}, [&] { GetParam().read(path_); });
-  // Opening a pipe would wait for ever.
+  // Opening a pipe would wait forever.
   ASSERT_EQ(mkfifo(path_.c_str(), 0600), 0);
   ExpectCorrupt("not a regular file");
 }

@@ -83,7 +83,7 @@ TEST_F(WriteBackTest, WritesPlanesAndSigmaWhereThereAreSome) {
   EXPECT_EQ(ReadTree(root_), clean);
 }
 
-// What is missing, damaged or made of something else is made again.
+// What is missing, damaged or made from something else is made again.
 TEST_F(WriteBackTest, IsDoneWithAllItsFilesAndItsInputsAlone) {
   RefinedMaps maps = MakeRefinedMaps(42.f);
   maps.planes = Image<uint16_t>(4, 3, 7);

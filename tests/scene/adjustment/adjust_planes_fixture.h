@@ -37,8 +37,8 @@ struct Bias {
   double lean_v = 0.0;
 };
 
-// count x count observations of 0.002 of the squared depth, with such a bias,
-// and with noise where `random` is not null.
+// count x count observations with errors of 0.002 of the squared depth, with
+// this bias, and with noise if `random` is not null.
 inline std::vector<DepthObservation> ObservePatch(const Patch& patch,
                                                   const Eigen::Vector3d& center,
                                                   int count,
@@ -81,8 +81,8 @@ inline MeasurePlanes Measure(const Observations& observations,
   };
 }
 
-// Turns about the two axes and shift that lead from the adjusted plane to the
-// true one.
+// The turns about the two axes and the shift that take the adjusted plane to
+// the true one.
 inline Eigen::Vector3d ErrorOf(const ModelPlane& plane,
                                const WorldPlane& truth) {
   const double sign = plane.plane.normal.dot(truth.normal) < 0.0 ? -1.0 : 1.0;

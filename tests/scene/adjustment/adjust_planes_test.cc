@@ -25,7 +25,7 @@ const Vector3d kCenters[] = {{0.1, 0.2, -0.3},
                              {-0.3, -0.4, 0.4},
                              {0.4, 0.6, -0.2}};
 
-// A scene whose planes views measure.
+// A scene with planes that views measure.
 class AdjustModelTest : public testing::Test {
  protected:
   int AddPlane(const WorldPlane& plane, int axis = -1) {
@@ -147,12 +147,12 @@ TEST_F(AdjustModelTest, AFrameUprightsAWallThatLeansAlone) {
   const Vector3d axis = model_.frames[0].col(2);
   EXPECT_TRUE(wall == axis || wall == -axis);
   EXPECT_GT(wall.dot(kWall.Plane().normal), 0.9);
-  // The floor tells about the turn that would let the wall lean.
+  // The floor determines the rotation that would let the wall lean.
   EXPECT_LT(model_.planes[1].covariance.trace(), 1e-2);
 }
 
-// Whether the angle is that of the floor or of another wall with its back to
-// it, and not where the measurements are certain.
+// Whether the tie is to the floor or to another wall back to back with it, but
+// not where the measurements are certain.
 TEST_F(AdjustModelTest, ATieDecidesWhereEvidenceIsWeak) {
   for (const double weakness : {1.0, 20.0}) {
     for (const bool is_parallel : {false, true}) {
@@ -199,8 +199,8 @@ TEST_F(AdjustModelTest, PlanesThatMayNotMoveStay) {
   }
 }
 
-// By noise alone and where each view errs as a whole, of a plane alone and of
-// planes in a frame.
+// With noise alone and with errors common to each view, for a single plane and
+// for planes in a frame.
 TEST_F(AdjustModelTest, CovarianceTellsTheErrors) {
   const std::pair<double, bool> cases[] = {
       {0.0, false}, {0.5, false}, {0.0, true}};

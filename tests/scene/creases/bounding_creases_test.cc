@@ -31,7 +31,7 @@ class BoundingCreasesTest : public testing::Test {
     return AddAlignedPlane(normal, center, axis, support, &model_);
   }
 
-  // Beyond which nothing was measured: above it, where y is smaller.
+  // Evidence that nothing was measured beyond: above it, where y is smaller.
   static LineEvidence EndEvidence() {
     LineEvidence evidence;
     evidence.sides[0] = {1000.0, 0.0, 0.0, 3};
@@ -110,8 +110,8 @@ TEST_F(BoundingCreasesTest, AFloorBeginsOnTheOtherSide) {
   EXPECT_NEAR(creases[0].limit.Height({0.0, 0.0, 0.0}), 1.0, 1e-6);
 }
 
-// Where the plane goes on, views look through what would begin, too few views
-// show enough of it, or nothing was measured before either.
+// None where the plane continues, views see through the one that would begin,
+// too few views show enough, or nothing was measured on this side either.
 TEST_F(BoundingCreasesTest, NeedsEnoughEvidence) {
   AddLine(-1.f);
   const LineEvidence good = evidence_[0];
@@ -139,7 +139,7 @@ TEST_F(BoundingCreasesTest, TilesHaveNone) {
   model_.planes.resize(1);
   AddLine(0.f, MeasuredOnBothSides(), 2.2f);
   EXPECT_TRUE(Find().empty());
-  // Fainter ones are not of a kind with the crease.
+  // Fainter ones are not of the same kind as the crease.
   lines_.back().step = 2.f;
   EXPECT_EQ(Find().size(), 1u);
 }
@@ -192,7 +192,7 @@ TEST_F(BoundingCreasesTest, OtherPlanesAreNotTaken) {
       model_.planes[AddPlane({0.0, 1.0, 0.0}, {0.5, -1.0, 5.0}, 1, 200.0)];
   EXPECT_TRUE(is_taken(ceiling));
   ModelPlane other = ceiling;
-  other.support = 99.0;  // A tenth of the wall's is asked for.
+  other.support = 99.0;  // A tenth of the wall's is required.
   EXPECT_FALSE(is_taken(other));
   other = ceiling;
   other.plane.offset += 0.6;  // More than ten pixels.
@@ -235,7 +235,7 @@ TEST_F(BoundingCreasesTest, TwoWallsShareTheCeilingThatBothPropose) {
   EXPECT_EQ(creases[1].plane, 1);
   EXPECT_EQ(creases[0].beyond, 2);
   EXPECT_EQ(creases[1].beyond, 2);
-  // A view that shows but one of them knows as little of it.
+  // A view that shows only one of them knows as little about the ceiling.
   EXPECT_TRUE(creases[0].is_new);
   EXPECT_TRUE(creases[1].is_new);
 }
@@ -263,8 +263,8 @@ TEST_F(BoundingCreasesTest, ACeilingHoldsTheCreasesOfTwoFrames) {
   EXPECT_NEAR(ceiling.covariance(2, 2), double{kPixel} * kPixel, 1e-5);
 }
 
-// A strong edge on the wall that only some of the views see begins nothing, but
-// a plane that was measured there is taken.
+// A strong edge on the wall that only some of the views see begins no plane,
+// but a plane that was measured there is used.
 TEST_F(BoundingCreasesTest, EdgesThatFewViewsSeeBeginNoNewPlane) {
   LineEvidence seen_by_many = EndEvidence();
   seen_by_many.sides[0].num_views = 7;

@@ -3,7 +3,7 @@
 
 #pragma once
 
-// A wall along an axis of a Manhattan frame, as cameras before it see it.
+// A wall along an axis of a Manhattan frame, seen by cameras in front of it.
 
 #include "colmap_tsar/scene/evidence/observed_view.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
@@ -41,7 +41,7 @@ class DrawnWallTest : public testing::Test {
     AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, kDistance}, 2, 1000.0);
   }
 
-  // axis: along which its normal lies. Its number.
+  // axis: that of its normal. Returns its number.
   int AddPlane(const Eigen::Vector3d& normal,
                const Eigen::Vector3d& center,
                int axis,

@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-// What views tell of lines, before any of them is a crease.
+// What views reveal about lines, before any of them is a crease.
 
 #include "colmap_tsar/scene/creases/line_evidence.h"
 
@@ -52,7 +52,7 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
 
 TEST_F(PlaneLineEvidenceTest, CountsTheAreaWhereThePlaneMayEnd) {
   const LineEvidence found = Test();
-  // But for three pixels next to the line.
+  // Except for three pixels next to the line.
   EXPECT_NEAR(found.sides[0].area, PixelsAbove() - 3 * kWidth, kWidth);
   EXPECT_EQ(found.sides[0].num_views, 1);
   // The camera is below the ceiling, hence above no floor that begins here.
@@ -97,7 +97,7 @@ TEST_F(PlaneLineEvidenceTest, CountsWhatIsSeenThroughWhatBeginsThere) {
   LineEvidence found = Test();
   EXPECT_GT(found.sides[0].through, 0.4 * found.sides[0].area);
   EXPECT_EQ(found.sides[0].measured, 0.0);
-  // On the ceiling, and before it.
+  // On the ceiling, and in front of it.
   for (const double share : {1.0, 0.7}) {
     Measure(
         camera_,
@@ -124,7 +124,7 @@ TEST_F(PlaneLineEvidenceTest, AreasOfOtherPlanesDoNotCount) {
   LineEvidence found = Test();
   EXPECT_EQ(found.sides[0].area, 0.0);
   EXPECT_EQ(found.sides[0].num_views, 0);
-  // Those of none do.
+  // Areas of no plane do.
   RelabelAbove(kLine + 0.5, camera_, -1, &labels_);
   EXPECT_GT(Test().sides[0].area, 0.8 * (PixelsAbove() - 3 * kWidth));
 }

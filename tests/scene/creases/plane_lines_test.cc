@@ -101,7 +101,7 @@ TEST_F(PlaneLinesTest, ThePosterOfAFifthOfTheWallHasNone) {
   // The wall is 6.7 wide.
   paint(0.67);
   EXPECT_TRUE(Find().empty());
-  // With most of the wall's width it is no longer a poster.
+  // At most of the wall's width, it is no longer a poster.
   paint(2.7);
   const std::vector<PlaneLine> lines = Find();
   ASSERT_FALSE(lines.empty());
@@ -169,7 +169,7 @@ TEST_F(PlaneLinesTest, SmallPlanesAndThoseOfNoFrameHaveNone) {
 
 class PlaneCopiesTest : public DrawnWallTest {
  protected:
-  // Two cameras, five units before the wall, see all planes.
+  // Two cameras, five units in front of the wall, see all planes.
   std::vector<int> Find() const {
     std::vector<int> all;
     for (size_t i = 0; i < model_.planes.size(); ++i) {

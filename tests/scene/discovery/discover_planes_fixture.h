@@ -21,7 +21,7 @@ constexpr int kLeft = 1;
 constexpr int kFloor = 2;
 constexpr int kPoster = 3;
 
-// Of this width to either side of its middle.
+// A board that extends this far to either side of its middle.
 inline DrawnSurface Board(const Eigen::Vector3d& direction,
                           const Eigen::Vector3d& middle,
                           double half_width) {
@@ -33,7 +33,7 @@ inline DrawnSurface Board(const Eigen::Vector3d& direction,
           }};
 }
 
-// Three expected errors before the back wall.
+// Three expected errors in front of the back wall.
 inline DrawnSurface Poster() {
   const DrawnSurface wall = SyntheticRoom().surfaces[kWall];
   return Board(wall.plane.normal, wall.middle + 0.075 * wall.plane.normal, 1.0);
@@ -53,8 +53,8 @@ class DiscoverPlanesTest : public testing::Test {
   DiscoverPlanesOptions options_;
 };
 
-// The number of the found plane that is a surface's; -1 where there is none.
-// unit: of length in the room.
+// The number of the plane found for a surface; -1 if there is none. unit: of
+// length in the room.
 inline int Find(const DrawnSurface& surface,
                 const std::vector<ScenePlane>& found,
                 double unit = 1.0) {
@@ -92,8 +92,8 @@ inline void ExpectAssigned(const SyntheticRoom& room,
   }
 }
 
-// What a found plane's support is by the header, where each weight is above the
-// maximum.
+// A found plane's support as the header defines it, where each weight is above
+// the maximum.
 inline double SupportOf(int plane,
                         const DiscoveredPlanes& found,
                         const std::vector<ObservedView>& views) {

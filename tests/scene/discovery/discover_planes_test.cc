@@ -25,7 +25,7 @@ TEST_F(DiscoverPlanesTest, SupportIsTheSumOfTheScores) {
 }
 
 TEST_F(DiscoverPlanesTest, BoundsTheSlopeOfGrazingRays) {
-  // A floor just under the camera; all rays are at less than 3 degrees to it.
+  // A floor just below the camera; all rays meet it at less than 3 degrees.
   const WorldPlane floor = PlaneThrough({0.0, -1.0, 0.0}, {0.0, 0.1, 0.0});
   constexpr int kNumSuperpixels = 20;
   ViewEvidence evidence;

@@ -15,13 +15,13 @@
 namespace tsar {
 namespace {
 
-// Of observations of priors, in expected errors of measurements.
+// The error of observations of priors, in expected errors of measurements.
 constexpr float kError = 8.f;
 
 using Choice = std::function<bool(size_t view, int superpixel)>;
 
 // The observations of the chosen superpixels, and of no other, become those of
-// a prior, which is so many of its errors too far.
+// a prior, which is this many of its errors too far.
 void MakePrior(const Choice& is_chosen, float bias, SyntheticRoom* room) {
   for (size_t view = 0; view < room->evidence.size(); ++view) {
     ViewEvidence& evidence = room->evidence[view];
@@ -39,7 +39,7 @@ void MakePrior(const Choice& is_chosen, float bias, SyntheticRoom* room) {
   }
 }
 
-// They have none.
+// The chosen superpixels get no observations.
 void Forget(const Choice& is_chosen, SyntheticRoom* room) {
   for (size_t view = 0; view < room->evidence.size(); ++view) {
     Forget([&](int k, int) { return is_chosen(view, k); },

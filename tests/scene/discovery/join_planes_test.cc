@@ -70,7 +70,7 @@ TEST_F(JoinPlanesTest, SurfacesOfSeveralBlocksBecomeOnePlane) {
 TEST_F(JoinPlanesTest, AWallAlongManyBlocksBecomesOnePlane) {
   const SyntheticRoom room;
   std::vector<PlaneBlock> blocks = MakeBlocks(room);
-  // The first and the last know of each other by the one between them.
+  // The first and the last are connected through the one between them.
   blocks[0].neighbors = {1};
   blocks[1].neighbors = {0, 2};
   blocks[2].neighbors = {1};

@@ -13,7 +13,7 @@ namespace tsar {
 namespace {
 
 constexpr double kLossScale = 0.5;
-constexpr double kError = 0.01;  // Of the samples.
+constexpr double kError = 0.01;  // The error of the samples.
 
 bool AcceptAll(int, const WorldPlane&) { return true; }
 
@@ -155,7 +155,7 @@ TEST_F(ManhattanFrameTest, APillarsFaceBecomesVertical) {
   EXPECT_LT(std::abs(regular[4].normal.dot(regular[1].normal)), 1e-9);
   EXPECT_LT(AngleBetween(regular[4], face.Plane()), 0.3);
   EXPECT_NEAR(regular[4].Height(face.middle), 0.0, 0.003);
-  // It is made so only where it may.
+  // It is aligned only where that is permitted.
   const std::vector<WorldPlane> refused = AlignToManhattanFrame(
       planes, kLossScale, [](int p, const WorldPlane&) { return p != 4; });
   ExpectSame(refused[4], planes[4].plane);
@@ -172,7 +172,7 @@ TEST_F(ManhattanFrameTest, PlanesThatAreRefusedOneAfterAnotherPullNothing) {
                              0.0));
     planes.back().support = 50.0;
   }
-  // As if each became too bad once the one before it does not count anymore.
+  // As if each became too bad once the one before it no longer counts.
   std::vector<int> num_asked(planes.size(), 0);
   const std::vector<WorldPlane> regular =
       AlignToManhattanFrame(planes, kLossScale, [&](int p, const WorldPlane&) {

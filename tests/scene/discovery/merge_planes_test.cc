@@ -80,7 +80,7 @@ class TwoDepthsOfAWallTest : public DiscoverPlanesTest {
     return Discover(room, candidates);
   }
 
-  // Of the planes that face as the wall does.
+  // Counts the planes that face as the wall does.
   static int CountWalls(const DiscoveredPlanes& found) {
     const WorldPlane wall = SyntheticRoom().surfaces[kWall].plane;
     return static_cast<int>(std::count_if(
@@ -114,8 +114,8 @@ TEST_F(TwoDepthsOfAWallTest, AreTwoPlanesWhereAllViewsSeeThemInTheirPlaces) {
   EXPECT_EQ(CountWalls(found), 2);
 }
 
-// Two boards side by side, one a little before the other, and the plane between
-// them, which explains more than either one's.
+// Two boards side by side, one slightly in front of the other, and the plane
+// between them, which explains more than either one's.
 class TwoBoardsTest : public DiscoverPlanesTest {
  protected:
   static constexpr double kStep = 0.0145;  // 1.2 expected errors.

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 const Patch kPatch = {{0.5, 0.2, 4.0}, {1.0, 0.0, 0.3}, {0.0, 1.0, 0.1}};
 const Vector3d kCenter(0.3, -0.2, 0.1);
-// Squares, of independent errors.
+// Least squares of independent errors.
 constexpr MeasurePlaneOptions kSquares = {1e6, 0.0};
 
 // The squared error of a plane's inverse depths, in expected errors.
@@ -74,7 +74,7 @@ TEST(MeasurePlane, OutliersHaveLittleSay) {
       MeasurePlane(0, kPatch.Plane(), observations, {1.0, 0.0});
   EXPECT_LT(spoilt.information, clean.information);
   EXPECT_GT(spoilt.information, 0.8 * clean.information);
-  // The whole view: it keeps no say by what its errors have in common.
+  // If the whole view errs, its common error does not preserve its influence.
   for (DepthObservation& observation : observations) {
     observation.depth *= 0.9;
   }
@@ -91,7 +91,7 @@ TEST(MeasurePlane, NormalErrorsInformAlikeWithAnyLoss) {
   const auto observations = ObservePatch(kPatch, kCenter, 60, {}, &random);
   const double squares =
       MeasurePlane(0, kPatch.Plane(), observations, kSquares).information;
-  // What estimates by Cauchy's loss attain of that, for scales of 0.5, 1, 20,
+  // The efficiency of estimates with Cauchy's loss, for scales of 0.5, 1, 20,
   // and 21, which counts as none.
   const double scales[] = {0.5, 1.0, 20.0, 21.0};
   const double expected[] = {1.0 / 1.888, 1.0 / 1.314, 1.0, 1.0};

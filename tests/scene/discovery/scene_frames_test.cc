@@ -68,7 +68,7 @@ TEST(FindSceneFramesTest, FramesOfBlocksBecomeOneWhateverTheirColumns) {
                       {{0, 1}, {2}},
                       &planes);
   ASSERT_EQ(frames.size(), 1u);
-  EXPECT_EQ(frames[0], Turned(20.0));  // It measured most.
+  EXPECT_EQ(frames[0], Turned(20.0));  // Its block measured most.
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(planes[i].frame, 0);
     EXPECT_EQ(planes[i].axis, i);

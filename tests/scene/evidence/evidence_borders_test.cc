@@ -16,7 +16,7 @@ namespace tsar {
 namespace {
 
 TEST_F(GatherEvidenceTest, BordersAreWeakWhereTheImageHasAnEdge) {
-  // On one side of the border between 1 and 2 alone.
+  // Only on one side of the border between 1 and 2.
   Fill(&inputs_.contrast, 2, 8.f);
   const ViewEvidence evidence = Gather();
   EXPECT_NEAR(BorderOf(evidence, 0, 1).weight, kSize * 2.05f, 1e-3f);

@@ -20,8 +20,8 @@ namespace {
 constexpr int kWidth = 60;
 constexpr int kHeight = 24;
 constexpr int kBorder = 30;  // The first column of the right superpixel.
-constexpr int kRadius = 5;   // Of patches.
-constexpr int kNear = 2;     // Pattern so near to a pixel is its own.
+constexpr int kRadius = 5;   // The radius of patches.
+constexpr int kNear = 2;     // A pattern this near is the pixel's.
 
 template <typename T>
 Image<T> Draw(const std::function<T(int x, int y)>& value,
@@ -81,10 +81,10 @@ TEST(ForegroundFatteningTest, IsLowOnAWallBesideAPicture) {
       if (x >= kBorder || x < kBorder - kRadius) {
         EXPECT_EQ(own(x, y), 1.f) << x;
       } else if (x < kBorder - kNear) {
-        // The patch has the edge, but not near to the pixel.
+        // The patch contains the edge, but not near the pixel.
         EXPECT_EQ(own(x, y), 0.f) << x;
       } else {
-        // Its nearness makes up for little.
+        // That the edge is near the pixel makes up for little.
         EXPECT_GT(own(x, y), 0.f) << x;
         EXPECT_LT(own(x, y), 0.1f) << x;
       }
@@ -102,7 +102,7 @@ TEST(ForegroundFatteningTest, NoiseOfAWallIsItsOwnFurtherFromAPicture) {
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       if (x >= kBorder || x < kBorder - kRadius) {
-        // The range of 9 numbers at least is more than half that of 121.
+        // At least 9 numbers span more than half the range of 121.
         EXPECT_EQ(own(x, y), 1.f) << x;
       } else {
         EXPECT_LT(own(x, y), 0.15f) << x;
@@ -112,7 +112,7 @@ TEST(ForegroundFatteningTest, NoiseOfAWallIsItsOwnFurtherFromAPicture) {
 }
 
 TEST(ForegroundFatteningTest, SuperpixelsOfLikeTextureShareAnEdge) {
-  // Both sides are flat, so that the edge may be of either.
+  // Both sides are flat, so the edge may belong to either.
   const Image<float> step = FatteningWeight(
       Draw<float>([](int x, int) { return x >= kBorder ? 50.f : 150.f; }));
   // The right side has less than twice the texture of the left one.

@@ -55,7 +55,7 @@ TEST_F(GatherEvidenceTest, WeighsPixelsByHowTheirDepthIsKnown) {
   // The plane of a region counts only where something was measured.
   EXPECT_EQ(evidence.weights[3], 0.f);
   EXPECT_TRUE(ObservationsOf(evidence, 3).empty());
-  // After one without observations the next still has its own.
+  // After a superpixel without observations, the next still has its own.
   EXPECT_EQ(ObservationsOf(evidence, 4).size(), 32u);
 }
 
@@ -99,8 +99,8 @@ TEST_F(GatherEvidenceTest, FillsCountByTheMeasurementsThatLieOnThem) {
       inputs_.samples(x, y) = y % kSize == 0 ? on_wall(x, y) : RayDepth{};
     }
   }
-  // The own depths of the fourth superpixel are fattened, and the texture of
-  // the fifth is weak. Half of the last one's are on the plane.
+  // The fourth superpixel's own depths are fattened, and the texture of the
+  // fifth is weak. Half of the last one's are on the plane.
   Fill(&inputs_.fattening_weight, 3, 0.f);
   Fill(&inputs_.texture, 4, 0.9f);
   for (int x = 0; x < kSize / 2; ++x) {
@@ -175,7 +175,7 @@ TEST_F(GatherEvidenceTest, SpreadsObservationsOverTheSuperpixel) {
     inputs_.samples.Data()[i].z =
         static_cast<float>(++count[inputs_.superpixels.Data()[i]]);
   }
-  // Of superpixel 0 just the first 31 are left, of superpixel 1 the first 33.
+  // Only the first 31 samples of superpixel 0 and 33 of superpixel 1 stay.
   for (size_t i = 0; i < inputs_.samples.NumPixels(); ++i) {
     RayDepth& sample = inputs_.samples.Data()[i];
     const int superpixel = inputs_.superpixels.Data()[i];
@@ -226,7 +226,7 @@ TEST_F(GatherEvidenceTest, NoiseIsTheSpreadAboutTheSuperpixelsPlanes) {
                           static_cast<float>(NextNormal(&random));
   }
   EXPECT_NEAR(Gather().noise, 0.7f, 0.05f);
-  // A fifth of the depths are wrong, which the median hardly feels.
+  // A fifth of the depths are wrong, which hardly affects the median.
   for (size_t i = 0; i < inputs_.samples.NumPixels(); i += 5) {
     inputs_.samples.Data()[i].z *= 3.f;
   }

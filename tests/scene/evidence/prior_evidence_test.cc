@@ -89,7 +89,7 @@ TEST_F(PriorEvidenceTest, FillsSuperpixelsOfWhichNothingElseIsKnown) {
   }
   EXPECT_NEAR(sum, weight, 1e-3f);
   EXPECT_EQ(evidence.FirstOfPrior(3), evidence.first_observation[3]);
-  // What was measured stays alone where it is.
+  // A measured superpixel keeps its measurements alone.
   EXPECT_EQ(SourcesOf(evidence, 2),
             std::vector<ObservationSource>(32, ObservationSource::kMeasured));
   EXPECT_EQ(evidence.FirstOfPrior(2), evidence.first_observation[3]);
@@ -209,7 +209,7 @@ TEST_F(PriorEvidenceTest, UncertainPriorsProposeNoPlanes) {
 }
 
 TEST_F(PriorEvidenceTest, ProposedPlanesDoNotMixSurfaces) {
-  // A board before the plane covers the left half.
+  // A board in front of the plane covers the left half.
   const Plane board = DrawnPlane({-0.1f, 0.f, -1.f}, 4.f);
   const Image<float> on_board = DrawDepth(board, camera_);
   for (int y = 0; y < kHeight; ++y) {

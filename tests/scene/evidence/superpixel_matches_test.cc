@@ -70,7 +70,7 @@ TEST(SuperpixelMatchesTest, AreNoneOfOtherSurfaces) {
   SyntheticRoom room;
   const SuperpixelMatches before(room.Views());
   ASSERT_FALSE(before.Of(50).empty());
-  // What the other views measure comes 10 % nearer.
+  // What the other views measure moves 10 % nearer.
   for (const size_t view : {1, 2}) {
     for (Observation& observation : room.evidence[view].observations) {
       observation.sample.z *= 0.9f;

@@ -39,7 +39,7 @@ double Energy(const LabelGraph& graph, const std::vector<int>& labels) {
   return energy;
 }
 
-// Enough for every graph here to come to rest.
+// Enough for every graph here to converge.
 constexpr int kUntilRest = 100;
 
 // A number in [0, 4) of which sums are exact.
@@ -80,7 +80,7 @@ void AddEdges(int num_edges,
   SetTables(std::move(tables), graph);
 }
 
-// Any costs of two labels of which the equal ones together cost no more.
+// Random costs of two labels; equal labels together cost no more than unequal.
 Table DrawSubmodularTable(Philox* random) {
   const float both_first = DrawCost(random) - 2.f;
   const float both_second = DrawCost(random) - 2.f;
@@ -111,7 +111,7 @@ Table DrawAnyTable(int num_labels, Philox* random) {
   return table;
 }
 
-// The least energy of all labelings, by trying them.
+// The least energy of all labelings, by trying them all.
 double LeastEnergy(const LabelGraph& graph) {
   Labels labels(graph.num_nodes, 0);
   double least = Energy(graph, labels);
@@ -157,7 +157,7 @@ TEST(AlphaExpansionTest, FindsTheBestOfTwoLabels) {
   }
 }
 
-// Dynamic programming knows the best labels of a chain of any length.
+// Dynamic programming finds the best labels of a chain of any length.
 TEST(AlphaExpansionTest, FindsTheBestOfTwoLabelsOnALongChain) {
   Philox random(2, 0, 0);
   LabelGraph graph = DrawNodes(3000, 2, &random);
@@ -319,7 +319,7 @@ TEST(AlphaExpansionTest, RefusesCostsThatAreNotFinite) {
     graph.unary[3] = cost;
     expect_error(graph);
     graph = good;
-    // Of the cheapest labels, and of those of a move.
+    // The costs of the cheapest labels, and those of a move, are not finite.
     graph.pairwise = [=](int, int a, int b) { return a == b ? cost : 1.f; };
     expect_error(graph);
     graph.pairwise = [=](int, int a, int b) { return a == b ? 0.f : cost; };

@@ -14,7 +14,7 @@
 namespace tsar {
 namespace {
 
-constexpr int kSize = 8;  // Of a superpixel.
+constexpr int kSize = 8;  // The side of a superpixel.
 constexpr int kNumColumns = 6;
 constexpr int kNumRows = 4;
 constexpr int kWidth = kNumColumns * kSize;

@@ -13,7 +13,7 @@ namespace {
 
 // Where the wall ends and the ceiling begins.
 constexpr double kCrease = -1.0;
-constexpr float kPixels = 100.f;  // Of a superpixel.
+constexpr float kPixels = 100.f;  // Per superpixel.
 
 class CreaseLabelsTest : public DrawnWallTest {
  protected:
@@ -52,8 +52,8 @@ class CreaseLabelsTest : public DrawnWallTest {
     return Middle(camera_, superpixel).y() < kCrease;
   }
 
-  // The cost there of a plane, given its depth by that of the wall: the ceiling
-  // hides it where it lies 1.5 % behind.
+  // The cost there of a plane, given its depth over that of the wall: the
+  // ceiling hides it if it lies 1.5 % behind.
   float CostOfHidden(int superpixel, double depth_by_wall) const {
     const double height = camera_.Center().y() - kCrease;
     const double to_wall =
@@ -63,7 +63,7 @@ class CreaseLabelsTest : public DrawnWallTest {
                : 0.f;
   }
 
-  // Of the three planes.
+  // The votes for the three planes.
   Image<float> Votes() {
     Image<float> votes;
     AddVotes({0, ceiling_, other_}, &votes);
@@ -102,8 +102,8 @@ TEST_F(CreaseLabelsTest, BeyondTheCreaseTheCeilingHidesWhatIsBehindIt) {
   EXPECT_LT(num_hidden, kNumSuperpixels / 2);
 }
 
-// Posters and copies of the wall end with it, and a cupboard before the ceiling
-// does not.
+// Posters and copies of the wall end with it, and a cupboard in front of the
+// ceiling does not.
 TEST_F(CreaseLabelsTest, WhatStandsBeforeTheCeilingStays) {
   const auto votes_on = [&](double z) {
     const int plane = AddPlane({0.0, 0.0, -1.0}, {0.0, 0.0, z}, 2, 100.0);
@@ -123,7 +123,7 @@ TEST_F(CreaseLabelsTest, WhatStandsBeforeTheCeilingStays) {
   EXPECT_GT(num_before, 10);
 }
 
-// Where the plane beyond was measured, and from above the ceiling.
+// First the plane beyond was measured; then it is seen from above.
 TEST_F(CreaseLabelsTest, PlanesBeyondAreHelpedOnlyWhereTheyAreNewAndSeen) {
   creases_[0].is_new = false;
   Image<float> votes = Votes();

@@ -20,7 +20,7 @@ namespace tsar {
 
 constexpr int kWidth = 80;
 constexpr int kHeight = 60;
-constexpr int kSize = 10;  // Of a superpixel.
+constexpr int kSize = 10;  // The side of a superpixel.
 constexpr int kNumColumns = kWidth / kSize;
 constexpr int kNumRows = kHeight / kSize;
 constexpr int kNumSuperpixels = kNumColumns * kNumRows;

@@ -62,8 +62,8 @@ TEST_F(LabelViewTest, NearlyEqualPlanesDoNotShareASurface) {
   ExpectColumns(Label({wall, copy}), {0, 0, 0, 0, 0, 0, 0, 0});
 }
 
-// A textureless box before a wall: if its right part were on the wall, it would
-// project next to the box in the other views.
+// A textureless box in front of a wall: if its right part were on the wall, it
+// would project next to the box in the other views.
 TEST_F(LabelViewTest, ColorsOfOtherViewsTellABareBoxFromTheWallBehindIt) {
   constexpr float kBox = 3.f;
   constexpr float kWall = 5.f;
@@ -197,8 +197,8 @@ TEST_F(LabelViewTest, ObservationsThatFitNoPlaneGetNone) {
   EXPECT_NE(Label({WallAt(5.f), WallAt(5.5f)}).planes[noisy], -1);
 }
 
-// A chest before a wall: the wall was measured around it; on the chest there
-// are only depths that other views confirm.
+// A chest in front of a wall: the wall was measured around it; on the chest
+// there are only depths that other views confirm.
 TEST_F(LabelViewTest, ConfirmedDepthsTellAPlaneFromTheOneBehindIt) {
   DrawEdgesEverywhere();
   Measure(WallAt(5.f), 0, 5);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kWidth = 40;
 constexpr int kHeight = 30;
-constexpr int kSize = 10;  // Of a superpixel.
+constexpr int kSize = 10;  // The side of a superpixel.
 constexpr int kNumColumns = kWidth / kSize;
 constexpr int kNumSuperpixels = kNumColumns * kHeight / kSize;
 constexpr float kPixels = kSize * kSize;

@@ -139,7 +139,7 @@ TEST_F(DepthEvaluationTest, MaskedPixelsAreNotScored) {
   }
   DepthEvaluationOptions options;
   options.mask_path = folder_ / "masks";
-  // Of one image, one pixel less than the upper half.
+  // In one image, one pixel less than the upper half is masked.
   WriteMask(options.mask_path / "left/b.pgm.png", 40, 40, [](int x, int y) {
     return y < 20 && !(x > 37 && y > 17);
   });
@@ -180,7 +180,7 @@ TEST_F(DepthEvaluationTest, RefusesMasksThatAreNone) {
   WriteMask(
       options.mask_path / "a.pgm.png", 9, 8, [](int, int) { return true; });
   EXPECT_EQ(CodeOf(evaluate), ErrorCode::kMismatch);
-  // The folder of the images, whose names would do.
+  // The folder of the images, whose names would match.
   options.mask_path = folder_ / "images";
   EXPECT_EQ(CodeOf(evaluate), ErrorCode::kBadOption);
 }

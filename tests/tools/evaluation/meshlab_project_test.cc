@@ -95,7 +95,7 @@ TEST_F(MeshlabProjectTest, RefusesWhatIsNoProjectOfScans) {
       {Project("<MLMesh " + ply + "/>"), ErrorCode::kCorrupt},
       {Project(Mesh(ply, "1 0 0 0 0 1 0 0")), ErrorCode::kCorrupt},
       {Project(Mesh(ply, "one two")), ErrorCode::kCorrupt},
-      // No rigid motions.
+      // Matrices that are not rigid motions.
       {Project(Mesh(ply, "2 0 0 0 0 2 0 0 0 0 2 0 0 0 0 1")),
        ErrorCode::kUnsupported},
       {Project(Mesh(ply, "-1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1")),

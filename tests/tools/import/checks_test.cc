@@ -28,7 +28,7 @@ SparseModel MakeModel(int num_images, double length, double turn) {
   return model;
 }
 
-// Of images of half the size.
+// The cameras for images of half the size.
 std::vector<AssignedCamera> CamerasOf(const SparseModel& model,
                                       double scale = 1.0) {
   std::vector<AssignedCamera> cameras;
@@ -85,7 +85,7 @@ TEST(CheckCameras, NamesTheImageWhoseCameraItIs) {
                 {"cam1", "camera of v1.jpg, not of v4.jpg", "another order"});
 }
 
-// Of a film, where neighbors differ by less than what is allowed.
+// As in a film, where neighbors differ by less than the tolerance.
 TEST(CheckCameras, TellsNeighborsApart) {
   const SparseModel model = MakeModel(300, 10.0, 0.3);
   std::vector<AssignedCamera> cameras = CamerasOf(model);

@@ -118,7 +118,7 @@ TEST(ConvertMaps, TurnsWorldNormalsIntoTheCamerasFrame) {
   external.depth = Image<float>(8, 6, 2.f);
   external.normal =
       Image<Vec3f>(8, 6, ToVec3f(camera.rotation.transpose() * expected));
-  // Of another length, and the other way around.
+  // Of another length, and reversed.
   external.normal(1, 1) = external.normal(1, 1) * -7.f;
   for (const Vec3f& n :
        ConvertMaps(external, camera, 1.0, NormalFrame::kWorld).normal) {

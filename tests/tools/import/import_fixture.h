@@ -62,7 +62,7 @@ class TsarImportTest : public CommandTest<&RunTsarImport> {
  protected:
   TsarImportTest() { always_ = {"--TsarImport.device", "cpu"}; }
 
-  // Without --output_path: into a folder that is not there.
+  // Without --output_path: into a folder that does not exist yet.
   Words Arguments(const std::string& format, Words arguments) const {
     const auto set_default = [&](const char* option, const std::string& value) {
       if (std::ranges::find(arguments, option) == arguments.end()) {

@@ -67,7 +67,7 @@ TEST_F(MatchImagesTest, FindsNumberedFolders) {
   Write("ACMP/2333_00000002/depths.dmb");
   Write("ACMP/2333_00000002/depths_geom.dmb");
   Write("ACMP/2333_00000002/normals.dmb");
-  // Of Gipuma.
+  // Files of Gipuma.
   Write("ACMP/2333__00000001/disp.dmb");
   Write("ACMP/empty_00000001/other.txt");
   Write("ACMP/ACMP_model.ply");
@@ -189,7 +189,7 @@ TEST_F(MatchImagesTest, RefusesWhatHasTheNameOfAMapAndIsNoFile) {
   options_.format = ExternalFormat::kDepth;
   Write("a.npy");
   expect_refused(options_.input_path / "b.npy");
-  // Of no image of the model.
+  // It belongs to no image of the model.
   std::filesystem::create_directory(options_.input_path / "d.npy");
   EXPECT_THAT(Match(), testing::ElementsAre("a.jpg: in/a.npy"));
   options_.format = ExternalFormat::kAcm;

@@ -145,7 +145,7 @@ TEST_F(TsarImportTest, TakesPngInMillimetersOrOtherUnits) {
 
 TEST_F(TsarImportTest, NumbersThatStandForNoDepthAreNone) {
   std::vector<SceneImage> images = scene_;
-  // One image has none at all, and its map tells nothing.
+  // One image has none at all, and its map says nothing.
   std::ranges::fill(images[3].depth, 65.535f);
   for (SceneImage& image : images) {
     std::fill_n(image.depth.Data(), 96 * 30, 65.535f);

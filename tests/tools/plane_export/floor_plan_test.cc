@@ -16,7 +16,7 @@
 namespace tsar {
 namespace {
 
-// A wall at y = -2 that goes along x, with z up.
+// A wall at y = -2 that runs along x, with z up.
 ExportedPlane MakeWall(int id) {
   ExportedPlane wall;
   wall.id = id;

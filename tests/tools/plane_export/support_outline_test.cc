@@ -99,7 +99,7 @@ TEST(TracePolygons, FollowsTheSupport) {
        {{{10, 20, 40, 40}, 1.f}},
        {CreaseAt(49.3), level},
        {{39.3 * 41.2, 4, 0}}},
-      // A floor goes on beside the wall that stands on it.
+      // A floor continues beside the wall that stands on it.
       {"a crease in its midst",
        {{{10, 20, 40, 40}, 1.f}},
        {CreaseAt(30)},

@@ -102,7 +102,7 @@ TEST_F(StereoWorkspaceTest, RefusesMapsOfOthersUnlessToldToReplaceThem) {
   MakeSyntheticWorkspace(root_);
   ExpectRefused(ErrorCode::kUnsupported, "overwrite 1");
   Run(/*overwrite=*/true);
-  // Now they are its own, but of other options.
+  // Now they are its own, but made with other options.
   options_.num_iterations = 1;
   ExpectRefused(ErrorCode::kUnsupported, "other options");
 }
@@ -173,7 +173,7 @@ TEST_F(StereoWorkspaceTest, BeginsAnewWhereThereIsNothingToLose) {
   }
 }
 
-// As where the images were undistorted to another size meanwhile.
+// As if the images had meanwhile been undistorted to another size.
 TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
   options_.num_iterations = 1;
   Run();

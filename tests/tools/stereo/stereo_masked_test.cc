@@ -15,7 +15,7 @@ namespace {
 
 class StereoMaskedTest : public StereoWorkspaceTest {
  protected:
-  // Of the second image, of its own size.
+  // A mask of the second image, of its own size.
   void WriteMaskWhere(bool (*is_masked)(int x, int y)) const {
     WriteMask(folder_.Path() / "masks/v1.png.png",
               SyntheticWorkspace::kWidth,
@@ -62,7 +62,7 @@ TEST_F(StereoMaskedTest, MaskedPixelsGetNoDepth) {
   EXPECT_EQ(Run().num_skipped, 4);
 }
 
-// So that what lies around them gets nothing from them.
+// So that the pixels around them get nothing from them.
 TEST_F(StereoMaskedTest, HolesStayHolesInGeometricPasses) {
   const std::filesystem::path root = folder_.Path() / "with_maps";
   MakeSyntheticWorkspace(root);

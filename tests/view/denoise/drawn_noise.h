@@ -52,7 +52,7 @@ inline Rgb GrayPixel(double level) {
   return {value, value, value};
 }
 
-// Of an image of gray pixels.
+// The gray levels of an image of gray pixels.
 inline Image<float> ToGray(const Image<Rgb>& color) {
   Image<float> gray(color.Width(), color.Height());
   std::transform(color.begin(), color.end(), gray.begin(), [](const Rgb& rgb) {

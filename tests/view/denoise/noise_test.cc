@@ -73,7 +73,7 @@ TEST(EstimateNoise, DoesNotTakeSmoothTextureForIt) {
 }
 
 constexpr int kDegreesOfFreedom = 61;
-// Of rounding to whole levels.
+// The variance of rounding to whole levels.
 constexpr float kLeastVariance = 1.f / 12.f;
 
 // Blocks whose brightness runs from one level to another, with variances as
@@ -123,8 +123,7 @@ TEST(FitNoiseCurve, StaysBelowTexturedBlocks) {
   }
   const NoiseCurve fitted = FitNoiseCurve(blocks);
   for (const float level : {20.f, 128.f, 240.f}) {
-    // Its tenth part of the flattest blocks is a fifth of those without
-    // texture.
+    // Its flattest tenth of the blocks is a fifth of those without texture.
     EXPECT_NEAR(fitted.Variance(level) / curve.Variance(level), 1.f, 0.15f);
   }
 }

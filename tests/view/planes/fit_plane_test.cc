@@ -77,8 +77,8 @@ TEST_F(FitPlaneTest, IsAtTheMinimumOfTheLoss) {
     }
     return sum;
   };
-  // By how many steps the minimum of the parabola through three losses lies
-  // beside the plane.
+  // By how many steps the minimum of the parabola through three losses misses
+  // the plane.
   const auto missed_by = [&](double degrees, double other, double height) {
     const double before = loss(-degrees, -other, -height);
     const double after = loss(degrees, other, height);
@@ -140,7 +140,7 @@ TEST_F(FitPlaneTest, DoesNotDependOnTheScale) {
 }
 
 TEST_F(FitPlaneTest, BearsGrazingViews) {
-  // One view along the plane, from just above it, beside those that see it.
+  // One view along the plane, from just above it, besides those that see it.
   const Eigen::Vector3d along = plane_.normal.unitOrthogonal();
   const Camera grazing =
       CameraLookingAt(middle_ - 3.0 * along + 0.03 * plane_.normal, middle_);
@@ -229,7 +229,7 @@ TEST(FitSamplesTest, MiddleIsOfTheMediansOfTheCoordinates) {
     observation.center = {1.0, 2.0, 0.0};
     observation.ray = {0.0, 1.0, 1.0};
     observation.depth = i < 8 ? i : 1e6 * i;
-    observation.weight = i;  // Of no effect.
+    observation.weight = i;  // Has no effect.
     samples.Add(observation);
   }
   EXPECT_EQ(samples.Middle(), Eigen::Vector3d(1.0, 8.0, 6.0));

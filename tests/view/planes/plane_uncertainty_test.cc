@@ -27,8 +27,8 @@ DepthObservation Above(double x, double y, double sigma) {
 class PlaneUncertaintyTest : public testing::Test {
  protected:
   // The spread of the heights of repeated fits, at a point of the plane, over
-  // what was predicted. Each fit is repeated from where it ended, since it goes
-  // just a few steps.
+  // the predicted spread. Each fit is repeated from where it ended, since it
+  // goes just a few steps.
   double MeasuredOverPredicted(const Eigen::Vector3d& point,
                                double loss_scale) const {
     const int num_fits = 400;
@@ -102,7 +102,7 @@ class DepthObservationTest : public testing::Test {
  protected:
   const WorldPlane plane_ = PlaneThrough({0.4, -0.2, -1.0}, {0.0, 0.0, 4.0});
   const WorldPlane opposite_ = {-plane_.normal, -plane_.offset};
-  // Of a plane 4 units before the camera, which lies in z = 0.
+  // A plane 4 units in front of the camera, which lies in z = 0.
   const WorldPlane flat_ = PlaneThrough({0.0, 0.0, 1.0}, {0.0, 0.0, 4.0});
 };
 

@@ -90,8 +90,8 @@ int CountDrawn(const Image<uint8_t>& edges, int max_gap = 15) {
   return count;
 }
 
-// A horizontal line in row 40 with a gap of so many pixels after column 79, or
-// the same line downwards.
+// A horizontal line in row 40 with a gap of this many pixels after column 79,
+// or the same line downwards.
 Image<uint8_t> DrawLineWithGap(int gap, bool vertical) {
   Image<uint8_t> edges(200, 200, 0);
   for (int i = 20; i < 140 + gap; ++i) {
@@ -123,7 +123,7 @@ TEST(LineSegments, CrossNoGapLongerThanTheLongest) {
   EXPECT_EQ(Draw(DrawLineWithGap(5, false), 4)(81, 40), 0);
 }
 
-// A horizontal row of so many pixels with a gap of one in its middle.
+// A horizontal row of this many pixels with a gap of one in its middle.
 Image<uint8_t> DrawShortLine(int length) {
   Image<uint8_t> edges(400, 300, 0);
   for (int i = 0; i < length; ++i) {
@@ -133,7 +133,7 @@ Image<uint8_t> DrawShortLine(int length) {
 }
 
 TEST(LineSegments, ShorterThanTheirLeastLengthAreDropped) {
-  // The shorter side of 300 pixels asks for a length of 10.
+  // The shorter side of 300 pixels requires a length of 10.
   EXPECT_EQ(CountDrawn(DrawShortLine(10)), 0);
   EXPECT_EQ(CountDrawn(DrawShortLine(14)), 1);
 }

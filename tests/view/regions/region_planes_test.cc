@@ -160,14 +160,14 @@ TEST_F(RegionPlanesTest, IsNotBelievedFarFromItsSupport) {
   EXPECT_TRUE(Assign(trusting)(80, 45).Valid());
 }
 
-// A wall whose rim is what hangs on it. One tolerance is 0.6 % of the depth.
+// A wall with a rim of what hangs on it. One tolerance is 0.6 % of the depth.
 TEST_F(RegionPlanesTest, ACoreOnTheWallWinsOverFramesAroundIt) {
   for (const float height : {0.015f, 0.05f}) {
     const Plane frames =
         DrawFrames(height, [](float at) { return 6e-3f * at; });
     const Plane plane = Fit();
     ASSERT_TRUE(plane.Valid());
-    // Both share a direction, which the frames tell best.
+    // Both share a direction, which the frames determine best.
     EXPECT_LT(AngleBetween(plane.normal, frames.normal), 0.1f) << height;
     EXPECT_NEAR(plane.offset, wall_.offset, 1e-3f * wall_.offset) << height;
   }
