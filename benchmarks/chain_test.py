@@ -58,6 +58,12 @@ exec '{program}' tsar_fuse --workspace_path "$3" --output_path "$5"
         check(rows[f"mean: {way}"][0] == first.split()[0],
               "the mean of one scene is the scene's")
 
+    shutil.rmtree(scene / "stereo" / "depth_maps")
+    output = run(command)
+    check("mean: tsar_stereo, refined" in output and
+          "COLMAP's maps" not in output,
+          "a scene without maps has the way from its photos alone")
+
     shutil.rmtree(scans)
     failed = subprocess.run([str(word) for word in command],
                             capture_output=True, text=True, check=False)
