@@ -84,6 +84,21 @@ UploadedViews::Pointer RefineWorker::Upload(int image,
   });
 }
 
+std::vector<UploadedViews::Pointer> RefineWorker::UploadSources(
+    const std::vector<int>& sources,
+    int reference,
+    LoadedViews* loaded,
+    int first_key) const {
+  std::vector<UploadedViews::Pointer> uploaded;
+  for (const int source : sources) {
+    uploaded.push_back(Upload(first_key + source, loaded->Get(source)));
+    if (source != reference) {
+      loaded->Release(source);
+    }
+  }
+  return uploaded;
+}
+
 RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const MemoryPlan& plan,
                                   int num_images,

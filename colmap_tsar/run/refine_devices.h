@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/gpu_workers.h"
+#include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/run/shared_cache.h"
@@ -40,6 +41,14 @@ struct RefineWorker {
 
   // The view of the image in the device's memory, completely uploaded.
   UploadedViews::Pointer Upload(int image, const ViewData& view) const;
+  // Uploads the sources of the reference, and releases their views but for the
+  // reference's own. first_key: of image 0 in the cache, which tells apart
+  // views of one image that differ.
+  std::vector<UploadedViews::Pointer> UploadSources(
+      const std::vector<int>& sources,
+      int reference,
+      LoadedViews* loaded,
+      int first_key = 0) const;
 };
 
 // The devices of a run and the division of its memory.

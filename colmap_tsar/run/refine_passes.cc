@@ -125,13 +125,8 @@ RefineResult RunSingleView(const RefineRun& run,
     const Stopwatch uploading;
     // Nothing reads the sources before DeviceViews owns them, which waits for
     // the device before it releases them, also where a stage fails.
-    std::vector<UploadedViews::Pointer> sources;
-    for (const int source : run.selection.Sources(index)) {
-      sources.push_back(worker.Upload(source, views->Get(source)));
-      if (source != image) {
-        views->Release(source);
-      }
-    }
+    std::vector<UploadedViews::Pointer> sources =
+        worker.UploadSources(run.selection.Sources(index), image, views);
     const double upload_seconds = uploading.Seconds();
     RefineResult result = stages(reference,
                                  std::move(sources),

@@ -42,17 +42,11 @@ class FilterPass : public ImagePass<StereoMaps> {
                      size_t worker,
                      LoadedViews* views,
                      ImageReport* /*report*/) override {
-    UploadedSources sources;
-    for (const int source : Sources(index)) {
-      sources.push_back(workers_[worker].Upload(source, views->Get(source)));
-      if (source != Problem(index).reference) {
-        views->Release(source);
-      }
-    }
-    return FilterImage(views->Get(Problem(index).reference),
-                       sources,
-                       options_,
-                       *workers_[worker].device);
+    const int image = Problem(index).reference;
+    const UploadedSources sources =
+        workers_[worker].UploadSources(Sources(index), image, views);
+    return FilterImage(
+        views->Get(image), sources, options_, *workers_[worker].device);
   }
 
   void Write(size_t index, StereoMaps maps, ImageReport* report) override {

@@ -166,14 +166,8 @@ class StereoPass : public ImagePass<StereoMaps> {
     // Views of each pass have other depth maps.
     const int first_key =
         pass_ * static_cast<int>(workspace_.Model().images.size());
-    UploadedSources sources;
-    for (const int source : StereoSources(Problem(index), options_)) {
-      sources.push_back(
-          workers_[worker].Upload(first_key + source, views->Get(source)));
-      if (source != image) {
-        views->Release(source);
-      }
-    }
+    const UploadedSources sources = workers_[worker].UploadSources(
+        StereoSources(Problem(index), options_), image, views, first_key);
     const ViewData& reference = views->Get(image);
     const DepthInterval range = StereoDepths(workspace_, image, options_);
     const uint32_t stream =
