@@ -17,6 +17,16 @@ inline bool IsFinite(float value) { return value - value == 0.f; }
 
 // Functions of floats that give the same bits on CPU and GPU.
 
+// a b + c, rounded once: one instruction on a GPU and on a CPU with FMA, a slow
+// call on another (avx2.h).
+TSAR_HD inline float MultiplyAdd(float a, float b, float c) {
+#ifdef __CUDA_ARCH__
+  return __fmaf_rn(a, b, c);
+#else
+  return __builtin_fmaf(a, b, c);
+#endif
+}
+
 // 1.5 * 2^23: floats of this size have no fractional bits, so that adding it
 // rounds x to the nearest integer, ties to even, for |x| <= 2^22.
 constexpr float kRounder = 12582912.f;
@@ -25,16 +35,26 @@ TSAR_HD inline float RoundToNearest(float x) {
   return (x + kRounder) - kRounder;
 }
 
+// The largest integer below or at x, from 0 to 2^22, plus the rounder.
+TSAR_HD inline float FloorPlusRounder(float x) {
+#ifdef __CUDA_ARCH__
+  return __fadd_rd(x, kRounder);
+#else
+  return static_cast<float>(static_cast<int>(x)) + kRounder;
+#endif
+}
+
 TSAR_HD inline int32_t BitsOf(float x) {
   int32_t bits = 0;
   memcpy(&bits, &x, sizeof(bits));
   return bits;
 }
 
+constexpr int32_t kBitsOfRounder = 0x4B400000;
+
 // The integer n of the sum n + kRounder: replaces a conversion, which is slow
 // on GPUs, by an addition and a subtraction.
 TSAR_HD inline int32_t IntegerBesideRounder(float sum) {
-  constexpr int32_t kBitsOfRounder = 0x4B400000;
   return BitsOf(sum) - kBitsOfRounder;
 }
 

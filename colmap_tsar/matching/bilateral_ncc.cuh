@@ -66,7 +66,7 @@ class ReferencePatch {
       sample_x[i] = x + OffsetX(i);
       sample_y[i] = y + OffsetY(i);
     }
-    SampleBilinearBySteps(gray, sample_x, sample_y, values_);
+    SampleAboutBySteps(gray, sample_x, sample_y, 0.f, values_);
     for (int i = 0; i < kPatchSize; ++i) {
       values_[i] -= center;
     }
@@ -105,8 +105,9 @@ class ReferencePatch {
   };
   TSAR_HD Sample At(int i) const {
 #ifdef __CUDA_ARCH__
-    const Halves halves = SplitWord(samples_[i]);
-    return {halves.low - kValueOffset, halves.low + halves.high_minus_low};
+    const RaisedHalves halves(samples_[i]);
+    return {halves.low - (RaisedHalves::kRaise + kValueOffset),
+            halves.high - RaisedHalves::kRaise};
 #else
     return {values_[i], weights_[i]};
 #endif
@@ -236,10 +237,17 @@ struct WindowHomography {
     is_seen = (fabsf(z_dx) + fabsf(z_dy)) * radius <= kMaxChange;
   }
 
+  // Maps the position at (dx, dy) from the center.
+  TSAR_HD void Map(float dx, float dy, float* mapped_x, float* mapped_y) const {
+    const float scale = Reciprocal(MultiplyAdd(z_dx, dx, z_dy * dy));
+    *mapped_x = MultiplyAdd(MultiplyAdd(x_dx, dx, x_dy * dy), scale, x);
+    *mapped_y = MultiplyAdd(MultiplyAdd(y_dx, dx, y_dy * dy), scale, y);
+  }
+
   // 1 / (1 + change) by its series, with an error of 4e-4 for planes seen at up
   // to 80 degrees, and 6e-2 at the largest change.
   TSAR_HD static float Reciprocal(float change) {
-    return 1.f - change * (1.f - change * (1.f - change));
+    return MultiplyAdd(-change, MultiplyAdd(-change, 1.f - change, 1.f), 1.f);
   }
 };
 
@@ -250,85 +258,103 @@ struct PatchSums {
   float squares = 0.f;
   float products = 0.f;  // Products with the patch's values.
 
-  TSAR_HD void Add(float weighted, float square, float product) {
+  // weighted: the difference from the center times the sample's weight.
+  TSAR_HD void Add(float difference, float weighted, float patch_value) {
     values += weighted;
-    squares += square;
-    products += product;
+    squares = MultiplyAdd(weighted, difference, squares);
+    products = MultiplyAdd(weighted, patch_value, products);
+  }
+  // Sums of rows are added, since a CPU computes these side by side.
+  TSAR_HD PatchSums& operator+=(const PatchSums& row) {
+    values += row.values;
+    squares += row.squares;
+    products += row.products;
+    return *this;
   }
 };
 
 // Sums sample by sample: the form for a GPU, where each thread has a patch and
 // keeps a sample in registers.
 template <typename Element>
-TSAR_HD inline void AddUpBySamples(const ReferencePatch& patch,
-                                   const WindowHomography& window,
-                                   const ImageView<const Element>& other,
-                                   float center,
-                                   PatchSums* sums) {
+TSAR_HD inline PatchSums AddUpBySamples(const ReferencePatch& patch,
+                                        const WindowHomography& window,
+                                        const ImageView<const Element>& other) {
+  const float center =
+      RoundToNearest(SampleBilinear(other, window.x, window.y));
+  PatchSums sums;
   // Rows are not unrolled, since they would exceed a GPU's instruction cache.
 #ifdef __CUDA_ARCH__
 #pragma unroll 1
 #endif
   for (int row = 0; row < kPatchSide; ++row) {
     const float dy = patch.Offset(row);
+    PatchSums of_row;
     for (int column = 0; column < kPatchSide; ++column) {
-      const float dx = patch.Offset(column);
-      const float scale =
-          WindowHomography::Reciprocal(window.z_dy * dy + window.z_dx * dx);
-      const float x = window.x + (window.x_dy * dy + window.x_dx * dx) * scale;
-      const float y = window.y + (window.y_dy * dy + window.y_dx * dx) * scale;
-      const float difference = SampleBilinear(other, x, y) - center;
+      float x = 0.f;
+      float y = 0.f;
+      window.Map(patch.Offset(column), dy, &x, &y);
+      const float difference = SampleAbout(other, x, y, center);
       const ReferencePatch::Sample sample = patch.At(row * kPatchSide + column);
-      const float weighted = sample.weight * difference;
-      sums->Add(weighted, weighted * difference, weighted * sample.value);
+      of_row.Add(difference, sample.weight * difference, sample.value);
     }
+    sums += of_row;
   }
+  return sums;
 }
 
 // AddUpBySamples() step by step, each for all samples: the form for a CPU,
 // whose compiler vectorizes the loops. The arithmetic of each sample and the
 // order of the sums are the same, so that results are bit-identical.
 template <typename Element>
-void AddUpBySteps(const ReferencePatch& patch,
-                  const WindowHomography& window,
-                  const ImageView<const Element>& other,
-                  float center,
-                  PatchSums* sums) {
+PatchSums AddUpBySteps(const ReferencePatch& patch,
+                       const WindowHomography& window,
+                       const ImageView<const Element>& other) {
+  const float center =
+      RoundToNearest(SampleBilinear(other, window.x, window.y));
   float x[kPatchSize];
   float y[kPatchSize];
   for (int i = 0; i < kPatchSize; ++i) {
-    const float dx = patch.OffsetX(i);
-    const float dy = patch.OffsetY(i);
-    const float scale =
-        WindowHomography::Reciprocal(window.z_dy * dy + window.z_dx * dx);
-    x[i] = window.x + (window.x_dy * dy + window.x_dx * dx) * scale;
-    y[i] = window.y + (window.y_dy * dy + window.y_dx * dx) * scale;
+    window.Map(patch.OffsetX(i), patch.OffsetY(i), &x[i], &y[i]);
   }
-  float value[kPatchSize];
-  SampleBilinearBySteps(other, x, y, value);
+  float difference[kPatchSize];
+  SampleAboutBySteps(other, x, y, center, difference);
   float weighted[kPatchSize];
-  float square[kPatchSize];
-  float product[kPatchSize];
   for (int i = 0; i < kPatchSize; ++i) {
-    const float difference = value[i] - center;
-    const ReferencePatch::Sample sample = patch.At(i);
-    weighted[i] = sample.weight * difference;
-    square[i] = weighted[i] * difference;
-    product[i] = weighted[i] * sample.value;
+    weighted[i] = patch.At(i).weight * difference[i];
   }
-  for (int i = 0; i < kPatchSize; ++i) {
-    sums->Add(weighted[i], square[i], product[i]);
+  PatchSums sums;
+  for (int row = 0; row < kPatchSize; row += kPatchSide) {
+    PatchSums of_row;
+    for (int i = row; i < row + kPatchSide; ++i) {
+      of_row.Add(difference[i], weighted[i], patch.At(i).value);
+    }
+    sums += of_row;
   }
+  return sums;
 }
 
 // AddUpBySteps() for AVX2; must be called only if HasAvx2().
 template <typename Element>
-TSAR_FOR_AVX2 void AddUpByStepsForAvx2(const ReferencePatch& patch,
-                                       const WindowHomography& window,
-                                       const ImageView<const Element>& other,
-                                       float center,
-                                       PatchSums* sums) {
-  AddUpBySteps(patch, window, other, center, sums);
+TSAR_FOR_AVX2 PatchSums
+AddUpByStepsForAvx2(const ReferencePatch& patch,
+                    const WindowHomography& window,
+                    const ImageView<const Element>& other) {
+  return AddUpBySteps(patch, window, other);
+}
+
+// The form for this machine.
+template <typename Element>
+TSAR_HD PatchSums AddUp(const ReferencePatch& patch,
+                        const WindowHomography& window,
+                        const ImageView<const Element>& other) {
+// The sanitizer checks each access to the steps' arrays, which would dominate
+// the time of all tests.
+#if defined(__CUDA_ARCH__) || defined(__SANITIZE_ADDRESS__)
+  return AddUpBySamples(patch, window, other);
+#else
+  return HasAvx2() ? AddUpByStepsForAvx2(patch, window, other)
+                   : AddUpBySteps(patch, window, other);
+#endif
 }
 
 // 1 - NCC of the patch and its image under the homography, in [0, 2], or
@@ -348,19 +374,7 @@ TSAR_HD inline float PatchCost(const ReferencePatch& patch,
       !(window.x <= other.width - 0.5f) || !(window.y <= other.height - 0.5f)) {
     return kUndefinedCost;
   }
-  const float center = SampleBilinear(other, window.x, window.y);
-  PatchSums sums;
-// The sanitizer checks each access to the steps' arrays, which would dominate
-// the time of all tests.
-#if defined(__CUDA_ARCH__) || defined(__SANITIZE_ADDRESS__)
-  AddUpBySamples(patch, window, other, center, &sums);
-#else
-  if (HasAvx2()) {
-    AddUpByStepsForAvx2(patch, window, other, center, &sums);
-  } else {
-    AddUpBySteps(patch, window, other, center, &sums);
-  }
-#endif
+  const PatchSums sums = AddUp(patch, window, other);
   const float mean = sums.values * patch.inverse_sum_weights;
   const float variance = sums.squares * patch.inverse_sum_weights - mean * mean;
   if (!(variance * (kGrayUnit<Element> * kGrayUnit<Element>) >=

@@ -15,10 +15,9 @@
 // outside are clamped to the border; NaN counts as 0.
 namespace tsar {
 
-// Clamps a column or row to [0, count - 1]; fmin and fmax are instructions on a
-// GPU but calls on a CPU, where comparisons are used.
-TSAR_HD inline float ClampPosition(float position, int count) {
-  const float last = static_cast<float>(count - 1);
+// Clamps a position to [0, last]; fmin and fmax are instructions on a GPU but
+// calls on a CPU, where comparisons are used.
+TSAR_HD inline float Clamp(float position, float last) {
 #ifdef __CUDA_ARCH__
   return fminf(fmaxf(position, 0.f), last);
 #else
@@ -30,8 +29,8 @@ TSAR_HD inline float ClampPosition(float position, int count) {
 TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
                                     float x,
                                     float y) {
-  x = ClampPosition(x, image.width);
-  y = ClampPosition(y, image.height);
+  x = Clamp(x, static_cast<float>(image.width - 1));
+  y = Clamp(y, static_cast<float>(image.height - 1));
   const int x0 = static_cast<int>(x);
   const int y0 = static_cast<int>(y);
   const int x1 = x0 + 1 < image.width ? x0 + 1 : x0;
@@ -43,49 +42,91 @@ TSAR_HD inline float SampleBilinear(const ImageView<const float>& image,
   return top + fy * (bottom - top);
 }
 
-// The two halves of a word as numbers.
+// Two neighbors in a row.
 struct Halves {
   float low;
   float high_minus_low;
 };
 
-TSAR_HD inline Halves SplitWord(uint32_t word) {
 #ifdef __CUDA_ARCH__
-  // The halves become the last bits of 2^23: a permutation and a subtraction
-  // are faster than a conversion.
-  const float low = __uint_as_float(__byte_perm(word, 0x4B000000u, 0x7410));
-  const float high = __uint_as_float(__byte_perm(word, 0x4B000000u, 0x7432));
-  return {low - 8388608.f, high - low};
+// The halves of a word plus 2^23, of which they become the last bits: a
+// permutation and a subtraction are faster than a conversion.
+struct RaisedHalves {
+  static constexpr float kRaise = 8388608.f;
+
+  __device__ explicit RaisedHalves(uint32_t word)
+      : low(__uint_as_float(__byte_perm(word, 0x4B000000u, 0x7410))),
+        high(__uint_as_float(__byte_perm(word, 0x4B000000u, 0x7432))) {}
+
+  float low;
+  float high;
+};
+#endif
+
+// The halves of a word as numbers, less an integer.
+TSAR_HD inline Halves SplitWord(uint32_t word, float origin = 0.f) {
+#ifdef __CUDA_ARCH__
+  const RaisedHalves raised(word);
+  return {raised.low - (RaisedHalves::kRaise + origin),
+          raised.high - raised.low};
 #else
   const int low = static_cast<int>(word & 0xFFFFu);
   const int high = static_cast<int>(word >> 16);
-  return {static_cast<float>(low), static_cast<float>(high - low)};
+  return {static_cast<float>(low) - origin, static_cast<float>(high - low)};
 #endif
+}
+
+TSAR_HD inline float Interpolate(const Halves& top,
+                                 const Halves& bottom,
+                                 float fx,
+                                 float fy) {
+  const float t = MultiplyAdd(fx, top.high_minus_low, top.low);
+  const float b = MultiplyAdd(fx, bottom.high_minus_low, bottom.low);
+  return MultiplyAdd(fy, b - t, t);
+}
+
+// The largest position that has a row below it, if there is more than one row:
+// just above the last.
+TSAR_HD inline float LastRowPosition(int height) {
+  constexpr float kBelowOne = 1.f - 1.f / 16777216.f;
+  return kBelowOne * static_cast<float>(height - 1);
+}
+
+// A sample less the origin, an integer that keeps sums of squares small.
+TSAR_HD inline float SampleAbout(const ImageView<const GrayPair>& image,
+                                 float x,
+                                 float y,
+                                 float origin) {
+  x = Clamp(x, static_cast<float>(image.width - 1));
+  y = Clamp(y, LastRowPosition(image.height));
+  const float left = FloorPlusRounder(x);
+  const float above = FloorPlusRounder(y);
+  // The rounders are subtracted from the index: one instruction less.
+  const auto width = static_cast<uint32_t>(image.width);
+  const uint32_t index = static_cast<uint32_t>(BitsOf(above)) * width +
+                         static_cast<uint32_t>(BitsOf(left)) -
+                         static_cast<uint32_t>(kBitsOfRounder) * (width + 1u);
+  const GrayPair* pair = image.data + static_cast<int32_t>(index);
+  const float fx = x - (left - kRounder);
+  const float fy = y - (above - kRounder);
+  const int to_bottom = image.height > 1 ? image.width : 0;
+  return Interpolate(SplitWord(pair->word, origin),
+                     SplitWord(pair[to_bottom].word, origin),
+                     fx,
+                     fy);
+}
+
+TSAR_HD inline float SampleAbout(const ImageView<const float>& image,
+                                 float x,
+                                 float y,
+                                 float origin) {
+  return SampleBilinear(image, x, y) - origin;
 }
 
 TSAR_HD inline float SampleBilinear(const ImageView<const GrayPair>& image,
                                     float x,
                                     float y) {
-  x = ClampPosition(x, image.width);
-  y = ClampPosition(y, image.height);
-  // The pixel at most one to the left, and the row at most one above that has a
-  // row below. For integer positions either neighbor may result, with weight 0
-  // or 1.
-  const int last_row = image.height > 1 ? image.height - 2 : 0;
-  const float left = (x - 0.5f) + kRounder;
-  const float above =
-      fminf((y - 0.5f) + kRounder, kRounder + static_cast<float>(last_row));
-  const float fx = x - (left - kRounder);
-  const float fy = y - (above - kRounder);
-  const GrayPair* pair =
-      image.data +
-      (IntegerBesideRounder(above) * image.width + IntegerBesideRounder(left));
-  const Halves top = SplitWord(pair->word);
-  const Halves bottom =
-      SplitWord(pair[image.height > 1 ? image.width : 0].word);
-  const float t = top.low + fx * top.high_minus_low;
-  const float b = bottom.low + fx * bottom.high_minus_low;
-  return t + fy * (b - t);
+  return SampleAbout(image, x, y, 0.f);
 }
 
 // Bit-identical sampling of many positions on the CPU: each step is done for
@@ -104,8 +145,8 @@ void SampleBilinearBySteps(const ImageView<const float>& image,
   // Negative if any position lies in the last column or row.
   int room = 0;
   for (int i = 0; i < kCount; ++i) {
-    const float inside_x = ClampPosition(x[i], image.width);
-    const float inside_y = ClampPosition(y[i], image.height);
+    const float inside_x = Clamp(x[i], static_cast<float>(last_x));
+    const float inside_y = Clamp(y[i], static_cast<float>(last_y));
     x0[i] = static_cast<int>(inside_x);
     y0[i] = static_cast<int>(inside_y);
     fx[i] = inside_x - x0[i];
@@ -140,26 +181,25 @@ void SampleBilinearBySteps(const ImageView<const float>& image,
 }
 
 template <int kCount>
-void SampleBilinearBySteps(const ImageView<const GrayPair>& image,
-                           const float (&x)[kCount],
-                           const float (&y)[kCount],
-                           float (&values)[kCount]) {
-  const float last_row =
-      kRounder + static_cast<float>(image.height > 1 ? image.height - 2 : 0);
+void SampleAboutBySteps(const ImageView<const GrayPair>& image,
+                        const float (&x)[kCount],
+                        const float (&y)[kCount],
+                        float origin,
+                        float (&values)[kCount]) {
+  const auto last_x = static_cast<float>(image.width - 1);
+  const float last_y = LastRowPosition(image.height);
   const int to_bottom = image.height > 1 ? image.width : 0;
   int index[kCount];
   float fx[kCount];
   float fy[kCount];
   for (int i = 0; i < kCount; ++i) {
-    const float inside_x = ClampPosition(x[i], image.width);
-    const float inside_y = ClampPosition(y[i], image.height);
-    const float left = (inside_x - 0.5f) + kRounder;
-    const float nearest = (inside_y - 0.5f) + kRounder;
-    const float above = nearest < last_row ? nearest : last_row;
-    fx[i] = inside_x - (left - kRounder);
-    fy[i] = inside_y - (above - kRounder);
-    index[i] =
-        IntegerBesideRounder(above) * image.width + IntegerBesideRounder(left);
+    const float inside_x = Clamp(x[i], last_x);
+    const float inside_y = Clamp(y[i], last_y);
+    const auto left = static_cast<int>(inside_x);
+    const auto above = static_cast<int>(inside_y);
+    fx[i] = inside_x - static_cast<float>(left);
+    fy[i] = inside_y - static_cast<float>(above);
+    index[i] = above * image.width + left;
   }
   uint32_t top[kCount];
   uint32_t bottom[kCount];
@@ -168,11 +208,20 @@ void SampleBilinearBySteps(const ImageView<const GrayPair>& image,
     bottom[i] = image.data[index[i] + to_bottom].word;
   }
   for (int i = 0; i < kCount; ++i) {
-    const Halves above = SplitWord(top[i]);
-    const Halves below = SplitWord(bottom[i]);
-    const float t = above.low + fx[i] * above.high_minus_low;
-    const float b = below.low + fx[i] * below.high_minus_low;
-    values[i] = t + fy[i] * (b - t);
+    values[i] = Interpolate(
+        SplitWord(top[i], origin), SplitWord(bottom[i], origin), fx[i], fy[i]);
+  }
+}
+
+template <int kCount>
+void SampleAboutBySteps(const ImageView<const float>& image,
+                        const float (&x)[kCount],
+                        const float (&y)[kCount],
+                        float origin,
+                        float (&values)[kCount]) {
+  SampleBilinearBySteps(image, x, y, values);
+  for (float& value : values) {
+    value -= origin;
   }
 }
 

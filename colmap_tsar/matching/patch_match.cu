@@ -14,6 +14,10 @@
 namespace tsar {
 namespace {
 
+// Views are selected in every second iteration, which costs the most: each
+// candidate is then compared with all sources, whether they count or not.
+constexpr int kSelectionPeriod = 2;
+
 // The random numbers of a pixel in an iteration, whose blocks no other pixel or
 // iteration shares.
 TSAR_HD Philox PixelRandom(uint32_t stream, int64_t pixel, int iteration) {
@@ -100,6 +104,8 @@ struct SweepKernel : PlaneSearch {
 
   uint32_t stream;
   int iteration;
+  // Otherwise those of the iteration before stay selected.
+  bool selects_views;
   int color;
   ImageView<const uint8_t> keeps_plane;
   ImageView<Plane> planes;
@@ -134,29 +140,45 @@ struct SweepKernel : PlaneSearch {
       best =
           DrawPlane({options.depth_min, options.depth_max}, pixel.ray, &random);
     }
-    float best_cost = 0.f;
-    Propagate(x, y, pixel, &best, &best_cost);
-    Refine(x, y, pixel, &best, &best_cost);
+    float best_cost = costs(x, y);
+    if (selects_views) {
+      PropagateAndSelectViews(x, y, pixel, &best, &best_cost);
+    }
+    int sum_weights = 0;
+    for (int s = 0; s < num_sources; ++s) {
+      sum_weights += Weight(s, x, y);
+    }
+    const WeightedCosts weighted{
+        *this, pixel, x, y, 1.f / static_cast<float>(sum_weights)};
+    if (!selects_views) {
+      Propagate(weighted, &best, &best_cost);
+    }
+    Refine(weighted, &best, &best_cost);
     planes(x, y) = best;
     costs(x, y) = best_cost;
   }
 
-  // Takes the best of the pixel's own plane and those of its neighbors.
-  TSAR_HD void Propagate(int x,
-                         int y,
-                         const PixelCosts& pixel,
-                         Plane* best,
-                         float* best_cost) const {
+  // The plane of an area's best pixel; invalid outside of the image.
+  TSAR_HD Plane PlaneOfArea(int x, int y, int area) const {
+    PixelOffset from{};
+    return BestOfArea(costs, x, y, area, &from) ? planes(from.x, from.y)
+                                                : Plane{};
+  }
+
+  // Takes the best of the pixel's own plane and those of its neighbors, by the
+  // views that these planes select.
+  TSAR_HD void PropagateAndSelectViews(int x,
+                                       int y,
+                                       const PixelCosts& pixel,
+                                       Plane* best,
+                                       float* best_cost) const {
     constexpr int kNumCandidates = kNumPropagationAreas + 1;
     Plane candidates[kNumCandidates] = {*best};
     int num_candidates = 1;
     for (int area = 0; area < kNumPropagationAreas; ++area) {
-      PixelOffset from{};
-      if (BestOfArea(costs, x, y, area, &from)) {
-        const Plane& plane = planes(from.x, from.y);
-        if (IsUsable(plane, pixel.ray, options)) {
-          candidates[num_candidates++] = plane;
-        }
+      const Plane plane = PlaneOfArea(x, y, area);
+      if (IsUsable(plane, pixel.ray, options)) {
+        candidates[num_candidates++] = plane;
       }
     }
     float weighted[kNumCandidates] = {};
@@ -195,21 +217,58 @@ struct SweepKernel : PlaneSearch {
     }
   }
 
+  // The costs of a pixel by its selected views.
+  struct WeightedCosts {
+    const SweepKernel& sweep;
+    const PixelCosts& pixel;
+    int x;
+    int y;
+    float scale;  // 1 over the sum of the weights.
+
+    // Takes the plane if it is better.
+    TSAR_HD void Try(const Plane& plane, Plane* best, float* best_cost) const {
+      if (!IsUsable(plane, pixel.ray, sweep.options)) {
+        return;
+      }
+      // The sum is computed as in PropagateAndSelectViews: planes of equal
+      // costs in every view, as without texture, must not win by rounding.
+      float sum = 0.f;
+      for (int s = 0; s < sweep.num_sources && scale * sum < *best_cost; ++s) {
+        const int weight = sweep.Weight(s, x, y);
+        if (weight > 0) {
+          sum += static_cast<float>(weight) *
+                 (pixel.Photometric(sweep.sources[s], plane) +
+                  pixel.Geometric(sweep.sources[s], plane));
+        }
+      }
+      const float cost = scale * sum;
+      if (cost < *best_cost) {
+        *best_cost = cost;
+        *best = plane;
+      }
+    }
+  };
+
+  // Takes the best of the pixel's own plane, whose cost is known, and those of
+  // its neighbors.
+  TSAR_HD void Propagate(const WeightedCosts& weighted,
+                         Plane* best,
+                         float* best_cost) const {
+    for (int area = 0; area < kNumPropagationAreas; ++area) {
+      weighted.Try(PlaneOfArea(weighted.x, weighted.y, area), best, best_cost);
+    }
+  }
+
   // Takes the best of the plane, perturbed planes and random planes.
-  TSAR_HD void Refine(int x,
-                      int y,
-                      const PixelCosts& pixel,
+  TSAR_HD void Refine(const WeightedCosts& weighted,
                       Plane* best,
                       float* best_cost) const {
     const DepthBounds bounds{options.depth_min, options.depth_max};
     Philox random = PixelRandom(
-        stream, static_cast<int64_t>(y) * planes.width + x, iteration + 1);
-    int sum_weights = 0;
-    for (int s = 0; s < num_sources; ++s) {
-      sum_weights += Weight(s, x, y);
-    }
-    const float scale = 1.f / static_cast<float>(sum_weights);
-    const Vec3f& ray = pixel.ray;
+        stream,
+        static_cast<int64_t>(weighted.y) * planes.width + weighted.x,
+        iteration + 1);
+    const Vec3f& ray = weighted.pixel.ray;
     constexpr int kNumTrials = 6;
     for (int trial = 0; trial < kNumTrials; ++trial) {
       // Perturbations decrease with each trial and iteration.
@@ -242,25 +301,7 @@ struct SweepKernel : PlaneSearch {
               ray, bounds.DrawAround(depth, share, &random), normal);
         }
       }
-      if (!IsUsable(plane, ray, options)) {
-        continue;
-      }
-      // The sum is computed as in Propagate: planes of equal costs in every
-      // view, as without texture, must not win by rounding.
-      float sum = 0.f;
-      for (int s = 0; s < num_sources && scale * sum < *best_cost; ++s) {
-        const int weight = Weight(s, x, y);
-        if (weight > 0) {
-          sum += static_cast<float>(weight) *
-                 (pixel.Photometric(sources[s], plane) +
-                  pixel.Geometric(sources[s], plane));
-        }
-      }
-      const float cost = scale * sum;
-      if (cost < *best_cost) {
-        *best_cost = cost;
-        *best = plane;
-      }
+      weighted.Try(plane, best, best_cost);
     }
   }
 };
@@ -290,10 +331,8 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
   const int num_sources = static_cast<int>(inputs.sources.Size());
   PlaneHypotheses hypotheses{std::move(planes),
                              DeviceImage<float>(device, width, height)};
-  const PlaneSearch search{inputs.reference,
-                           inputs.sources.Data(),
-                           num_sources,
-                           options};
+  const PlaneSearch search{
+      inputs.reference, inputs.sources.Data(), num_sources, options};
   ParallelFor(device,
               width,
               height,
@@ -313,6 +352,7 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                   SweepKernel{search,
                               inputs.stream,
                               iteration,
+                              iteration % kSelectionPeriod == 0,
                               color,
                               inputs.keeps_plane,
                               hypotheses.planes.View(),

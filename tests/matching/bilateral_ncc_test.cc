@@ -123,16 +123,13 @@ void ExpectSameSums(const ReferencePatch& patch,
     EXPECT_EQ(PatchCost(patch, homography, other), kUndefinedCost);
     return;
   }
-  PatchSums by_samples;
-  PatchSums by_steps;
-  AddUpBySamples(patch, window, other, 100.f, &by_samples);
-  AddUpBySteps(patch, window, other, 100.f, &by_steps);
+  const PatchSums by_samples = AddUpBySamples(patch, window, other);
   ASSERT_TRUE(std::isfinite(by_samples.squares));
-  ASSERT_NO_FATAL_FAILURE(ExpectSame(by_steps, by_samples));
+  ASSERT_NO_FATAL_FAILURE(
+      ExpectSame(AddUpBySteps(patch, window, other), by_samples));
   if (HasAvx2()) {
-    PatchSums for_avx2;
-    AddUpByStepsForAvx2(patch, window, other, 100.f, &for_avx2);
-    ASSERT_NO_FATAL_FAILURE(ExpectSame(for_avx2, by_samples));
+    ASSERT_NO_FATAL_FAILURE(
+        ExpectSame(AddUpByStepsForAvx2(patch, window, other), by_samples));
   }
   bool is_inside = true;
   for (int i = 0; i < kPatchSize; ++i) {
