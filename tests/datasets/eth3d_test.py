@@ -4,6 +4,7 @@
 """scripts/eth3d.sh on the sample scene in the layout of ETH3D: from images to a
 submission and scores, interrupted in the middle and resumed."""
 import fcntl
+import glob
 import json
 import os
 import re
@@ -41,7 +42,8 @@ class Eth3dTest(DatasetTest):
         maps = self.output / "room" / "dense" / "stereo" / "depth_maps"
         process = subprocess.Popen(self.command(self.scenes, "--output_path", self.output),
                                    stdout=subprocess.DEVNULL, start_new_session=True)
-        while process.poll() is None and not (maps.exists() and list(maps.rglob("*.bin"))):
+        # The folder may be replaced meanwhile, which glob ignores.
+        while process.poll() is None and not glob.glob(f"{maps}/**/*.bin", recursive=True):
             time.sleep(0.05)
         self.assertIsNone(process.poll(), "it is at work when the first map appears")
         os.killpg(process.pid, signal.SIGKILL)
