@@ -148,12 +148,10 @@ template <typename Command>
 auto Run(const std::string& name,
          const Command& command,
          const py::tuple& listeners) {
-  decltype(command.Run(std::declval<Progress&>(), {})) summary;
+  decltype(command.Run(std::declval<Progress&>())) summary;
   WorkWhileServingPython(
-      name,
-      ToPythonListeners(listeners),
-      [&](Progress& progress, const std::function<bool()>& should_stop) {
-        summary = command.Run(progress, should_stop);
+      name, ToPythonListeners(listeners), [&](Progress& progress) {
+        summary = command.Run(progress);
       });
   return summary;
 }

@@ -3,6 +3,7 @@
 
 #include "colmap_tsar/base/progress.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
 
 #include <algorithm>
@@ -41,6 +42,13 @@ Progress::Progress(std::ostream& out, bool is_terminal, Clock clock)
 
 void Progress::SetListener(Listener listener) {
   listener_ = std::move(listener);
+}
+
+void Progress::ThrowIfStopped(const std::string& message) {
+  if (ShouldStop()) {
+    Finish();
+    throw Error(ErrorCode::kInterrupted, message);
+  }
 }
 
 void Progress::SetPart(const std::string& part) {

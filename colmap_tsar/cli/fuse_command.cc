@@ -104,18 +104,15 @@ void FuseCommand::AddTo(OptionSet* set) {
 
 void FuseCommand::UsePreset() { options.fusion = PresetFusionOptions(preset); }
 
-FuseSummary FuseCommand::Run(Progress& progress,
-                             const std::function<bool()>& should_stop) const {
+FuseSummary FuseCommand::Run(Progress& progress) const {
   FuseWorkspaceOptions parsed = options;
   parsed.devices.Check();
   if (!bounding_box_path.empty()) {
     parsed.bounding_box = ReadBoundingBox(bounding_box_path);
   }
   CheckOutput();
-  return FuseWorkspace(OpenWorkspaceWithMaps(workspace_path, input_type),
-                       parsed,
-                       progress,
-                       should_stop);
+  return FuseWorkspace(
+      OpenWorkspaceWithMaps(workspace_path, input_type), parsed, progress);
 }
 
 void FuseCommand::CheckOutput() const {

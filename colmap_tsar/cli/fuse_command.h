@@ -35,8 +35,7 @@ struct FuseCommand {
 
   // Throws kBadOption, and what RequireWritableOutput, OpenWorkspaceWithMaps,
   // ReadBoundingBox and FuseWorkspace throw.
-  FuseSummary Run(Progress& progress,
-                  const std::function<bool()>& should_stop) const;
+  FuseSummary Run(Progress& progress) const;
 };
 
 }  // namespace tsar

@@ -21,8 +21,7 @@ struct ImportCommand {
 
   // Throws kBadOption if an option does not apply to the format, and what
   // ImportWorkspace throws.
-  ImportSummary Run(Progress& progress,
-                    const std::function<bool()>& should_stop) const;
+  ImportSummary Run(Progress& progress) const;
 };
 
 }  // namespace tsar

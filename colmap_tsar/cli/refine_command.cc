@@ -13,6 +13,7 @@
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
 #include <filesystem>
 #include <iostream>
@@ -169,9 +170,8 @@ void RefineCommand::UsePreset() {
                                            : RefinePreset::kDefault);
 }
 
-RunSummary RefineCommand::Run(Progress& progress,
-                              const std::function<bool()>& should_stop) const {
-  return RefineWorkspace(workspace, refine, progress, should_stop);
+RunSummary RefineCommand::Run(Progress& progress) const {
+  return RefineWorkspace(workspace, refine, progress);
 }
 
 void RequireRefined(const RunSummary& summary) {

@@ -27,8 +27,7 @@ struct RefineCommand {
   void UsePreset();
 
   // Throws kBadOption, and what RefineWorkspace throws.
-  RunSummary Run(Progress& progress,
-                 const std::function<bool()>& should_stop) const;
+  RunSummary Run(Progress& progress) const;
 };
 
 // Throws kNotFound where no image could be refined, so that the next command

@@ -51,8 +51,7 @@ void ReportCommand::AddTo(OptionSet* options) {
                 " Fewer where the images are too large for the main memory.");
 }
 
-ReportSummary ReportCommand::Run(
-    Progress& progress, const std::function<bool()>& should_stop) const {
+ReportSummary ReportCommand::Run(Progress& progress) const {
   const Workspace workspace = OpenWorkspaceWithMaps(workspace_path, input_type);
   PageOptions options = page;
   if (options.report_path.empty()) {
@@ -60,7 +59,7 @@ ReportSummary ReportCommand::Run(
   }
   ReportSummary summary;
   summary.page_path = options.report_path / "index.html";
-  summary.num_images = WritePage(workspace, options, progress, should_stop);
+  summary.num_images = WritePage(workspace, options, progress);
   return summary;
 }
 

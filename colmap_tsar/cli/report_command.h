@@ -29,8 +29,7 @@ struct ReportCommand {
   void AddTo(OptionSet* options);
 
   // Throws what Workspace and WritePage throw.
-  ReportSummary Run(Progress& progress,
-                    const std::function<bool()>& should_stop) const;
+  ReportSummary Run(Progress& progress) const;
 };
 
 }  // namespace tsar

@@ -24,8 +24,7 @@ struct StereoCommand {
   void AddTo(OptionSet* options);
 
   // Throws kBadOption, and what MatchWorkspace throws.
-  StereoSummary Run(Progress& progress,
-                    const std::function<bool()>& should_stop) const;
+  StereoSummary Run(Progress& progress) const;
 };
 
 }  // namespace tsar

@@ -261,13 +261,9 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
   Workspace workspace(arguments.workspace_path, arguments.options.input_type);
   workspace.UseMasks(arguments.options.mask_path);
   const FusedPixelEvaluation evaluation =
-      RunInterruptibly([&](Progress& progress, const auto& should_stop) {
-        return EvaluateFusedPixels(workspace,
-                                   arguments.options,
-                                   fusion,
-                                   devices,
-                                   progress,
-                                   should_stop);
+      RunInterruptibly([&](Progress& progress) {
+        return EvaluateFusedPixels(
+            workspace, arguments.options, fusion, devices, progress);
       });
   PrintEvaluation(ToJson(evaluation, arguments.options.tolerances),
                   arguments.json);

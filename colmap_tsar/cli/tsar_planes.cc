@@ -218,10 +218,9 @@ int RunTsarPlanes(int argc, char** argv) {
   if (command.scale > 0.0) {
     command.min_area /= command.scale * command.scale;
   }
-  ExportedPlanes planes =
-      RunInterruptibly([&](Progress& progress, const auto& should_stop) {
-        return ExportPlanes(workspace, command.min_area, progress, should_stop);
-      });
+  ExportedPlanes planes = RunInterruptibly([&](Progress& progress) {
+    return ExportPlanes(workspace, command.min_area, progress);
+  });
   if (command.scale > 0.0) {
     ScaleToMeters(command.scale, &planes);
   }

@@ -64,8 +64,7 @@ bool ModelWorkspace(const RefineRun& run) {
                                                       run.refine_options,
                                                       options,
                                                       run.devices.model,
-                                                      run.progress,
-                                                      run.should_stop});
+                                                      run.progress});
   if (!model) {
     return false;
   }

@@ -27,7 +27,6 @@ struct RefineRun {
   const WorkspaceRefineOptions& options;
   const RefineOptions& refine_options;
   Progress& progress;
-  const std::function<bool()>& should_stop;
   const Workspace& workspace;  // The one that is written.
   const WorkspaceOverview& overview;
   const std::vector<size_t>& images;  // Of the shard, as in Problems().

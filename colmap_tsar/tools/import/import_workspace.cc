@@ -92,12 +92,9 @@ void WriteInputs(const fs::path& source,
 
 class Importer {
  public:
-  Importer(const ImportOptions& options,
-           Progress& progress,
-           const std::function<bool()>& should_stop)
+  Importer(const ImportOptions& options, Progress& progress)
       : options_(options),
         progress_(progress),
-        should_stop_(should_stop),
         model_(ReadTargetModel(options.workspace_path)) {
     const MatchedMaps matched = MatchImages(options.match, model_);
     for (const ExternalFiles& files : matched.files) {
@@ -154,18 +151,12 @@ class Importer {
     return options_.match.type == MapType::kGeometric && MustTurn();
   }
 
-  void ThrowIfStopped() const {
-    if (should_stop_()) {
-      throw Error(ErrorCode::kInterrupted, "interrupted; nothing was imported");
-    }
-  }
-
   // Reads all files once and keeps the data for the checks.
   void CheckFiles() {
     std::vector<AssignedCamera> cameras;
     progress_.Start(static_cast<int>(maps_.size()), "Checking:");
     for (Map& map : maps_) {
-      ThrowIfStopped();
+      progress_.ThrowIfStopped("interrupted; nothing was imported");
       ExternalMaps external =
           ReadExternalMaps(map.files, options_.match.format);
       RequireShape(map.files.depth,
@@ -289,7 +280,7 @@ class Importer {
   void WriteMaps(const fs::path& root, MapType type) {
     progress_.Start(static_cast<int>(maps_.size()), "Importing:");
     for (const Map& map : maps_) {
-      ThrowIfStopped();
+      progress_.ThrowIfStopped("interrupted; nothing was imported");
       ExternalMaps external =
           ReadExternalMaps(map.files, options_.match.format);
       ClearNoDepth(map.no_depth, external.depth);
@@ -314,10 +305,8 @@ class Importer {
   }
 
   void Filter(const fs::path& root) {
-    FilterMaps(Workspace(root, MapType::kPhotometric),
-               options_.device,
-               progress_,
-               should_stop_);
+    FilterMaps(
+        Workspace(root, MapType::kPhotometric), options_.device, progress_);
     summary_.num_kept = 0;
     for (const Map& map : maps_) {
       const auto paths = [&](MapType type) {
@@ -332,7 +321,6 @@ class Importer {
 
   const ImportOptions& options_;
   Progress& progress_;
-  const std::function<bool()>& should_stop_;
   const SparseModel model_;
   ImportSummary summary_;
   std::vector<Map> maps_;
@@ -368,9 +356,8 @@ SparseModel ReadTargetModel(const fs::path& root) {
 }
 
 ImportSummary ImportWorkspace(const ImportOptions& options,
-                              Progress& progress,
-                              const std::function<bool()>& should_stop) {
-  return Importer(options, progress, should_stop).Run();
+                              Progress& progress) {
+  return Importer(options, progress).Run();
 }
 
 }  // namespace tsar

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/tools/report/image_page.h"
 
 #include <map>

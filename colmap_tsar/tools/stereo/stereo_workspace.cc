@@ -300,7 +300,6 @@ void RunPasses(const Workspace& workspace,
                size_t max_num_views,
                RefineDevices& devices,
                Progress& progress,
-               const std::function<bool()>& should_stop,
                StereoSummary* summary) {
   for (int pass = 0; pass < passes.NumPasses(); ++pass) {
     const std::string name =
@@ -311,8 +310,7 @@ void RunPasses(const Workspace& workspace,
                                                         "Pass " + name + ":",
                                                         devices.at_work,
                                                         max_num_views,
-                                                        progress,
-                                                        should_stop)
+                                                        progress)
                                   .Run();
     outcome.RethrowFailure();
     if (!outcome.IsComplete()) {
@@ -334,7 +332,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const StereoOptions& options,
                              bool overwrite,
                              Progress& progress,
-                             const std::function<bool()>& should_stop,
                              const StereoImageFiles& files) {
   device_options.Check();
   options.Check();
@@ -394,7 +391,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
               devices.at_work.MaxNumViews(overview.max_num_pixels),
               devices,
               progress,
-              should_stop,
               &summary);
   }
   passes.RemoveFilesBetween();

@@ -60,7 +60,7 @@ struct StereoSummary {
 // Throws Error: kUnsupported (there are such maps and overwrite is false, or
 // the workspace has been refined and maps are to be made), kNotFound (no image
 // has sources; an image without sparse points needs options.depth_min and
-// depth_max), kInterrupted once should_stop returned true, and those of the
+// depth_max), kInterrupted where the user asked to stop, and those of the
 // workspace, its lock, the devices, writing and Workspace::UseMasks. Completed
 // images are kept; the same call resumes the run.
 StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
@@ -68,7 +68,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const StereoOptions& options,
                              bool overwrite,
                              Progress& progress,
-                             const std::function<bool()>& should_stop,
                              const StereoImageFiles& files = {});
 
 }  // namespace tsar

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <chrono>
@@ -55,14 +56,13 @@ class StereoWorkspaceTest : public testing::Test {
     devices.num_threads = num_threads;
     std::ostringstream log;
     Progress progress(log, false);
-    return MatchWorkspace(
-        root_,
-        devices,
-        options_,
-        overwrite,
-        progress,
-        should_stop,
-        {image_list_path_, mask_path_});
+    progress.SetStop(should_stop);
+    return MatchWorkspace(root_,
+                          devices,
+                          options_,
+                          overwrite,
+                          progress,
+                          {image_list_path_, mask_path_});
   }
 
   // Expects that a run fails and changes no map.
