@@ -42,11 +42,12 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                        &command->workspace.workspace_path,
                        "The dense workspace, as image_undistorter makes it and "
                        "patch_match_stereo fills it.");
-  AddInputType(
+  options->AddEnum<MapType>(
+      "input_type",
       &command->workspace.input_type,
+      {MapType::kGeometric, MapType::kPhotometric},
       "The maps to refine; the others serve as evidence. If not given: "
-      "geometric, or photometric where there are no others.",
-      options);
+      "geometric, or photometric where there are no others.");
   options->Add("image_list_path",
                &command->workspace.image_list_path,
                "A text file with one image name per line: refine these alone, "

@@ -27,11 +27,12 @@ constexpr const char* kSummary =
 void ReportCommand::AddTo(OptionSet* options) {
   options->AddRequired(
       "workspace_path", &workspace_path, "The refined dense workspace.");
-  AddInputType(
+  options->AddEnum<MapType>(
+      "input_type",
       &input_type,
+      {MapType::kGeometric, MapType::kPhotometric},
       "The maps that were refined. If not given: geometric, or photometric "
-      "where only those were.",
-      options);
+      "where only those were.");
   options->Add(
       "report_path",
       &page.report_path,

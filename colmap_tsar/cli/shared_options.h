@@ -30,27 +30,6 @@ void AddNumThreads(const std::string& name,
                    OptionSet* options,
                    const std::string& remark = "");
 
-// Adds --input_type. Value: MapType, or an optional one. description: "The maps
-// to ...".
-template <typename Value>
-void AddInputType(Value* value,
-                  const std::string& description,
-                  OptionSet* options) {
-  const auto get = [value] {
-    const std::optional<MapType> now(*value);
-    return now ? ToString(*now) : std::string();
-  };
-  const auto set = [value](const std::string& text) {
-    *value = MapType::Parse(text);
-  };
-  options->Add(
-      "input_type",
-      TextTarget{get, set},
-      description +
-          " Values: geometric, photometric, or any other word before .bin in "
-          "the names of the maps.");
-}
-
 // Adds --mask_path. effect: what a mask changes, in sentences.
 void AddMaskPath(std::filesystem::path* value,
                  const std::string& effect,

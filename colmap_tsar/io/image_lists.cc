@@ -123,7 +123,7 @@ class ConfigParser {
                       "names the reference " + lines[i].text +
                           ", but no line with its sources follows");
       }
-      ParseSources(lines[i + 1], &problem);
+      problem.sources = ParseSources(lines[i + 1], problem.reference);
       if (problem.sources.empty()) {
         problem.without_sources =
             selector_.HasOverlap(problem.reference)
@@ -138,19 +138,15 @@ class ConfigParser {
   }
 
  private:
-  void ParseSources(const Line& line, StereoProblem* problem) {
-    const int reference = problem->reference;
+  std::vector<int> ParseSources(const Line& line, int reference) {
     const std::vector<std::string> names = SplitNames(line.text);
     if (!names.empty() && names[0] == "__auto__") {
-      problem->sources = SelectSources(line, names, reference);
-      return;
+      return SelectSources(line, names, reference);
     }
     const std::vector<int> named = names.size() == 1 && names[0] == "__all__"
                                        ? AllBut(reference)
                                        : FindSources(line, names, reference);
-    problem->sources = selector_.SelectIndependent(reference, named);
-    problem->num_left_out =
-        static_cast<int>(named.size() - problem->sources.size());
+    return selector_.SelectIndependent(reference, named);
   }
 
   std::vector<int> AllBut(int reference) const {
@@ -248,23 +244,6 @@ std::vector<StereoProblem> ReadPatchMatchConfig(
     const SparseModel& model,
     double min_triangulation_angle_degrees) {
   return ConfigParser(path, model, min_triangulation_angle_degrees).Parse();
-}
-
-void WarnOfSourcesLeftOut(const std::filesystem::path& path,
-                          const std::vector<StereoProblem>& problems) {
-  size_t num_named = 0;
-  size_t num_left_out = 0;
-  for (const StereoProblem& problem : problems) {
-    const auto left_out = static_cast<size_t>(problem.num_left_out);
-    num_named += problem.sources.size() + left_out;
-    num_left_out += left_out;
-  }
-  if (num_left_out > 0) {
-    Warn(path.string() + ": " + std::to_string(num_left_out) + " of " +
-         std::to_string(num_named) +
-         " sources are left out: they were taken from nearly the same place "
-         "as the reference or another source, and so confirm no depth");
-  }
 }
 
 }  // namespace tsar

@@ -62,7 +62,7 @@ void InputFingerprints::AddView(const Workspace& workspace, int image) {
   if (to_refine.depth.path.empty() || to_refine.normal.path.empty()) {
     return;  // Nobody reads what else there is.
   }
-  for (const MapType type : workspace.Types()) {
+  for (const MapType type : kMapTypes) {
     const OriginalMaps originals =
         type == workspace.Type() ? to_refine
                                  : FindOriginals(workspace.Paths(image, type));

@@ -148,31 +148,6 @@ Error NoMaps(const Workspace& workspace) {
           "run patch_match_stereo first, or " + AdviceOfTypes(root)));
 }
 
-// On case-insensitive file systems, two images may have the same map.
-void RequireMapsOfTheirOwn(const Workspace& workspace,
-                           const std::set<int>& images) {
-  std::map<std::string, int> first_of_name;
-  for (const int image : images) {
-    const auto [other, is_new] =
-        first_of_name.emplace(FoldedCase(workspace.Name(image)), image);
-    std::error_code error;
-    const std::filesystem::path path =
-        workspace.DepthPath(image, workspace.Type());
-    if (!is_new && std::filesystem::equivalent(
-                       path,
-                       workspace.DepthPath(other->second, workspace.Type()),
-                       error)) {
-      throw Error::File(ErrorCode::kUnsupported,
-                        path.string(),
-                        "is the map of both " + workspace.Name(other->second) +
-                            " and " + workspace.Name(image) +
-                            ", since this file system does not tell upper from "
-                            "lower case",
-                        "rename one of them, or move the workspace");
-    }
-  }
-}
-
 // Whether an image of patch-match.cfg has a depth or a normal map of this type.
 bool HasAnyMap(const Workspace& workspace, MapType type) {
   return std::ranges::any_of(
@@ -199,7 +174,6 @@ Workspace OpenMapsOf(const WorkspaceRefineOptions& options) {
 
 WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   const std::set<int> images = workspace.ImagesInUse();
-  RequireMapsOfTheirOwn(workspace, images);
   RequireNoFolder(GetSceneModelPath(workspace.Root()).Path());
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
@@ -207,15 +181,8 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   for (const int image : images) {
     overview.has_maps[image] =
         CheckImage(workspace, image, &overview, &remarks);
-    if (overview.has_maps[image] && HasAlpha(workspace.ImagePath(image))) {
-      remarks.Add({"the alpha channel is ignored; give what is transparent as "
-                   "black in masks, " +
-                   OptionName("mask_path")},
-                  workspace.Name(image));
-    }
   }
   std::ranges::for_each(remarks.Lines(), &Warn);
-  WarnOfCopiedMaps(workspace, {images.begin(), images.end()});
   bool any_reference = false;
   for (const StereoProblem& problem : workspace.Problems()) {
     if (!overview.has_maps[problem.reference]) {
@@ -235,7 +202,6 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
 
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   Workspace workspace = OpenMapsOf(options);
-  workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(options.mask_path);
   workspace.UsePriors(options.prior_path, options.prior_type);
   workspace.WarnOfStrayFiles();

@@ -86,6 +86,18 @@ int NumThreadsFor(const Workspace& workspace,
       std::clamp<int64_t>(room, 1, NumThreads(num_threads)));
 }
 
+std::vector<int> FindRefinedImages(const Workspace& workspace) {
+  const MapType type = workspace.Type();
+  std::vector<int> refined;
+  for (int image = 0; image < workspace.NumImages(); ++image) {
+    if (workspace.HasMaps(image, type) &&
+        Exists(workspace.Paths(image, type).provenance)) {
+      refined.push_back(image);
+    }
+  }
+  return refined;
+}
+
 }  // namespace
 
 std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
@@ -97,18 +109,6 @@ std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
     }
   }
   return images;
-}
-
-std::vector<int> FindRefinedImages(const Workspace& workspace) {
-  const MapType type = workspace.Type();
-  std::vector<int> refined;
-  for (int image = 0; image < workspace.NumImages(); ++image) {
-    if (workspace.HasMaps(image, type) &&
-        Exists(workspace.Paths(image, type).provenance)) {
-      refined.push_back(image);
-    }
-  }
-  return refined;
 }
 
 std::vector<int> RequireRefinedImages(const Workspace& workspace) {
@@ -144,42 +144,6 @@ void WarnOfConventions(const Workspace& workspace,
     remarks.Add(ConventionsOf(workspace, image).remarks, workspace.Name(image));
   }
   std::ranges::for_each(remarks.Lines(), &Warn);
-  WarnOfCopiedMaps(workspace, images);
-}
-
-void WarnOfCopiedMaps(const Workspace& workspace,
-                      const std::vector<int>& images) {
-  constexpr uintmax_t kNumBytes = 1024;
-  // Few bytes amid each tell which files to compare.
-  std::map<std::vector<uint8_t>, std::vector<std::filesystem::path>> alike;
-  for (const int image : images) {
-    const MapPaths maps = workspace.Paths(image, workspace.Type());
-    const std::filesystem::path path =
-        Exists(maps.provenance) ? maps.original_depth : maps.depth;
-    if (InputFile file(path); file.Size() >= kNumBytes) {
-      alike[file.ReadBytes((file.Size() - kNumBytes) / 2, kNumBytes)].push_back(
-          path);
-    }
-  }
-  for (const auto& [bytes, paths] : alike) {
-    std::map<uint64_t, std::filesystem::path> of_content;
-    for (size_t i = 0; paths.size() > 1 && i < paths.size(); ++i) {
-      const auto [first, is_new] =
-          of_content.emplace(HashFile(paths[i]), paths[i]);
-      if (is_new) {
-        continue;
-      }
-      // Of a wall straight ahead, or where all is masked, maps may be the same.
-      const Image<float> depth = ReadDepthMap(paths[i]);
-      const auto [least, most] = std::ranges::minmax(depth);
-      if (least < most) {
-        Warn(paths[i].string() + ": has the bytes of " +
-             first->second.string() +
-             ", another image's map; run patch_match_stereo again for the "
-             "image whose map it is not");
-      }
-    }
-  }
 }
 
 Image<float> ReadImageDepth(const Workspace& workspace, int image) {

@@ -102,7 +102,7 @@ void LinkMaps(const Workspace& input, const std::filesystem::path& output) {
     CreateFolders({output, std::filesystem::path("stereo") / folder});
   }
   for (int image = 0; image < input.NumImages(); ++image) {
-    for (const MapType type : input.Types()) {
+    for (const MapType type : kMapTypes) {
       const MapPaths from = input.Paths(image, type);
       const MapPaths to = GetMapPaths(output, input.Name(image), type);
       const OriginalMaps originals = FindOriginals(from);

@@ -253,7 +253,6 @@ Workspace OpenForStereo(const fs::path& path, const StereoImageFiles& files) {
     }
   }
   Workspace workspace(path, MapType::kPhotometric);
-  workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(files.mask_path);
   workspace.WarnOfStrayFiles();
   return workspace;
@@ -380,7 +379,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   // Otherwise the intermediate files are gone and need not be made again.
   if (!is_done) {
     for (const StereoProblem& problem : workspace.Problems()) {
-      for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      for (const MapType type : kMapTypes) {
         RequireUnrefined(workspace.Paths(problem.reference, type));
       }
     }
