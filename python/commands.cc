@@ -179,7 +179,7 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<StereoCommand>(options);
   const StereoSummary summary = Run("stereo", command, listeners);
   py::list without_sources;
-  for (const StereoSummary::ImageReason& image : summary.without_sources) {
+  for (const RunSummary::KeptImage& image : summary.without_sources) {
     without_sources.append(ToText(image.name));
   }
   return py::dict("workspace_path"_a = summary.workspace_path,

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/base/stopwatch.h"
 
 #include <algorithm>
 #include <chrono>
@@ -16,12 +17,6 @@ namespace {
 
 constexpr double kSecondsBetweenLines = 10.0;
 constexpr double kSecondsBetweenUpdates = 0.2;
-
-double SteadySeconds() {
-  return std::chrono::duration<double>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 std::string DurationText(double seconds) {
   if (seconds < 90.0) {
@@ -38,7 +33,8 @@ std::string DurationText(double seconds) {
 Progress::Progress(std::ostream& out, bool is_terminal, Clock clock)
     : out_(out),
       is_terminal_(is_terminal),
-      clock_(clock ? std::move(clock) : SteadySeconds) {}
+      clock_(clock ? std::move(clock)
+                   : [watch = Stopwatch()] { return watch.Seconds(); }) {}
 
 void Progress::SetListener(Listener listener) {
   listener_ = std::move(listener);

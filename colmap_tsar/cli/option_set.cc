@@ -29,12 +29,6 @@ namespace po = boost::program_options;
 
 constexpr unsigned kLineLength = 100;
 
-template <typename T>
-std::string NumberText(T value) {
-  char buffer[64];
-  return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
-}
-
 std::string RangeText(const OptionRange& range) {
   const bool has_min = range.min > OptionRange().min;
   const bool has_max = range.max < OptionRange().max;

@@ -16,19 +16,15 @@
 #include <unordered_set>
 #include <utility>
 
+#include <boost/algorithm/string/classification.hpp>
+#include <boost/algorithm/string/split.hpp>
+#include <boost/algorithm/string/trim.hpp>
+
 namespace tsar {
 namespace {
 
 // Upper bound of the length of file names.
 constexpr size_t kMaxNameLength = 4096;
-
-std::string Trimmed(const std::string& text) {
-  constexpr const char* kBlank = " \t\r\n\v\f";
-  const size_t first = text.find_first_not_of(kBlank);
-  return first == std::string::npos
-             ? ""
-             : text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 struct Line {
   int number = 0;
@@ -70,7 +66,7 @@ std::vector<Line> ReadLines(const std::filesystem::path& path,
   std::vector<Line> lines;
   std::string line;
   for (int number = 1; ReadLine(file, number == 1, &line); ++number) {
-    if (std::string text = Trimmed(line); !text.empty()) {
+    if (std::string text = boost::trim_copy(line); !text.empty()) {
       lines.push_back({number, std::move(text)});
     }
   }
@@ -80,14 +76,11 @@ std::vector<Line> ReadLines(const std::filesystem::path& path,
 // Splits a list of names, which COLMAP separates by commas or semicolons.
 std::vector<std::string> SplitNames(const std::string& text) {
   std::vector<std::string> names;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find_first_of(",;", begin), text.size());
-    std::string name = Trimmed(text.substr(begin, end - begin));
-    if (!name.empty()) {
-      names.push_back(std::move(name));
-    }
-    begin = end + 1;
+  boost::split(names, text, boost::is_any_of(",;"));
+  for (std::string& name : names) {
+    boost::trim(name);
   }
+  std::erase(names, "");
   return names;
 }
 

@@ -69,7 +69,7 @@ void InputFingerprints::AddView(const Workspace& workspace, int image) {
     const std::string name = ToString(type);
     add(name + " depth map", FileState(originals.depth.path));
     add(name + " normal map", FileState(originals.normal.path));
-    add(name + " cost map", FileState(workspace.CostPath(image, type)));
+    add(name + " cost map", FileState(workspace.Paths(image, type).cost));
   }
   add("camera", FingerprintOf(workspace.CameraOf(image)));
   add("photo", FileState(workspace.ImagePath(image)));

@@ -106,7 +106,7 @@ bool CheckImage(const Workspace& workspace,
   const MapType other = workspace.OtherType();
   if (workspace.HasMaps(image, other)) {
     RequireSizeOfDepthMap(
-        workspace.DepthPath(image, other),
+        workspace.Paths(image, other).depth,
         CheckMaps(workspace, image, other, remarks).value_or(*size),
         *size);
     workspace.OpenCosts(image, other, *size);
@@ -114,7 +114,7 @@ bool CheckImage(const Workspace& workspace,
   const Camera& camera = workspace.CameraOf(image);
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
-               RequirePossibleSize(workspace.DepthPath(image, type),
+               RequirePossibleSize(workspace.Paths(image, type).depth,
                                    size->width,
                                    size->height,
                                    "run patch_match_stereo with a smaller "
@@ -143,8 +143,9 @@ Error NoMaps(const Workspace& workspace) {
       "holds no " + ToString(workspace.Type()) +
           " map of an image in patch-match.cfg",
       AdviceForMissing(
-          workspace.DepthPath(workspace.Problems().front().reference,
-                              workspace.Type()),
+          workspace
+              .Paths(workspace.Problems().front().reference, workspace.Type())
+              .depth,
           "run patch_match_stereo first, or " + AdviceOfTypes(root)));
 }
 

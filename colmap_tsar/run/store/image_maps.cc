@@ -28,7 +28,7 @@ template <typename Read>
 auto ReadIfThere(const Image<float>& depth,
                  const std::filesystem::path& path,
                  Read read) {
-  return Exists(path) ? RequireSizeOf(depth, "the depth map", path, read(path))
+  return Exists(path) ? RequireSizeOf(depth, path, read(path))
                       : decltype(read(path))();
 }
 
@@ -64,8 +64,7 @@ Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
                              const Image<float>& depth,
                              const MapConventions& conventions) {
   const ContainedPath path = workspace.Paths(image, workspace.Type()).normal;
-  Image<Vec3f> normal =
-      RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
+  Image<Vec3f> normal = RequireSizeOf(depth, path, ReadNormalMap(path));
   conventions.Apply(normal);
   return normal;
 }

@@ -139,14 +139,6 @@ MapPaths Workspace::Paths(int image, MapType type) const {
   return GetMapPaths(root_, Name(image), type);
 }
 
-std::filesystem::path Workspace::DepthPath(int image, MapType type) const {
-  return Paths(image, type).depth;
-}
-
-std::filesystem::path Workspace::CostPath(int image, MapType type) const {
-  return Paths(image, type).cost;
-}
-
 void Workspace::UseMasks(const std::filesystem::path& folder) {
   masks_.clear();
   mask_folder_ = folder;
@@ -329,7 +321,7 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
 
 std::optional<MapReader> Workspace::OpenCosts(
     int image, MapType type, const RasterSize& depth_size) const {
-  const std::filesystem::path path = CostPath(image, type);
+  const std::filesystem::path path = Paths(image, type).cost;
   if (!Exists(path)) {
     return std::nullopt;
   }

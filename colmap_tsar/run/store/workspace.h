@@ -107,8 +107,6 @@ class Workspace {
 
   std::filesystem::path ImagePath(int image) const;
   MapPaths Paths(int image, MapType type) const;
-  std::filesystem::path DepthPath(int image, MapType type) const;
-  std::filesystem::path CostPath(int image, MapType type) const;
 
   // From now on, images have the masks in this folder, see image_masks.h; none
   // where it is empty. Throws Error: what FindImageMasks throws,

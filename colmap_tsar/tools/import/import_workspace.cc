@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/sparse_model.h"
@@ -38,12 +39,6 @@ constexpr OutputFolderKind kImportFolder = {"import",
                                             "stereo/tsar_import.json",
                                             "stereo/tsar_import_files.txt",
                                             "unfinished_import"};
-
-std::string Text(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
 
 // A power of ten, such as that between millimeters and meters, where the factor
 // is nearly that.
@@ -230,11 +225,11 @@ class Importer {
       throw Error::File(
           ErrorCode::kMismatch,
           options_.match.input_path.string(),
-          "depths are " + Text("%.4g", scale.median) +
+          "depths are " + Formatted("%.4g", scale.median) +
               " times those of the sparse points in all images, so they seem "
               "to be in other units",
           "give " + OptionName("depth_scale") + " " +
-              Text("%.3g", RoundFactor(maps_[0].scale / scale.median)) +
+              Formatted("%.3g", RoundFactor(maps_[0].scale / scale.median)) +
               ", or " + OptionName("check_scale") +
               " 0 to take them as they are");
     }
@@ -250,9 +245,9 @@ class Importer {
           IsOffScale(map.sparse.ratio)) {
         is_any_off = true;
         summary_.warnings.push_back(
-            map.image.name + ": depths are " + Text("%.3g", map.sparse.ratio) +
-            " times those of its " + std::to_string(map.sparse.num_points) +
-            " sparse points");
+            map.image.name + ": depths are " +
+            Formatted("%.3g", map.sparse.ratio) + " times those of its " +
+            std::to_string(map.sparse.num_points) + " sparse points");
       }
     }
     if (!scale.is_consistent && is_any_off) {

@@ -45,9 +45,9 @@ std::string WorkspaceName(const Workspace& workspace) {
   return (root.has_filename() ? root : root.parent_path()).filename().string();
 }
 
-std::vector<KeptImage> ListKept(const Workspace& workspace,
-                                const std::vector<int>& refined) {
-  std::vector<KeptImage> kept;
+std::vector<RunSummary::KeptImage> ListKept(const Workspace& workspace,
+                                            const std::vector<int>& refined) {
+  std::vector<RunSummary::KeptImage> kept;
   for (const StereoProblem& problem : workspace.Problems()) {
     const int image = problem.reference;
     if (std::ranges::binary_search(refined, image)) {

@@ -47,14 +47,9 @@ void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps) {
   CreateFolders(files.normal.Parent());
   if (files.cost) {
     CreateFolders(files.cost->Parent());
-    PlanarMap costs;
-    costs.width = maps.depth.Width();
-    costs.height = maps.depth.Height();
-    costs.channels = 2;
-    costs.values.assign(maps.min_cost.begin(), maps.min_cost.end());
-    costs.values.insert(
-        costs.values.end(), maps.second_cost.begin(), maps.second_cost.end());
-    WritePlanarMap(*files.cost, costs);
+    std::vector<float> costs(maps.min_cost.begin(), maps.min_cost.end());
+    costs.insert(costs.end(), maps.second_cost.begin(), maps.second_cost.end());
+    WriteMap(*files.cost, {maps.depth.Width(), maps.depth.Height(), 2}, costs);
   }
   WriteNormalMap(files.normal, maps.normal);
   WriteDepthMap(files.depth, maps.depth);

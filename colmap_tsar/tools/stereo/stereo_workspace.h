@@ -30,11 +30,6 @@ struct StereoImageFiles {
 };
 
 struct StereoSummary {
-  struct ImageReason {
-    std::string name;
-    std::string reason;
-  };
-
   std::filesystem::path workspace_path;
   // The type of maps for the next step.
   MapType type = MapType::kGeometric;
@@ -43,7 +38,7 @@ struct StereoSummary {
   int num_skipped = 0;  // Images done before.
   // The number of images with a mask; nullopt without masks.
   std::optional<int64_t> num_masks;
-  std::vector<ImageReason> without_sources;
+  std::vector<RunSummary::KeptImage> without_sources;
   double wall_seconds = 0.0;
   std::vector<RunSummary::GpuMemory> peak_gpu_memory;
 };

@@ -13,6 +13,7 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
@@ -47,10 +48,17 @@ class StereoWorkspaceTest : public testing::Test {
     }
   }
 
-  StereoSummary Run(
-      bool overwrite = false,
-      int num_threads = 1,
-      const std::function<bool()>& should_stop = [] { return false; }) {
+  // The smallest costs of all pixels, then the second smallest.
+  static std::vector<float> ReadCosts(const std::filesystem::path& path) {
+    MapReader reader(path);
+    std::vector<float> costs(reader.Size().NumValues());
+    reader.Read(0, 0, costs);
+    return costs;
+  }
+
+  StereoSummary Run(bool overwrite = false,
+                    int num_threads = 1,
+                    const std::function<bool()>& should_stop = nullptr) {
     DeviceOptions devices;
     devices.choice = DeviceChoice::kCpu;
     devices.num_threads = num_threads;
