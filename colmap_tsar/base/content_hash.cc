@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/text_stream.h"
 
 #include <cinttypes>
-#include <cstdio>
 #include <new>
 #include <vector>
 

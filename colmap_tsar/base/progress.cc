@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/stopwatch.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 

@@ -8,7 +8,6 @@
 #include "colmap_tsar/fusion/fuse_workspace.h"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 

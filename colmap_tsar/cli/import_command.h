@@ -7,7 +7,6 @@
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 
-#include <functional>
 #include <string>
 
 namespace tsar {

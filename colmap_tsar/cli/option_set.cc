@@ -10,7 +10,6 @@
 #include "colmap_tsar/base/printable.h"
 
 #include <algorithm>
-#include <charconv>
 #include <iostream>
 #include <map>
 #include <set>

@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iomanip>
 #include <optional>
 #include <string>
 #include <utility>

@@ -7,10 +7,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <ostream>
 #include <string>
-#include <vector>
 
 namespace tsar {
 

@@ -15,7 +15,6 @@
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/view/refine_option_list.h"
 
-#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <utility>

@@ -6,9 +6,7 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/run/refine_workspace.h"
-#include "colmap_tsar/view/refine_option_list.h"
 
-#include <functional>
 #include <string>
 
 namespace tsar {

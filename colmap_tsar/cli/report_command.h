@@ -8,9 +8,7 @@
 #include "colmap_tsar/tools/report/write_page.h"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
-#include <string>
 
 namespace tsar {
 

@@ -4,13 +4,10 @@
 #pragma once
 
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/device_options.h"
 
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 
 namespace tsar {

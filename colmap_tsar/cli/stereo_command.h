@@ -8,8 +8,6 @@
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <filesystem>
-#include <functional>
-#include <string>
 
 namespace tsar {
 

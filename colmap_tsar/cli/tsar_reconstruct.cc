@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/contained_path.h"
-#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/cli/commands.h"

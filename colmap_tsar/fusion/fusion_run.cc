@@ -4,7 +4,6 @@
 #include "colmap_tsar/fusion/fusion_run.h"
 
 #include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/io/map_io.h"
@@ -15,7 +14,6 @@
 #include <atomic>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
 namespace tsar {
 namespace {

@@ -10,7 +10,6 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/fusion/fuse_view.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
-#include "colmap_tsar/fusion/fusion_pixel.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/run_summary.h"

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/printable.h"
-#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/source_selector.h"
 
 #include <algorithm>

@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/warning.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace tsar {
 namespace {

@@ -8,11 +8,9 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/parse_number.h"
 
-#include <algorithm>
 #include <bit>
 #include <istream>
 #include <string>
-#include <utility>
 
 namespace tsar {
 namespace {

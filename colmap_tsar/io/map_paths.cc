@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/io/map_paths.h"
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 

@@ -5,11 +5,9 @@
 
 #include "colmap_tsar/base/contained_path.h"
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <string>
-#include <string_view>
 
 namespace tsar {
 

@@ -9,9 +9,6 @@
 #include "colmap_tsar/base/text_stream.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <limits>
 
 namespace tsar {

@@ -11,10 +11,7 @@
 
 #include <algorithm>
 #include <array>
-#include <sstream>
 #include <utility>
-
-#include <boost/algorithm/string/trim.hpp>
 
 namespace tsar {
 namespace {

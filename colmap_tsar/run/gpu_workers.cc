@@ -9,7 +9,6 @@
 #include "colmap_tsar/base/warning.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <numeric>
 #include <optional>
 #include <utility>

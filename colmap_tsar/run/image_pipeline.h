@@ -16,7 +16,6 @@
 #include <cstddef>
 #include <deque>
 #include <exception>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>

@@ -15,8 +15,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
-#include <string>
 #include <vector>
 
 namespace tsar {

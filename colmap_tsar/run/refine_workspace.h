@@ -12,9 +12,7 @@
 #include "colmap_tsar/view/refine_options.h"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
-#include <string>
 
 namespace tsar {
 

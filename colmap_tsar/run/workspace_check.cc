@@ -5,23 +5,18 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
-#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/photo.h"
-#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <set>
-#include <string>
-#include <system_error>
 
 namespace tsar {
 namespace {

@@ -10,8 +10,6 @@
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/view/regions/region_planes.h"
 
-#include <charconv>
-#include <iomanip>
 #include <limits>
 #include <type_traits>
 

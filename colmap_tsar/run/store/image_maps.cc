@@ -3,9 +3,7 @@
 
 #include "colmap_tsar/run/store/image_maps.h"
 
-#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/start_thread.h"
@@ -16,8 +14,6 @@
 #include "colmap_tsar/io/map_shape.h"
 
 #include <algorithm>
-#include <map>
-#include <string>
 #include <utility>
 
 namespace tsar {

@@ -8,12 +8,10 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/originals.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <string>
 #include <system_error>

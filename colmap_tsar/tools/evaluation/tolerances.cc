@@ -8,7 +8,6 @@
 #include "colmap_tsar/base/parse_number.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 

@@ -7,8 +7,6 @@
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 
-#include <functional>
-
 namespace tsar {
 
 // Writes, for each image with photometric maps, geometric ones: those depths

@@ -16,7 +16,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <initializer_list>
 #include <map>
 #include <numeric>

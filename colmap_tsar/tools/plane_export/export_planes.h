@@ -9,7 +9,6 @@
 #include "colmap_tsar/tools/plane_export/plane_polygon.h"
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 

@@ -4,7 +4,6 @@
 #include "colmap_tsar/tools/report/write_page.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/io/map_paths.h"

@@ -7,7 +7,6 @@
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <filesystem>
-#include <functional>
 
 namespace tsar {
 
