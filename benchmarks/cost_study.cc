@@ -184,7 +184,7 @@ bool HasExportedCosts(const Workspace& workspace, MapType type) {
   return std::any_of(
       problems.begin(), problems.end(), [&](const StereoProblem& problem) {
         return std::filesystem::exists(
-            workspace.CostPath(problem.reference, type));
+            workspace.Paths(problem.reference, type).cost);
       });
 }
 
@@ -277,7 +277,7 @@ void Study(const std::string& root, MapType type) {
   for (const StereoProblem& problem : workspace.Problems()) {
     if (views[problem.reference].min_cost.Empty()) {
       throw Error::File(ErrorCode::kNotFound,
-                        workspace.CostPath(problem.reference, type).string(),
+                        workspace.Paths(problem.reference, type).cost.string(),
                         "is missing",
                         "write it with --PatchMatchStereo.write_cost_maps 1");
     }

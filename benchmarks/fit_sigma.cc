@@ -150,7 +150,7 @@ void CollectView(const Workspace& workspace, int image, Scene* scene) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const Image<float> depths = ReadDepthMap(paths.depth);
   const auto require_size = [&](const ContainedPath& path, auto map) {
-    return RequireSizeOf(depths, "the depth map", path, std::move(map));
+    return RequireSizeOf(depths, path, std::move(map));
   };
   const Image<float> sigma =
       require_size(paths.sigma, ReadSigmaMap(paths.sigma));

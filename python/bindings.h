@@ -39,7 +39,7 @@ void BindPlanes(pybind11::module_* module);
 // write them.
 pybind11::str ToText(const std::string& text);
 
-// See MapType::Parse().
+// Throws kBadOption for what is none.
 MapType ToMapType(const std::string& input_type);
 
 // Width, height, and the pixels row by row, as they lie in memory.

@@ -148,12 +148,10 @@ template <typename Command>
 auto Run(const std::string& name,
          const Command& command,
          const py::tuple& listeners) {
-  decltype(command.Run(std::declval<Progress&>(), {})) summary;
+  decltype(command.Run(std::declval<Progress&>())) summary;
   WorkWhileServingPython(
-      name,
-      ToPythonListeners(listeners),
-      [&](Progress& progress, const std::function<bool()>& should_stop) {
-        summary = command.Run(progress, should_stop);
+      name, ToPythonListeners(listeners), [&](Progress& progress) {
+        summary = command.Run(progress);
       });
   return summary;
 }
@@ -181,7 +179,7 @@ py::dict Stereo(const py::dict& options, const py::tuple& listeners) {
   const auto command = ToCommand<StereoCommand>(options);
   const StereoSummary summary = Run("stereo", command, listeners);
   py::list without_sources;
-  for (const StereoSummary::ImageReason& image : summary.without_sources) {
+  for (const RunSummary::KeptImage& image : summary.without_sources) {
     without_sources.append(ToText(image.name));
   }
   return py::dict("workspace_path"_a = summary.workspace_path,

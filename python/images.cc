@@ -140,7 +140,14 @@ py::tuple ReadDepthMapSize(const std::filesystem::path& workspace_path,
 }  // namespace
 
 MapType ToMapType(const std::string& input_type) {
-  return MapType::Parse(input_type);
+  for (const MapType type : kMapTypes) {
+    if (input_type == ToString(type)) {
+      return type;
+    }
+  }
+  throw Error(
+      ErrorCode::kBadOption,
+      "input_type: '" + input_type + "' is not one of geometric, photometric");
 }
 
 void BindImages(py::module_* module) {

@@ -103,18 +103,19 @@ py::dict ReadPlanes(const std::filesystem::path& workspace_path,
   }
   std::ostream silent(nullptr);
   Progress progress(silent, /*is_terminal=*/false);
+  progress.SetStop([] {
+    // Ctrl-C is raised where it is seen.
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) {
+      throw py::error_already_set();
+    }
+    return false;
+  });
   ExportedPlanes planes;
   {
     const py::gil_scoped_release release;
     planes = ExportPlanes(
-        OpenWorkspaceWithMaps(workspace_path, type), min_area, progress, [] {
-          // Ctrl-C is raised where it is seen.
-          const py::gil_scoped_acquire acquire;
-          if (PyErr_CheckSignals() != 0) {
-            throw py::error_already_set();
-          }
-          return false;
-        });
+        OpenWorkspaceWithMaps(workspace_path, type), min_area, progress);
   }
   py::list list;
   for (const ExportedPlane& plane : planes.planes) {

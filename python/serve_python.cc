@@ -104,10 +104,9 @@ PythonListeners ToPythonListeners(const py::tuple& listeners) {
   return {listeners[0], listeners[1].cast<bool>(), listeners[2]};
 }
 
-void WorkWhileServingPython(
-    const std::string& name,
-    const PythonListeners& listeners,
-    const std::function<void(Progress&, const std::function<bool()>&)>& work) {
+void WorkWhileServingPython(const std::string& name,
+                            const PythonListeners& listeners,
+                            const std::function<void(Progress&)>& work) {
   PrepareStreams();
   TextQueue text;
   StepQueue steps;
@@ -119,8 +118,8 @@ void WorkWhileServingPython(
     });
   }
   std::atomic<bool> should_stop = false;
-  std::packaged_task<void()> task(
-      [&] { work(progress, [&] { return should_stop.load(); }); });
+  progress.SetStop([&] { return should_stop.load(); });
+  std::packaged_task<void()> task([&] { work(progress); });
   std::future<void> end = task.get_future();
   const std::jthread thread = StartThread(std::move(task));
   std::exception_ptr raised;

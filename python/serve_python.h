@@ -29,14 +29,13 @@ PythonListeners ToPythonListeners(const pybind11::tuple& listeners);
 // The work is done on another thread, without the GIL. This one sleeps, also
 // without it, and wakes to serve Python: it runs the handlers of signals and
 // calls the listeners. What these raise has the work end in order, as its
-// second argument then tells it, and is raised once it has. What the work
-// throws is thrown here.
+// Progress then tells it, and is raised once it has. What the work throws is
+// thrown here.
 //
 // name: of the work, for the steps of a pass without a name.
-void WorkWhileServingPython(
-    const std::string& name,
-    const PythonListeners& listeners,
-    const std::function<void(Progress&, const std::function<bool()>&)>& work);
+void WorkWhileServingPython(const std::string& name,
+                            const PythonListeners& listeners,
+                            const std::function<void(Progress&)>& work);
 
 // Warnings go to standard error, as those of the program; into none of the maps
 // where that is closed.

@@ -6,13 +6,11 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/input_file.h"
-#include "colmap_tsar/base/path.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <system_error>
 #include <tuple>
 #include <vector>

@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/contained_path.h"
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <ostream>

@@ -4,9 +4,9 @@
 #include "colmap_tsar/base/content_hash.h"
 
 #include "colmap_tsar/base/input_file.h"
+#include "colmap_tsar/base/text_stream.h"
 
 #include <cinttypes>
-#include <cstdio>
 #include <new>
 #include <vector>
 
@@ -40,11 +40,7 @@ uint64_t HashFile(const std::filesystem::path& path) {
   return hash.Value();
 }
 
-std::string HexDigits(uint64_t hash) {
-  char digits[17];
-  std::snprintf(digits, sizeof(digits), "%016" PRIx64, hash);
-  return digits;
-}
+std::string HexDigits(uint64_t hash) { return Formatted("%016" PRIx64, hash); }
 
 uint32_t HashImageName(const std::string& name) {
   uint32_t hash = 2166136261u;

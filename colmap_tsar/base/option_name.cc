@@ -8,19 +8,16 @@
 namespace tsar {
 namespace {
 
-std::function<std::string(const std::string&)>& Namer() {
-  static std::function<std::string(const std::string&)> namer;
-  return namer;
-}
+std::function<std::string(const std::string&)> namer;
 
 }  // namespace
 
 std::string OptionName(const std::string& key) {
-  return Namer() ? Namer()(key) : key;
+  return namer ? namer(key) : key;
 }
 
-void SetOptionNamer(std::function<std::string(const std::string&)> namer) {
-  Namer() = std::move(namer);
+void SetOptionNamer(std::function<std::string(const std::string&)> new_namer) {
+  namer = std::move(new_namer);
 }
 
 }  // namespace tsar

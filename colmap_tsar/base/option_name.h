@@ -15,6 +15,6 @@ std::string OptionName(const std::string& key);
 
 // Sets the function that OptionName() calls, for a command line; if empty, keys
 // are unchanged. Must not be called while other threads work.
-void SetOptionNamer(std::function<std::string(const std::string&)> namer);
+void SetOptionNamer(std::function<std::string(const std::string&)> new_namer);
 
 }  // namespace tsar

@@ -9,6 +9,11 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
+
+#include <boost/algorithm/string/classification.hpp>
+#include <boost/algorithm/string/split.hpp>
+#include <boost/algorithm/string/trim.hpp>
 
 namespace tsar {
 
@@ -22,6 +27,29 @@ std::optional<T> ParseNumber(std::string_view text) {
   const auto [rest, error] = std::from_chars(text.data(), end, number);
   return error == std::errc() && rest == end ? std::optional(number)
                                              : std::nullopt;
+}
+
+// The shortest text that ParseNumber() reads as this number.
+template <typename T>
+std::string NumberText(T number) {
+  char text[64];
+  return {text, std::to_chars(text, text + sizeof(text), number).ptr};
+}
+
+// Numbers separated by commas, with blanks around them or not.
+template <typename T>
+std::optional<std::vector<T>> ParseNumbers(std::string_view text) {
+  std::vector<std::string> words;
+  boost::split(words, text, boost::is_any_of(","));
+  std::vector<T> numbers;
+  for (const std::string& word : words) {
+    const auto number = ParseNumber<T>(boost::trim_copy(word));
+    if (!number) {
+      return std::nullopt;
+    }
+    numbers.push_back(*number);
+  }
+  return numbers;
 }
 
 // Reads the next word, between white space, as a number.

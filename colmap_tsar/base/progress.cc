@@ -3,10 +3,11 @@
 
 #include "colmap_tsar/base/progress.h"
 
+#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/printable.h"
+#include "colmap_tsar/base/stopwatch.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -15,12 +16,6 @@ namespace {
 
 constexpr double kSecondsBetweenLines = 10.0;
 constexpr double kSecondsBetweenUpdates = 0.2;
-
-double SteadySeconds() {
-  return std::chrono::duration<double>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
 
 std::string DurationText(double seconds) {
   if (seconds < 90.0) {
@@ -37,10 +32,18 @@ std::string DurationText(double seconds) {
 Progress::Progress(std::ostream& out, bool is_terminal, Clock clock)
     : out_(out),
       is_terminal_(is_terminal),
-      clock_(clock ? std::move(clock) : SteadySeconds) {}
+      clock_(clock ? std::move(clock)
+                   : [watch = Stopwatch()] { return watch.Seconds(); }) {}
 
 void Progress::SetListener(Listener listener) {
   listener_ = std::move(listener);
+}
+
+void Progress::ThrowIfStopped(const std::string& message) {
+  if (ShouldStop()) {
+    Finish();
+    throw Error(ErrorCode::kInterrupted, message);
+  }
 }
 
 void Progress::SetPart(const std::string& part) {

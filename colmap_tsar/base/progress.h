@@ -7,13 +7,15 @@
 #include <mutex>
 #include <ostream>
 #include <string>
+#include <utility>
 
 namespace tsar {
 
-// Reports the progress of a loop over images: "[12/500] 3 min left". On a
-// terminal it keeps one line up to date; elsewhere, as in a log file, it writes
-// a line every ten seconds and one at the end. Can be advanced from several
-// threads. Images that need no work are reported only if they take long.
+// Reports the progress of a loop over images: "[12/500] 3 min left", and tells
+// the loop whether the user asked to stop. On a terminal it keeps one line up
+// to date; elsewhere, as in a log file, it writes a line every ten seconds and
+// one at the end. Can be advanced from several threads. Images that need no
+// work are reported only if they take long.
 class Progress {
  public:
   // A clock in seconds since a fixed moment.
@@ -29,6 +31,15 @@ class Progress {
   // Sets a listener that is called at each start and for each image, one call
   // at a time, by the reporting thread. Must be called before the work begins.
   void SetListener(Listener listener);
+
+  // Sets whether the user asked to stop, which is called often, from several
+  // threads. Must be called before the work begins.
+  void SetStop(std::function<bool()> should_stop) {
+    should_stop_ = std::move(should_stop);
+  }
+  bool ShouldStop() const { return should_stop_ && should_stop_(); }
+  // Throws Error kInterrupted with this message if the user asked to stop.
+  void ThrowIfStopped(const std::string& message);
 
   // Names the part of the work to which the next passes belong, such as
   // "Stereo. "; their lines begin with it.
@@ -49,6 +60,7 @@ class Progress {
   const bool is_terminal_;
   const Clock clock_;
   Listener listener_;
+  std::function<bool()> should_stop_;
   std::mutex mutex_;
   std::string part_;
   std::string pass_;

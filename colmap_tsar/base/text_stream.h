@@ -3,7 +3,9 @@
 
 #pragma once
 
+#include <cstdio>
 #include <sstream>
+#include <string>
 
 namespace tsar {
 
@@ -13,5 +15,13 @@ class TextStream : public std::ostringstream {
  public:
   TextStream() { exceptions(std::ios::badbit); }
 };
+
+// What std::printf() would print, at most 255 characters.
+template <typename... Values>
+std::string Formatted(const char* format, Values... values) {
+  char text[256];
+  std::snprintf(text, sizeof(text), format, values...);
+  return text;
+}
 
 }  // namespace tsar

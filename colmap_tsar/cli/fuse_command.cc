@@ -47,11 +47,12 @@ void FuseCommand::AddTo(OptionSet* set) {
                    &options.output_path,
                    "The PLY file to write; beside it, with .vis behind its "
                    "name, the images that see each point.");
-  AddInputType(
+  set->AddEnum<MapType>(
+      "input_type",
       &input_type,
+      {MapType::kGeometric, MapType::kPhotometric},
       "The maps to fuse. If not given: geometric, or photometric where "
-      "only those were refined or are there.",
-      set);
+      "only those were refined or are there.");
   set->Add("image_list_path",
            &options.image_list_path,
            "A text file with one image name per line: the pixels of these "
@@ -104,18 +105,15 @@ void FuseCommand::AddTo(OptionSet* set) {
 
 void FuseCommand::UsePreset() { options.fusion = PresetFusionOptions(preset); }
 
-FuseSummary FuseCommand::Run(Progress& progress,
-                             const std::function<bool()>& should_stop) const {
+FuseSummary FuseCommand::Run(Progress& progress) const {
   FuseWorkspaceOptions parsed = options;
   parsed.devices.Check();
   if (!bounding_box_path.empty()) {
     parsed.bounding_box = ReadBoundingBox(bounding_box_path);
   }
   CheckOutput();
-  return FuseWorkspace(OpenWorkspaceWithMaps(workspace_path, input_type),
-                       parsed,
-                       progress,
-                       should_stop);
+  return FuseWorkspace(
+      OpenWorkspaceWithMaps(workspace_path, input_type), parsed, progress);
 }
 
 void FuseCommand::CheckOutput() const {

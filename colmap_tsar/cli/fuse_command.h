@@ -8,7 +8,6 @@
 #include "colmap_tsar/fusion/fuse_workspace.h"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -35,8 +34,7 @@ struct FuseCommand {
 
   // Throws kBadOption, and what RequireWritableOutput, OpenWorkspaceWithMaps,
   // ReadBoundingBox and FuseWorkspace throw.
-  FuseSummary Run(Progress& progress,
-                  const std::function<bool()>& should_stop) const;
+  FuseSummary Run(Progress& progress) const;
 };
 
 }  // namespace tsar

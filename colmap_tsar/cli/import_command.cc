@@ -82,8 +82,7 @@ void ImportCommand::AddTo(OptionSet* set) {
   AddDeviceOptions("TsarImport.", &options.device, set);
 }
 
-ImportSummary ImportCommand::Run(
-    Progress& progress, const std::function<bool()>& should_stop) const {
+ImportSummary ImportCommand::Run(Progress& progress) const {
   if (format.empty()) {
     throw Error(ErrorCode::kBadOption,
                 OptionName("format") + " is missing; give it");
@@ -100,7 +99,7 @@ ImportSummary ImportCommand::Run(
                         : format == "openmvs" ? ExternalFormat::kOpenMvs
                                               : ExternalFormat::kDepth;
   parsed.device.Check();
-  return ImportWorkspace(parsed, progress, should_stop);
+  return ImportWorkspace(parsed, progress);
 }
 
 int RunTsarImport(int argc, char** argv) {

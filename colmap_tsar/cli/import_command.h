@@ -7,7 +7,6 @@
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/tools/import/import_workspace.h"
 
-#include <functional>
 #include <string>
 
 namespace tsar {
@@ -21,8 +20,7 @@ struct ImportCommand {
 
   // Throws kBadOption if an option does not apply to the format, and what
   // ImportWorkspace throws.
-  ImportSummary Run(Progress& progress,
-                    const std::function<bool()>& should_stop) const;
+  ImportSummary Run(Progress& progress) const;
 };
 
 }  // namespace tsar

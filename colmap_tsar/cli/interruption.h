@@ -30,13 +30,14 @@ class Interruption {
   std::array<struct sigaction, kSignals.size()> previous_;
 };
 
-// Returns what the work returns. Its arguments are a Progress that writes to
-// standard error, and a function that returns whether it has been interrupted.
+// Returns what the work returns. Its argument is a Progress that writes to
+// standard error and stops where the program was interrupted.
 template <typename Work>
 auto RunInterruptibly(const Work& work) {
   Progress progress(std::cerr, isatty(STDERR_FILENO) != 0);
   const Interruption interruption;
-  return work(progress, [&] { return interruption.Requested(); });
+  progress.SetStop([&] { return interruption.Requested(); });
+  return work(progress);
 }
 
 }  // namespace tsar

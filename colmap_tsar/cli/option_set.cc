@@ -10,7 +10,6 @@
 #include "colmap_tsar/base/printable.h"
 
 #include <algorithm>
-#include <charconv>
 #include <iostream>
 #include <map>
 #include <set>
@@ -28,12 +27,6 @@ namespace {
 namespace po = boost::program_options;
 
 constexpr unsigned kLineLength = 100;
-
-template <typename T>
-std::string NumberText(T value) {
-  char buffer[64];
-  return {buffer, std::to_chars(buffer, buffer + sizeof(buffer), value).ptr};
-}
 
 std::string RangeText(const OptionRange& range) {
   const bool has_min = range.min > OptionRange().min;

@@ -12,10 +12,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <iomanip>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <boost/algorithm/string/replace.hpp>
 
@@ -25,9 +25,7 @@ namespace {
 constexpr size_t kMaxListed = 10;
 
 std::string Fixed(double value, int num_digits) {
-  TextStream text;
-  text << std::fixed << std::setprecision(num_digits) << value;
-  return text.str();
+  return Formatted("%.*f", num_digits, value);
 }
 
 std::string Percent(int64_t count, int64_t total) {
@@ -71,6 +69,24 @@ void PrintFirst(const List& list,
   }
   if (list.size() > kMaxListed) {
     out << "  and " << list.size() - kMaxListed << " more" << where << "\n";
+  }
+}
+
+void PrintMasks(const std::optional<int64_t>& num_masks,
+                int num_images,
+                std::ostream& out) {
+  if (num_masks) {
+    out << "  masks for " << *num_masks << " of "
+        << Counted(num_images, "image") << "\n";
+  }
+}
+
+void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
+                     std::ostream& out) {
+  for (const RunSummary::GpuMemory& peak : peaks) {
+    out << "  " << peak.gpu << ": at most "
+        << Fixed(static_cast<double>(peak.num_bytes) / 1e9, 2)
+        << " GB of its memory held\n";
   }
 }
 
@@ -204,24 +220,6 @@ std::string Counted(int64_t count, const std::string& noun) {
   return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
 }
 
-void PrintMasks(const std::optional<int64_t>& num_masks,
-                int num_images,
-                std::ostream& out) {
-  if (num_masks) {
-    out << "  masks for " << *num_masks << " of "
-        << Counted(num_images, "image") << "\n";
-  }
-}
-
-void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
-                     std::ostream& out) {
-  for (const RunSummary::GpuMemory& peak : peaks) {
-    out << "  " << peak.gpu << ": at most "
-        << Fixed(static_cast<double>(peak.num_bytes) / 1e9, 2)
-        << " GB of its memory held\n";
-  }
-}
-
 void PrintSummary(const RunSummary& summary, std::ostream& out) {
   if (summary.pass == RefinePass::kAll && summary.num_refined == 0 &&
       summary.kept.empty()) {
@@ -266,7 +264,7 @@ void PrintSummary(const StereoSummary& summary, std::ostream& out) {
       << More(summary.num_skipped, "done before") << ": "
       << Fixed(summary.wall_seconds, 1) << " s\n";
   PrintMasks(summary.num_masks, summary.num_images, out);
-  for (const StereoSummary::ImageReason& image : summary.without_sources) {
+  for (const RunSummary::KeptImage& image : summary.without_sources) {
     out << "  " << Printable(image.name) << " has no maps: " << image.reason
         << "\n";
   }

@@ -7,10 +7,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <ostream>
 #include <string>
-#include <vector>
 
 namespace tsar {
 
@@ -31,15 +29,6 @@ void PrintNext(const RunSummary& summary, std::ostream& out);
 // Prints which maps were put back and which stayed, and the new paths of
 // superseded ones.
 void PrintSummary(const RestoreResult& result, std::ostream& out);
-
-// Prints how many of the images have masks; nothing where none were given.
-void PrintMasks(const std::optional<int64_t>& num_masks,
-                int num_images,
-                std::ostream& out);
-
-// Prints the peak memory of each GPU, a line each.
-void PrintPeakMemory(const std::vector<RunSummary::GpuMemory>& peaks,
-                     std::ostream& out);
 
 // Prints the device, the time and images without maps.
 void PrintSummary(const StereoSummary& summary, std::ostream& out);

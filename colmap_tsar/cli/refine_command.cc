@@ -13,8 +13,8 @@
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/restore.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
+#include "colmap_tsar/view/refine_option_list.h"
 
-#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <utility>
@@ -41,11 +41,12 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                        &command->workspace.workspace_path,
                        "The dense workspace, as image_undistorter makes it and "
                        "patch_match_stereo fills it.");
-  AddInputType(
+  options->AddEnum<MapType>(
+      "input_type",
       &command->workspace.input_type,
+      {MapType::kGeometric, MapType::kPhotometric},
       "The maps to refine; the others serve as evidence. If not given: "
-      "geometric, or photometric where there are no others.",
-      options);
+      "geometric, or photometric where there are no others.");
   options->Add("image_list_path",
                &command->workspace.image_list_path,
                "A text file with one image name per line: refine these alone, "
@@ -169,9 +170,8 @@ void RefineCommand::UsePreset() {
                                            : RefinePreset::kDefault);
 }
 
-RunSummary RefineCommand::Run(Progress& progress,
-                              const std::function<bool()>& should_stop) const {
-  return RefineWorkspace(workspace, refine, progress, should_stop);
+RunSummary RefineCommand::Run(Progress& progress) const {
+  return RefineWorkspace(workspace, refine, progress);
 }
 
 void RequireRefined(const RunSummary& summary) {

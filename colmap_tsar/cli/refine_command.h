@@ -6,9 +6,7 @@
 #include "colmap_tsar/base/progress.h"
 #include "colmap_tsar/cli/option_set.h"
 #include "colmap_tsar/run/refine_workspace.h"
-#include "colmap_tsar/view/refine_option_list.h"
 
-#include <functional>
 #include <string>
 
 namespace tsar {
@@ -27,8 +25,7 @@ struct RefineCommand {
   void UsePreset();
 
   // Throws kBadOption, and what RefineWorkspace throws.
-  RunSummary Run(Progress& progress,
-                 const std::function<bool()>& should_stop) const;
+  RunSummary Run(Progress& progress) const;
 };
 
 // Throws kNotFound where no image could be refined, so that the next command

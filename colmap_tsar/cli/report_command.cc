@@ -27,11 +27,12 @@ constexpr const char* kSummary =
 void ReportCommand::AddTo(OptionSet* options) {
   options->AddRequired(
       "workspace_path", &workspace_path, "The refined dense workspace.");
-  AddInputType(
+  options->AddEnum<MapType>(
+      "input_type",
       &input_type,
+      {MapType::kGeometric, MapType::kPhotometric},
       "The maps that were refined. If not given: geometric, or photometric "
-      "where only those were.",
-      options);
+      "where only those were.");
   options->Add(
       "report_path",
       &page.report_path,
@@ -51,8 +52,7 @@ void ReportCommand::AddTo(OptionSet* options) {
                 " Fewer where the images are too large for the main memory.");
 }
 
-ReportSummary ReportCommand::Run(
-    Progress& progress, const std::function<bool()>& should_stop) const {
+ReportSummary ReportCommand::Run(Progress& progress) const {
   const Workspace workspace = OpenWorkspaceWithMaps(workspace_path, input_type);
   PageOptions options = page;
   if (options.report_path.empty()) {
@@ -60,7 +60,7 @@ ReportSummary ReportCommand::Run(
   }
   ReportSummary summary;
   summary.page_path = options.report_path / "index.html";
-  summary.num_images = WritePage(workspace, options, progress, should_stop);
+  summary.num_images = WritePage(workspace, options, progress);
   return summary;
 }
 

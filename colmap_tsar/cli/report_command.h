@@ -8,9 +8,7 @@
 #include "colmap_tsar/tools/report/write_page.h"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
-#include <string>
 
 namespace tsar {
 
@@ -29,8 +27,7 @@ struct ReportCommand {
   void AddTo(OptionSet* options);
 
   // Throws what Workspace and WritePage throw.
-  ReportSummary Run(Progress& progress,
-                    const std::function<bool()>& should_stop) const;
+  ReportSummary Run(Progress& progress) const;
 };
 
 }  // namespace tsar

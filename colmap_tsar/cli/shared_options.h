@@ -4,13 +4,10 @@
 #pragma once
 
 #include "colmap_tsar/cli/option_set.h"
-#include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/priors/depth_prior.h"
 #include "colmap_tsar/run/device_options.h"
 
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 
 namespace tsar {
@@ -29,27 +26,6 @@ void AddNumThreads(const std::string& name,
                    int* value,
                    OptionSet* options,
                    const std::string& remark = "");
-
-// Adds --input_type. Value: MapType, or an optional one. description: "The maps
-// to ...".
-template <typename Value>
-void AddInputType(Value* value,
-                  const std::string& description,
-                  OptionSet* options) {
-  const auto get = [value] {
-    const std::optional<MapType> now(*value);
-    return now ? ToString(*now) : std::string();
-  };
-  const auto set = [value](const std::string& text) {
-    *value = MapType::Parse(text);
-  };
-  options->Add(
-      "input_type",
-      TextTarget{get, set},
-      description +
-          " Values: geometric, photometric, or any other word before .bin in "
-          "the names of the maps.");
-}
 
 // Adds --mask_path. effect: what a mask changes, in sentences.
 void AddMaskPath(std::filesystem::path* value,

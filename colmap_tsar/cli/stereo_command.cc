@@ -121,10 +121,9 @@ void StereoCommand::AddTo(OptionSet* options) {
   AddStereoOptions(&stereo, options);
 }
 
-StereoSummary StereoCommand::Run(
-    Progress& progress, const std::function<bool()>& should_stop) const {
+StereoSummary StereoCommand::Run(Progress& progress) const {
   return MatchWorkspace(
-      workspace_path, devices, stereo, overwrite, progress, should_stop, files);
+      workspace_path, devices, stereo, overwrite, progress, files);
 }
 
 int RunTsarStereo(int argc, char** argv) {

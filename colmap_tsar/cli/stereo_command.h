@@ -8,8 +8,6 @@
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <filesystem>
-#include <functional>
-#include <string>
 
 namespace tsar {
 
@@ -24,8 +22,7 @@ struct StereoCommand {
   void AddTo(OptionSet* options);
 
   // Throws kBadOption, and what MatchWorkspace throws.
-  StereoSummary Run(Progress& progress,
-                    const std::function<bool()>& should_stop) const;
+  StereoSummary Run(Progress& progress) const;
 };
 
 }  // namespace tsar

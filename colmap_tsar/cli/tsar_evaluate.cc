@@ -111,7 +111,10 @@ struct MapArguments {
              const std::string& maps,
              const std::string& mask_effect) {
     set->AddRequired("workspace_path", &workspace_path, workspace);
-    AddInputType(&options.input_type, maps, set);
+    set->AddEnum<MapType>("input_type",
+                          &options.input_type,
+                          {MapType::kGeometric, MapType::kPhotometric},
+                          maps);
     set->Add("ground_truth_path",
              &options.ground_truth_path,
              "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 "
@@ -261,13 +264,9 @@ int RunEvaluateFusedPixels(int argc, char** argv) {
   Workspace workspace(arguments.workspace_path, arguments.options.input_type);
   workspace.UseMasks(arguments.options.mask_path);
   const FusedPixelEvaluation evaluation =
-      RunInterruptibly([&](Progress& progress, const auto& should_stop) {
-        return EvaluateFusedPixels(workspace,
-                                   arguments.options,
-                                   fusion,
-                                   devices,
-                                   progress,
-                                   should_stop);
+      RunInterruptibly([&](Progress& progress) {
+        return EvaluateFusedPixels(
+            workspace, arguments.options, fusion, devices, progress);
       });
   PrintEvaluation(ToJson(evaluation, arguments.options.tolerances),
                   arguments.json);

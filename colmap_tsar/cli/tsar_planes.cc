@@ -62,11 +62,12 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                &command->plan_path,
                "A floor plan to write: the walls seen from above, as a picture "
                "with a scale bar (.svg) or for CAD programs (.dxf).");
-  AddInputType(
+  options->AddEnum<MapType>(
+      "input_type",
       &command->input_type,
+      {MapType::kGeometric, MapType::kPhotometric},
       "The maps that were refined. If not given: geometric, or photometric "
-      "where only those were refined.",
-      options);
+      "where only those were refined.");
   options->Add("min_area",
                &command->min_area,
                "Planes of a smaller area are left out; in square units of "
@@ -218,10 +219,9 @@ int RunTsarPlanes(int argc, char** argv) {
   if (command.scale > 0.0) {
     command.min_area /= command.scale * command.scale;
   }
-  ExportedPlanes planes =
-      RunInterruptibly([&](Progress& progress, const auto& should_stop) {
-        return ExportPlanes(workspace, command.min_area, progress, should_stop);
-      });
+  ExportedPlanes planes = RunInterruptibly([&](Progress& progress) {
+    return ExportPlanes(workspace, command.min_area, progress);
+  });
   if (command.scale > 0.0) {
     ScaleToMeters(command.scale, &planes);
   }

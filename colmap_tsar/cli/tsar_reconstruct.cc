@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
 #include "colmap_tsar/base/contained_path.h"
-#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/printable.h"
 #include "colmap_tsar/cli/commands.h"
@@ -48,7 +47,7 @@ struct ReconstructCommand {
   // set again afterwards.
   void HandOut();
 
-  int Run(Progress& progress, const std::function<bool()>& should_stop) const;
+  int Run(Progress& progress) const;
 };
 
 // Adds the options that a command has in a group, but those for which one value
@@ -120,8 +119,7 @@ void ReconstructCommand::HandOut() {
   report.page.num_threads = devices.num_threads;
 }
 
-int ReconstructCommand::Run(Progress& progress,
-                            const std::function<bool()>& should_stop) const {
+int ReconstructCommand::Run(Progress& progress) const {
   // Before hours are spent.
   RequireOutsideInputs(
       match.workspace_path, output_path, OptionName("output_path"));
@@ -130,18 +128,17 @@ int ReconstructCommand::Run(Progress& progress,
   }
   if (stereo) {
     progress.SetPart("Stereo. ");
-    PrintSummary(match.Run(progress, should_stop), std::cout);
+    PrintSummary(match.Run(progress), std::cout);
   }
   progress.SetPart("Refinement. ");
-  const RunSummary refined = refine.Run(progress, should_stop);
+  const RunSummary refined = refine.Run(progress);
   PrintSummary(refined, std::cout);
   RequireRefined(refined);
   progress.SetPart("");
   CreateFolders(UserPath(output_path));
-  PrintSummary(
-      fuse.Run(progress, should_stop), fuse.options.output_path, std::cout);
+  PrintSummary(fuse.Run(progress), fuse.options.output_path, std::cout);
   progress.SetPart("Page:");
-  const ReportSummary page = report.Run(progress, should_stop);
+  const ReportSummary page = report.Run(progress);
   std::cout << "Open " << Printable(page.page_path.string()) << " in a browser"
             << std::endl;
   return 0;

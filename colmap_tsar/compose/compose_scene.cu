@@ -8,7 +8,6 @@
 #include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/scene/evidence/measurement_flags.h"
 
-#include <cmath>
 #include <utility>
 #include <vector>
 

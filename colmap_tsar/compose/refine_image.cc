@@ -12,7 +12,6 @@
 #include "colmap_tsar/scene/evidence/foreground_fattening.h"
 #include "colmap_tsar/scene/evidence/gather_evidence.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
-#include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/scene_options.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/single_view.h"

@@ -3,12 +3,10 @@
 
 #pragma once
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/device.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <type_traits>
 #include <vector>

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
-#include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/fusion/fusion_options.h"
 #include "colmap_tsar/fusion/fusion_pixel.h"

@@ -55,8 +55,7 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path) {
 
 FuseSummary FuseWorkspace(Workspace workspace,
                           const FuseWorkspaceOptions& options,
-                          Progress& progress,
-                          const std::function<bool()>& should_stop) {
+                          Progress& progress) {
   const Stopwatch stopwatch;
   options.fusion.Check();
   workspace.UseMasks(options.mask_path);
@@ -86,8 +85,7 @@ FuseSummary FuseWorkspace(Workspace workspace,
                                       sources);
       },
       [&](size_t place) { writer.Add(std::exchange(encoded[place], {})); },
-      progress,
-      should_stop);
+      progress);
   writer.Commit();
   return {static_cast<int>(plan.order.size()),
           workspace.CountMasks(plan.order),

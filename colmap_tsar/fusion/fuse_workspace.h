@@ -11,7 +11,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -54,13 +53,12 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path);
 // Like COLMAP, leaves out images that stereo/fusion.cfg does not list, if that
 // file exists. For memory see FusionRun.
 //
-// Throws Error: kNotFound (no image has maps), kInterrupted once should_stop
-// returned true, and what Workspace::UseMasks, ReadImageList, WorkspaceLock
+// Throws Error: kNotFound (no image has maps), kInterrupted where the user
+// asked to stop, and what Workspace::UseMasks, ReadImageList, WorkspaceLock
 // (shared), OpenGpus, FusionOptions::Check, ReadImageMaps, ReadImage and
 // FusedCloudWriter throw.
 FuseSummary FuseWorkspace(Workspace workspace,
                           const FuseWorkspaceOptions& options,
-                          Progress& progress,
-                          const std::function<bool()>& should_stop);
+                          Progress& progress);
 
 }  // namespace tsar

@@ -4,7 +4,6 @@
 #include "colmap_tsar/fusion/fusion_run.h"
 
 #include "colmap_tsar/base/disparity.h"
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/io/map_io.h"
@@ -15,7 +14,6 @@
 #include <atomic>
 #include <cstddef>
 #include <limits>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -25,11 +23,7 @@ constexpr float kPixelsOfDisparity = 0.25f;
 
 constexpr int64_t kPixelBytes = sizeof(FusionPixel);
 
-void StopIfAsked(const std::function<bool()>& should_stop) {
-  if (should_stop()) {
-    throw Error(ErrorCode::kInterrupted, "interrupted; nothing was written");
-  }
-}
+constexpr const char* kStopped = "interrupted; nothing was written";
 
 // The maps of an image without masked pixels. sources: images of the same
 // scene, by index in the sparse model; their baselines give the precision of
@@ -113,12 +107,11 @@ FusionRun::FusionRun(const Workspace& workspace,
 
 void FusionRun::Run(const UsePoints& use,
                     const Finish& finish,
-                    Progress& progress,
-                    const std::function<bool()>& should_stop) {
+                    Progress& progress) {
   progress.Start(static_cast<int>(plan_.order.size()), "Fusion:");
   for (Group group; group.end < plan_.order.size();) {
     group = GroupFrom(group.end);
-    Load(group, should_stop);
+    Load(group, progress);
     std::atomic<size_t> next = group.begin;
     ThreadPool threads(
         static_cast<int>(std::min(devices_.size(), group.end - group.begin)));
@@ -126,7 +119,7 @@ void FusionRun::Run(const UsePoints& use,
                 [&](int64_t begin, int64_t end) {
                   for (int64_t d = begin; d < end; ++d) {
                     for (size_t i = next++; i < group.end; i = next++) {
-                      StopIfAsked(should_stop);
+                      progress.ThrowIfStopped(kStopped);
                       use(i, Fuse(plan_.order[i], &devices_[d]));
                       progress.Advance(/*was_work=*/true);
                     }
@@ -136,7 +129,7 @@ void FusionRun::Run(const UsePoints& use,
       finish(i);
     }
   }
-  StopIfAsked(should_stop);
+  progress.ThrowIfStopped(kStopped);
   progress.Finish();
 }
 
@@ -238,8 +231,7 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
   return group;
 }
 
-void FusionRun::Load(const Group& group,
-                     const std::function<bool()>& should_stop) {
+void FusionRun::Load(const Group& group, Progress& progress) {
   std::erase_if(views_, [&](const auto& view) {
     return std::ranges::find(group.needed, view.first) == group.needed.end();
   });
@@ -250,7 +242,7 @@ void FusionRun::Load(const Group& group,
     }
   }
   ForEachImage(workspace_, missing, device_options_.num_threads, [&](size_t i) {
-    StopIfAsked(should_stop);
+    progress.ThrowIfStopped(kStopped);
     const int image = missing[i];
     views_.at(image) = std::make_shared<const FusionView>(
         LoadFusionView(workspace_, image, SourcesOf(image)));

@@ -10,7 +10,6 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/fusion/fuse_view.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
-#include "colmap_tsar/fusion/fusion_pixel.h"
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/run_summary.h"
@@ -86,12 +85,9 @@ class FusionRun {
   // Called from one thread in the plan's order, after UsePoints for that place.
   using Finish = std::function<void(size_t place)>;
 
-  // Throws Error kInterrupted once should_stop returned true, and what the
+  // Throws Error kInterrupted where the user asked to stop, and what the
   // readers of maps and photos and the functions throw.
-  void Run(const UsePoints& use,
-           const Finish& finish,
-           Progress& progress,
-           const std::function<bool()>& should_stop);
+  void Run(const UsePoints& use, const Finish& finish, Progress& progress);
 
   // "2 CPU threads", or the GPUs' names.
   const std::string& Description() const { return description_; }
@@ -120,7 +116,7 @@ class FusionRun {
     std::vector<int> needed;  // Images that are to be in memory.
   };
   Group GroupFrom(size_t begin) const;
-  void Load(const Group& group, const std::function<bool()>& should_stop);
+  void Load(const Group& group, Progress& progress);
   FusedImage Fuse(int image, FusionDevice* device);
 
   const Workspace& workspace_;

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/printable.h"
-#include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/source_selector.h"
 
 #include <algorithm>
@@ -16,19 +15,15 @@
 #include <unordered_set>
 #include <utility>
 
+#include <boost/algorithm/string/classification.hpp>
+#include <boost/algorithm/string/split.hpp>
+#include <boost/algorithm/string/trim.hpp>
+
 namespace tsar {
 namespace {
 
 // Upper bound of the length of file names.
 constexpr size_t kMaxNameLength = 4096;
-
-std::string Trimmed(const std::string& text) {
-  constexpr const char* kBlank = " \t\r\n\v\f";
-  const size_t first = text.find_first_not_of(kBlank);
-  return first == std::string::npos
-             ? ""
-             : text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 struct Line {
   int number = 0;
@@ -70,7 +65,7 @@ std::vector<Line> ReadLines(const std::filesystem::path& path,
   std::vector<Line> lines;
   std::string line;
   for (int number = 1; ReadLine(file, number == 1, &line); ++number) {
-    if (std::string text = Trimmed(line); !text.empty()) {
+    if (std::string text = boost::trim_copy(line); !text.empty()) {
       lines.push_back({number, std::move(text)});
     }
   }
@@ -80,14 +75,11 @@ std::vector<Line> ReadLines(const std::filesystem::path& path,
 // Splits a list of names, which COLMAP separates by commas or semicolons.
 std::vector<std::string> SplitNames(const std::string& text) {
   std::vector<std::string> names;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find_first_of(",;", begin), text.size());
-    std::string name = Trimmed(text.substr(begin, end - begin));
-    if (!name.empty()) {
-      names.push_back(std::move(name));
-    }
-    begin = end + 1;
+  boost::split(names, text, boost::is_any_of(",;"));
+  for (std::string& name : names) {
+    boost::trim(name);
   }
+  std::erase(names, "");
   return names;
 }
 
@@ -123,7 +115,7 @@ class ConfigParser {
                       "names the reference " + lines[i].text +
                           ", but no line with its sources follows");
       }
-      ParseSources(lines[i + 1], &problem);
+      problem.sources = ParseSources(lines[i + 1], problem.reference);
       if (problem.sources.empty()) {
         problem.without_sources =
             selector_.HasOverlap(problem.reference)
@@ -138,19 +130,15 @@ class ConfigParser {
   }
 
  private:
-  void ParseSources(const Line& line, StereoProblem* problem) {
-    const int reference = problem->reference;
+  std::vector<int> ParseSources(const Line& line, int reference) {
     const std::vector<std::string> names = SplitNames(line.text);
     if (!names.empty() && names[0] == "__auto__") {
-      problem->sources = SelectSources(line, names, reference);
-      return;
+      return SelectSources(line, names, reference);
     }
     const std::vector<int> named = names.size() == 1 && names[0] == "__all__"
                                        ? AllBut(reference)
                                        : FindSources(line, names, reference);
-    problem->sources = selector_.SelectIndependent(reference, named);
-    problem->num_left_out =
-        static_cast<int>(named.size() - problem->sources.size());
+    return selector_.SelectIndependent(reference, named);
   }
 
   std::vector<int> AllBut(int reference) const {
@@ -248,23 +236,6 @@ std::vector<StereoProblem> ReadPatchMatchConfig(
     const SparseModel& model,
     double min_triangulation_angle_degrees) {
   return ConfigParser(path, model, min_triangulation_angle_degrees).Parse();
-}
-
-void WarnOfSourcesLeftOut(const std::filesystem::path& path,
-                          const std::vector<StereoProblem>& problems) {
-  size_t num_named = 0;
-  size_t num_left_out = 0;
-  for (const StereoProblem& problem : problems) {
-    const auto left_out = static_cast<size_t>(problem.num_left_out);
-    num_named += problem.sources.size() + left_out;
-    num_left_out += left_out;
-  }
-  if (num_left_out > 0) {
-    Warn(path.string() + ": " + std::to_string(num_left_out) + " of " +
-         std::to_string(num_named) +
-         " sources are left out: they were taken from nearly the same place "
-         "as the reference or another source, and so confirm no depth");
-  }
 }
 
 }  // namespace tsar

@@ -34,9 +34,6 @@ struct StereoProblem {
   // be empty for the reason without_sources.
   std::vector<int> sources;
   std::string without_sources;
-  // The number of sources that the file names and that are not independent of
-  // the reference and of each other.
-  int num_left_out = 0;
 };
 
 // Reads stereo/patch-match.cfg: pairs of lines, the reference image and its
@@ -51,9 +48,5 @@ std::vector<StereoProblem> ReadPatchMatchConfig(
     const std::filesystem::path& path,
     const SparseModel& model,
     double min_triangulation_angle_degrees = 1.0);
-
-// Warns, in one line, if sources that the file names were left out.
-void WarnOfSourcesLeftOut(const std::filesystem::path& path,
-                          const std::vector<StereoProblem>& problems);
 
 }  // namespace tsar

@@ -4,10 +4,10 @@
 #include "colmap_tsar/io/map_conventions.h"
 
 #include "colmap_tsar/base/median.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace tsar {
 namespace {
@@ -289,10 +289,10 @@ MapConventions FindConventions(const MapSample& sample,
 }
 
 std::string NoDepthRemark(float no_depth) {
-  char number[32];
-  std::snprintf(number, sizeof(number), "%.6g", no_depth);
-  return "many depths are " + std::string(number) +
-         ", far beyond what the scene has, and are taken for \"no depth\"";
+  return Formatted(
+      "many depths are %.6g, far beyond what the scene has, and "
+      "are taken for \"no depth\"",
+      no_depth);
 }
 
 void ImageRemarks::Add(const std::vector<std::string>& remarks,

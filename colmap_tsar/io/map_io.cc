@@ -8,11 +8,9 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/parse_number.h"
 
-#include <algorithm>
 #include <bit>
 #include <istream>
 #include <string>
-#include <utility>
 
 namespace tsar {
 namespace {
@@ -208,17 +206,6 @@ Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
   return ReadMap<NormalMapReader, Vec3f>(path, num_not_finite);
 }
 
-PlanarMap ReadPlanarMap(const std::filesystem::path& path) {
-  MapReader reader(path);
-  PlanarMap map;
-  map.width = reader.Size().width;
-  map.height = reader.Size().height;
-  map.channels = reader.Size().channels;
-  map.values.resize(reader.Size().NumValues());
-  reader.Read(0, 0, map.values);
-  return map;
-}
-
 uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file) {
   MapWriter writer({depth.Width(), depth.Height(), 1}, file);
   writer.Write({depth.Data(), depth.NumPixels()});
@@ -252,16 +239,11 @@ void WriteNormalMap(const ContainedPath& path, const Image<Vec3f>& normal) {
   file.Commit();
 }
 
-void WritePlanarMap(const ContainedPath& path, const PlanarMap& map) {
-  const MapSize size = {map.width, map.height, map.channels};
-  if (map.values.size() != size.NumValues()) {
-    throw Error::File(ErrorCode::kMismatch,
-                      path.string(),
-                      "the number of values does not fit the map's size",
-                      "this is a mistake of the program, please report it");
-  }
+void WriteMap(const ContainedPath& path,
+              const MapSize& size,
+              std::span<const float> values) {
   AtomicFile file(path);
-  MapWriter(size, &file).Write(map.values);
+  MapWriter(size, &file).Write(values);
   file.Commit();
 }
 

@@ -107,14 +107,6 @@ void ForEachPiece(size_t num_pixels, const Function& function) {
   }
 }
 
-// Element (x, y) of channel c is values[(c * height + y) * width + x].
-struct PlanarMap {
-  int width = 0;
-  int height = 0;
-  int channels = 0;
-  std::vector<float> values;
-};
-
 // Reads only the header, and checks the file's length.
 MapSize ReadMapSize(const std::filesystem::path& path);
 
@@ -128,15 +120,15 @@ Image<float> ReadDepthMap(const std::filesystem::path& path,
 Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
                            int64_t* num_not_finite = nullptr);
 
-// Reads a map of any number of channels (cost maps: 2) with unchanged values.
-PlanarMap ReadPlanarMap(const std::filesystem::path& path);
-
 // The writers replace the file atomically (see AtomicFile). They reject, with
 // kMismatch, maps that break COLMAP's fusion: empty maps and values that are
 // not finite.
 void WriteDepthMap(const ContainedPath& path, const Image<float>& depth);
 void WriteNormalMap(const ContainedPath& path, const Image<Vec3f>& normal);
-void WritePlanarMap(const ContainedPath& path, const PlanarMap& map);
+// values: channel after channel.
+void WriteMap(const ContainedPath& path,
+              const MapSize& size,
+              std::span<const float> values);
 
 // Writers to a file that the caller commits. They return the hash of its
 // content, see content_hash.h.

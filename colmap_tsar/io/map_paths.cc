@@ -3,48 +3,28 @@
 
 #include "colmap_tsar/io/map_paths.h"
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 
+#include <algorithm>
 #include <set>
 
 namespace tsar {
-namespace {
 
-bool IsSuffix(std::string_view word) {
-  return !word.empty() && word.size() < 32 &&
-         word.find_first_not_of(
-             "abcdefghijklmnopqrstuvwxyz"
-             "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == std::string_view::npos;
+std::string ToString(MapType type) {
+  return type == MapType::kGeometric ? "geometric" : "photometric";
 }
-
-}  // namespace
-
-MapType MapType::Parse(const std::string& suffix) {
-  if (!IsSuffix(suffix)) {
-    throw Error(ErrorCode::kBadOption,
-                OptionName("input_type") + ": '" + suffix +
-                    "' is no type of maps; give geometric, photometric, or "
-                    "the word before .bin in the names of the maps");
-  }
-  return MapType(suffix);
-}
-
-std::string ToString(MapType type) { return type.suffix_.data(); }
 
 std::string AdviceOfTypes(const std::filesystem::path& root) {
-  std::set<std::string> types;
-  for (const std::string& name :
-       ListFileNames({root / "stereo" / "depth_maps", {}}, ".bin")) {
-    const std::string type = name.substr(name.rfind('.') + 1);
-    if (type.size() < name.size() && IsSuffix(type)) {
-      types.insert(type);
-    }
-  }
+  const std::set<std::string> names =
+      ListFileNames({root / "stereo" / "depth_maps", {}}, ".bin");
   std::string advice;
-  for (const std::string& type : types) {
-    advice += (advice.empty() ? " (there are: " : ", ") + type;
+  for (const std::string type : {"geometric", "photometric"}) {
+    if (std::ranges::any_of(names, [&](const std::string& name) {
+          return name.ends_with("." + type);
+        })) {
+      advice += (advice.empty() ? " (there are: " : ", ") + type;
+    }
   }
   return "choose another " + OptionName("input_type") + advice +
          (advice.empty() ? "" : ")");

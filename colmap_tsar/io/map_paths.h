@@ -5,41 +5,18 @@
 
 #include "colmap_tsar/base/contained_path.h"
 
-#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <string>
-#include <string_view>
 
 namespace tsar {
 
-// A set of maps, by the suffix in the names of its files, such as geometric in
-// stereo/depth_maps/a.jpg.geometric.bin.
-class MapType {
- public:
-  // Those that COLMAP's patch_match_stereo writes.
-  static const MapType kPhotometric;
-  static const MapType kGeometric;
+// The two sets of maps that COLMAP's patch_match_stereo writes.
+enum class MapType { kPhotometric, kGeometric };
+inline constexpr std::array kMapTypes = {MapType::kPhotometric,
+                                         MapType::kGeometric};
 
-  // The type of a suffix that other programs or versions may write. Throws
-  // Error kBadOption, naming input_type, for what is not one word of letters,
-  // digits and underscores.
-  static MapType Parse(const std::string& suffix);
-
-  bool operator==(const MapType& other) const = default;
-  friend std::string ToString(MapType type);
-
- private:
-  explicit constexpr MapType(std::string_view suffix) {
-    std::ranges::copy(suffix, suffix_.begin());
-  }
-
-  std::array<char, 32> suffix_{};  // Ends in a zero.
-};
-inline constexpr MapType MapType::kPhotometric("photometric");
-inline constexpr MapType MapType::kGeometric("geometric");
-
-// The suffix.
+// As in the names of its files, stereo/depth_maps/a.jpg.geometric.bin.
 std::string ToString(MapType type);
 
 // Advice where maps of a type are missing: the option input_type with the types

@@ -12,17 +12,15 @@
 namespace tsar {
 
 // Returns the map unchanged. Throws Error kMismatch with its file if its size
-// differs from that of another map of the image. other_name: such as "the depth
-// map".
+// differs from that of the image's depth map.
 template <typename T>
-Image<T> RequireSizeOf(const Image<float>& other,
-                       const std::string& other_name,
+Image<T> RequireSizeOf(const Image<float>& depth,
                        const std::filesystem::path& path,
                        Image<T> map) {
-  if (!map.HasSizeOf(other)) {
+  if (!map.HasSizeOf(depth)) {
     throw Error::File(ErrorCode::kMismatch,
                       path.string(),
-                      "is of another size than " + other_name,
+                      "is of another size than the depth map",
                       "refine the workspace again");
   }
   return map;

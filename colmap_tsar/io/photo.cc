@@ -131,13 +131,6 @@ bool HasBlackBorder(const Image<Rgb>& photo) {
          num_black * kMinShare >= static_cast<int64_t>(photo.NumPixels());
 }
 
-bool HasAlpha(const std::filesystem::path& path) {
-  InputFile file(path);
-  file.RequireOpened("image", kAdvice);
-  const std::optional<PngHeader> header = ReadPngHeader(&file);
-  return header && header->has_alpha;
-}
-
 void CheckPhotoFile(const std::filesystem::path& path) {
   InputFile file(path);
   file.RequireOpened("image", kAdvice);

@@ -28,9 +28,6 @@ Image<Rgb> ReadPhoto(const std::filesystem::path& path);
 // colors.
 Image<uint8_t> ReadGrayPhoto(const std::filesystem::path& path);
 
-// Whether a PNG file says that it has an alpha channel, which is not read.
-bool HasAlpha(const std::filesystem::path& path);
-
 // Whether one percent of the photo is exactly black and connected to its left
 // or right border: most likely the area outside of the undistorted image.
 bool HasBlackBorder(const Image<Rgb>& photo);

@@ -6,11 +6,9 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/median.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/text_stream.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
-#include <cstdio>
 #include <limits>
 
 namespace tsar {
@@ -136,17 +134,16 @@ std::vector<std::string> FindFusionObstacles(const SparseModel& model,
     }
   }
   if (most > kMaxRoundingPixels) {
-    char numbers[128];
-    std::snprintf(numbers,
-                  sizeof(numbers),
+    obstacles.push_back(
+        sparse_folder.string() +
+        Formatted(": the model "
                   "lies %.3g units from the origin, where the single precision "
                   "of stereo_fusion and of clouds is off by up to %.2g pixels",
                   farthest->camera.Center().norm(),
-                  most);
-    obstacles.push_back(sparse_folder.string() + ": the model " + numbers +
-                        "; before fusion shift it by colmap model_transformer "
-                        "(docs/troubleshooting.md tells how; the maps stay as "
-                        "they are)");
+                  most) +
+        "; before fusion shift it by colmap model_transformer "
+        "(docs/troubleshooting.md tells how; the maps stay as "
+        "they are)");
   }
   const bool is_text =
       FindSparseModelFiles(sparse_folder)[1].extension() == ".txt";

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/plane_fit.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/priors/depth_prior.h"
-#include "colmap_tsar/priors/fit_prior.h"
 
 #include <cstdint>
 #include <string>

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 

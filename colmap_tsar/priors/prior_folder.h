@@ -7,7 +7,6 @@
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/priors/depth_prior.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>

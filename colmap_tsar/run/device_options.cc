@@ -11,10 +11,7 @@
 
 #include <algorithm>
 #include <array>
-#include <sstream>
 #include <utility>
-
-#include <boost/algorithm/string/trim.hpp>
 
 namespace tsar {
 namespace {
@@ -49,21 +46,15 @@ std::string ToString(DeviceChoice choice) {
 }
 
 std::vector<int> ParseGpuIndices(const std::string& text) {
-  std::vector<int> indices;
   if (text == "-1") {
-    return indices;
+    return {};
   }
-  // The comma makes the last field count even where it is empty.
-  std::istringstream words(text + ",");
-  for (std::string word; std::getline(words, word, ',');) {
-    const auto index = ParseNumber<int>(boost::algorithm::trim_copy(word));
-    if (!index) {
-      throw Refused("'" + text + "' is not a list of GPUs");
-    }
-    indices.push_back(*index);
+  const auto indices = ParseNumbers<int>(text);
+  if (!indices) {
+    throw Refused("'" + text + "' is not a list of GPUs");
   }
-  CheckGpuIndices(indices);
-  return indices;
+  CheckGpuIndices(*indices);
+  return *indices;
 }
 
 std::string GpuIndicesText(const std::vector<int>& gpu_indices) {

@@ -9,7 +9,6 @@
 #include "colmap_tsar/view/refine_options.h"
 
 #include <cstddef>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>

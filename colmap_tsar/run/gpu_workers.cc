@@ -5,10 +5,10 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -21,10 +21,7 @@ namespace {
 constexpr int64_t kDriverBytes = int64_t{64} << 20;
 
 std::string Gigabytes(int64_t num_bytes) {
-  char text[64];
-  std::snprintf(
-      text, sizeof(text), "%.1f GB", static_cast<double>(num_bytes) / 1e9);
-  return text;
+  return Formatted("%.1f GB", static_cast<double>(num_bytes) / 1e9);
 }
 
 std::string NoGpu(int index, int num_gpus) {

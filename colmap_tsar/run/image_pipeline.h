@@ -16,7 +16,6 @@
 #include <cstddef>
 #include <deque>
 #include <exception>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -80,21 +79,18 @@ class ImagePipeline {
  public:
   // All references must outlive this object. images: their indices; the outcome
   // is in their order. pass_name: for the user; empty if there is only one
-  // pass. max_num_views: how many views are kept in memory. should_stop:
-  // whether the user asked to stop; called from all threads.
+  // pass. max_num_views: how many views are kept in memory.
   ImagePipeline(ImagePass<Result>& pass,
                 std::vector<size_t> images,
                 std::string pass_name,
                 const ImagesAtWork& at_work,
                 size_t max_num_views,
-                Progress& progress,
-                const std::function<bool()>& should_stop)
+                Progress& progress)
       : pass_(pass),
         images_(std::move(images)),
         pass_name_(std::move(pass_name)),
         num_threads_(at_work.num_threads),
         progress_(progress),
-        should_stop_(should_stop),
         cache_(max_num_views),
         free_workers_(static_cast<size_t>(at_work.num_workers)),
         outcome_(images_.size()) {
@@ -107,9 +103,9 @@ class ImagePipeline {
   }
 
   // Returns when all images are done. After a failure no further image is
-  // begun, but those already begun are completed. After should_stop, images
-  // that are not being written are left as they were; or, if WritesAfterStop(),
-  // only those that have not reached a worker.
+  // begun, but those already begun are completed. Where the user asks to
+  // stop, images that are not being written are left as they were; or, if
+  // WritesAfterStop(), only those that have not reached a worker.
   PipelineOutcome Run();
 
  private:
@@ -152,7 +148,6 @@ class ImagePipeline {
   const std::string pass_name_;
   const int num_threads_;
   Progress& progress_;
-  const std::function<bool()>& should_stop_;
   SharedCache<ViewData> cache_;
   std::mutex mutex_;
   std::condition_variable is_free_;
@@ -187,7 +182,7 @@ PipelineOutcome ImagePipeline<Result>::Run() {
 
 template <typename Result>
 void ImagePipeline<Result>::WorkOnImages() {
-  while (!has_failed_ && !should_stop_()) {
+  while (!has_failed_ && !progress_.ShouldStop()) {
     const size_t place = next_++;
     if (place >= images_.size()) {
       return;
@@ -226,14 +221,14 @@ void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
   Result result;
   {
     const Loan loan(*this);
-    if (should_stop_()) {
+    if (progress_.ShouldStop()) {
       return;
     }
     result = pass_.Compute(index, loan.Worker(), &views, report);
   }
   views = {};
   DropViews(index);
-  if (!should_stop_() || pass_.WritesAfterStop()) {
+  if (!progress_.ShouldStop() || pass_.WritesAfterStop()) {
     pass_.Write(index, std::move(result), report);
   }
 }
@@ -242,7 +237,9 @@ template <typename Result>
 bool ImagePipeline<Result>::Load(size_t index, LoadedViews* views) {
   const std::vector<int> images = pass_.Views(index);
   auto loaded = cache_.GetAll(
-      images, [&](int image) { return pass_.Load(image); }, should_stop_);
+      images,
+      [&](int image) { return pass_.Load(image); },
+      [&] { return progress_.ShouldStop(); });
   for (size_t i = 0; i < images.size(); ++i) {
     if (!loaded[i]) {
       return false;

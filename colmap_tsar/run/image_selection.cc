@@ -164,7 +164,7 @@ ImageReport ImageSelection::Begin(size_t index) const {
   if (!HasMaps(image)) {
     report.reason =
         "it has no " + type + " maps; " +
-        AdviceForMissing(workspace_.DepthPath(image, workspace_.Type()),
+        AdviceForMissing(workspace_.Paths(image, workspace_.Type()).depth,
                          "run patch_match_stereo for this image");
   } else if (Problem(index).sources.empty()) {
     report.reason = Problem(index).without_sources;

@@ -62,14 +62,14 @@ void InputFingerprints::AddView(const Workspace& workspace, int image) {
   if (to_refine.depth.path.empty() || to_refine.normal.path.empty()) {
     return;  // Nobody reads what else there is.
   }
-  for (const MapType type : workspace.Types()) {
+  for (const MapType type : kMapTypes) {
     const OriginalMaps originals =
         type == workspace.Type() ? to_refine
                                  : FindOriginals(workspace.Paths(image, type));
     const std::string name = ToString(type);
     add(name + " depth map", FileState(originals.depth.path));
     add(name + " normal map", FileState(originals.normal.path));
-    add(name + " cost map", FileState(workspace.CostPath(image, type)));
+    add(name + " cost map", FileState(workspace.Paths(image, type).cost));
   }
   add("camera", FingerprintOf(workspace.CameraOf(image)));
   add("photo", FileState(workspace.ImagePath(image)));

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/base/camera.h"
-#include "colmap_tsar/run/store/file_id.h"
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <map>

@@ -15,7 +15,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <utility>
 #include <vector>
 
 namespace tsar {
@@ -118,7 +117,7 @@ void HypothesisReader::OpenOtherType(const Workspace& workspace, int image) {
   }
   other_.emplace(workspace.OpenOriginalMaps(image, type));
   RequireSizeOfDepthMap(
-      workspace.DepthPath(image, type), other_->Size(), own_.Size());
+      workspace.Paths(image, type).depth, other_->Size(), own_.Size());
   other_is_filtered_ = type == MapType::kGeometric;
   if (HasCosts() || other_is_filtered_) {
     other_costs_ = workspace.OpenCosts(image, type, own_.Size());

@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/workspace_check.h"
 #include "colmap_tsar/view/refine_options.h"
 

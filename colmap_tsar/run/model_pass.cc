@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <map>
 #include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -64,8 +63,7 @@ bool ModelWorkspace(const RefineRun& run) {
                                                       run.refine_options,
                                                       options,
                                                       run.devices.model,
-                                                      run.progress,
-                                                      run.should_stop});
+                                                      run.progress});
   if (!model) {
     return false;
   }

@@ -9,7 +9,7 @@ namespace tsar {
 
 // The second pass: finds the planes of the scene in the evidence of all views
 // that have any, labels the views, and writes stereo/tsar/planes.bin. Returns
-// false, without writing, where should_stop returned true.
+// false, without writing, where the user asked to stop.
 bool ModelWorkspace(const RefineRun& run);
 
 }  // namespace tsar

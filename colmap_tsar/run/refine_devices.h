@@ -14,7 +14,6 @@
 #include "colmap_tsar/scene/model_scene.h"
 #include "colmap_tsar/view/view_data.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>

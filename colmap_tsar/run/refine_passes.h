@@ -4,7 +4,6 @@
 #pragma once
 
 #include "colmap_tsar/compose/refine_image.h"
-#include "colmap_tsar/device/device.h"
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/refine_run.h"

@@ -15,8 +15,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <functional>
-#include <string>
 #include <vector>
 
 namespace tsar {
@@ -27,7 +25,6 @@ struct RefineRun {
   const WorkspaceRefineOptions& options;
   const RefineOptions& refine_options;
   Progress& progress;
-  const std::function<bool()>& should_stop;
   const Workspace& workspace;  // The one that is written.
   const WorkspaceOverview& overview;
   const std::vector<size_t>& images;  // Of the shard, as in Problems().

@@ -43,8 +43,7 @@ PipelineOutcome RunPass(const RefineRun& run,
                        ToString(run.options.pass) + ":",
              run.devices.at_work,
              run.devices.at_work.MaxNumViews(num_pixels),
-             run.progress,
-             run.should_stop)
+             run.progress)
       .Run();
 }
 
@@ -142,8 +141,7 @@ RunSummary Summarize(const RefineRun& run, const PipelineOutcome& outcome) {
 // Every pass but kMerge.
 RunSummary RunOnImages(const WorkspaceRefineOptions& options,
                        const RefineOptions& refine_options,
-                       Progress& progress,
-                       const std::function<bool()>& should_stop) {
+                       Progress& progress) {
   const Stopwatch stopwatch;
   const OpenCvWithoutThreads opencv_without_threads;
   const bool in_place = options.output_path.empty();
@@ -205,7 +203,6 @@ RunSummary RunOnImages(const WorkspaceRefineOptions& options,
   const RefineRun run = {options,
                          refine_options,
                          progress,
-                         should_stop,
                          workspace,
                          overview,
                          images,
@@ -261,8 +258,7 @@ void WorkspaceRefineOptions::Check() const {
 
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
-                           Progress& progress,
-                           const std::function<bool()>& should_stop) {
+                           Progress& progress) {
   workspace_options.Check();
   refine_options.Check();
   if (!workspace_options.prior_path.empty() && !NeedsEvidence(refine_options)) {
@@ -274,8 +270,7 @@ RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
   }
   return workspace_options.pass == RefinePass::kMerge
              ? MergeShards(workspace_options, refine_options)
-             : RunOnImages(
-                   workspace_options, refine_options, progress, should_stop);
+             : RunOnImages(workspace_options, refine_options, progress);
 }
 
 }  // namespace tsar

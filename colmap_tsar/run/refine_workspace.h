@@ -12,9 +12,7 @@
 #include "colmap_tsar/view/refine_options.h"
 
 #include <filesystem>
-#include <functional>
 #include <optional>
-#include <string>
 
 namespace tsar {
 
@@ -54,10 +52,9 @@ struct WorkspaceRefineOptions {
 // Before the first file is changed, everything is checked that can be seen
 // without reading the pixels. Throws Error: what CheckWorkspace,
 // Workspace::UseMasks and UsePriors, CreateOutputWorkspace, WorkspaceLock and
-// the options' Check throw; kDevice; kInterrupted once should_stop returned
-// true (it is called often, from several threads); and what reading and writing
-// an image throw. After any error, images that were done stay done, and the
-// same call resumes from there.
+// the options' Check throw; kDevice; kInterrupted where the user asked to
+// stop; and what reading and writing an image throw. After any error, images
+// that were done stay done, and the same call resumes from there.
 //
 // kObserve, kModel and kCompose write no manifest. Before kModel, all images
 // must have been observed with these options, before kCompose, the images of
@@ -65,7 +62,6 @@ struct WorkspaceRefineOptions {
 // found, else kNotFound. kMerge: see MergeShards.
 RunSummary RefineWorkspace(const WorkspaceRefineOptions& workspace_options,
                            const RefineOptions& refine_options,
-                           Progress& progress,
-                           const std::function<bool()>& should_stop);
+                           Progress& progress);
 
 }  // namespace tsar

@@ -5,23 +5,18 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
-#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/photo.h"
-#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <set>
-#include <string>
-#include <system_error>
 
 namespace tsar {
 namespace {
@@ -106,7 +101,7 @@ bool CheckImage(const Workspace& workspace,
   const MapType other = workspace.OtherType();
   if (workspace.HasMaps(image, other)) {
     RequireSizeOfDepthMap(
-        workspace.DepthPath(image, other),
+        workspace.Paths(image, other).depth,
         CheckMaps(workspace, image, other, remarks).value_or(*size),
         *size);
     workspace.OpenCosts(image, other, *size);
@@ -114,7 +109,7 @@ bool CheckImage(const Workspace& workspace,
   const Camera& camera = workspace.CameraOf(image);
   overview->max_num_pixels =
       std::max(overview->max_num_pixels,
-               RequirePossibleSize(workspace.DepthPath(image, type),
+               RequirePossibleSize(workspace.Paths(image, type).depth,
                                    size->width,
                                    size->height,
                                    "run patch_match_stereo with a smaller "
@@ -143,34 +138,10 @@ Error NoMaps(const Workspace& workspace) {
       "holds no " + ToString(workspace.Type()) +
           " map of an image in patch-match.cfg",
       AdviceForMissing(
-          workspace.DepthPath(workspace.Problems().front().reference,
-                              workspace.Type()),
+          workspace
+              .Paths(workspace.Problems().front().reference, workspace.Type())
+              .depth,
           "run patch_match_stereo first, or " + AdviceOfTypes(root)));
-}
-
-// On case-insensitive file systems, two images may have the same map.
-void RequireMapsOfTheirOwn(const Workspace& workspace,
-                           const std::set<int>& images) {
-  std::map<std::string, int> first_of_name;
-  for (const int image : images) {
-    const auto [other, is_new] =
-        first_of_name.emplace(FoldedCase(workspace.Name(image)), image);
-    std::error_code error;
-    const std::filesystem::path path =
-        workspace.DepthPath(image, workspace.Type());
-    if (!is_new && std::filesystem::equivalent(
-                       path,
-                       workspace.DepthPath(other->second, workspace.Type()),
-                       error)) {
-      throw Error::File(ErrorCode::kUnsupported,
-                        path.string(),
-                        "is the map of both " + workspace.Name(other->second) +
-                            " and " + workspace.Name(image) +
-                            ", since this file system does not tell upper from "
-                            "lower case",
-                        "rename one of them, or move the workspace");
-    }
-  }
 }
 
 // Whether an image of patch-match.cfg has a depth or a normal map of this type.
@@ -199,7 +170,6 @@ Workspace OpenMapsOf(const WorkspaceRefineOptions& options) {
 
 WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   const std::set<int> images = workspace.ImagesInUse();
-  RequireMapsOfTheirOwn(workspace, images);
   RequireNoFolder(GetSceneModelPath(workspace.Root()).Path());
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
@@ -207,15 +177,8 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
   for (const int image : images) {
     overview.has_maps[image] =
         CheckImage(workspace, image, &overview, &remarks);
-    if (overview.has_maps[image] && HasAlpha(workspace.ImagePath(image))) {
-      remarks.Add({"the alpha channel is ignored; give what is transparent as "
-                   "black in masks, " +
-                   OptionName("mask_path")},
-                  workspace.Name(image));
-    }
   }
   std::ranges::for_each(remarks.Lines(), &Warn);
-  WarnOfCopiedMaps(workspace, {images.begin(), images.end()});
   bool any_reference = false;
   for (const StereoProblem& problem : workspace.Problems()) {
     if (!overview.has_maps[problem.reference]) {
@@ -235,7 +198,6 @@ WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
 
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options) {
   Workspace workspace = OpenMapsOf(options);
-  workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(options.mask_path);
   workspace.UsePriors(options.prior_path, options.prior_type);
   workspace.WarnOfStrayFiles();

@@ -6,7 +6,6 @@
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/workspace.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 

@@ -9,11 +9,9 @@
 #include "colmap_tsar/scene/adjustment/inverse_depth_error.h"
 #include "colmap_tsar/scene/creases/bounding_creases.h"
 #include "colmap_tsar/scene/cylinders.h"
-#include "colmap_tsar/scene/discovery/discover_planes.h"
 #include "colmap_tsar/scene/discovery/join_planes.h"
 #include "colmap_tsar/scene/evidence/label_view.h"
 #include "colmap_tsar/scene/evidence/scene_model.h"
-#include "colmap_tsar/scene/labeling/label_inputs.h"
 #include "colmap_tsar/scene/labeling/plane_costs.h"
 #include "colmap_tsar/view/refine_options.h"
 

@@ -61,13 +61,13 @@ class SceneModeler {
 
   std::optional<SceneModel> Run() {
     std::vector<PlaneBlock> blocks = DiscoverBlocks();
-    if (inputs_.should_stop()) {
+    if (inputs_.progress.ShouldStop()) {
       return std::nullopt;
     }
     Join(std::move(blocks));
     Adjust();
     Label();
-    if (inputs_.should_stop()) {
+    if (inputs_.progress.ShouldStop()) {
       return std::nullopt;
     }
     for (size_t i = 0; i < inputs_.views.size(); ++i) {
@@ -77,8 +77,8 @@ class SceneModeler {
     if (inputs_.refine_options.cylinders && !model_.frames.empty()) {
       FindCylinders();
     }
-    return inputs_.should_stop() ? std::nullopt
-                                 : std::optional(std::move(model_));
+    return inputs_.progress.ShouldStop() ? std::nullopt
+                                         : std::optional(std::move(model_));
   }
 
  private:
@@ -109,7 +109,7 @@ class SceneModeler {
   void Discover(const std::vector<size_t>& part,
                 Device& device,
                 std::vector<PlaneBlock>* blocks) {
-    if (inputs_.should_stop()) {
+    if (inputs_.progress.ShouldStop()) {
       return;
     }
     // The planes found depend slightly on the order of the views.
@@ -215,13 +215,14 @@ class SceneModeler {
   // Labels all views in sweeps; the result is invalid where the run is to stop.
   void Label() {
     const int num_sweeps = inputs_.options.num_sweeps;
-    for (int sweep = 0; sweep < num_sweeps && !inputs_.should_stop(); ++sweep) {
+    for (int sweep = 0; sweep < num_sweeps && !inputs_.progress.ShouldStop();
+         ++sweep) {
       const bool keeps_costs = sweep + 1 < num_sweeps;
       Sweep(std::to_string(sweep + 1) + " of " + std::to_string(num_sweeps),
             keeps_costs);
       // The labels of the first sweep are no valid votes beyond creases.
       if (sweep == 0 && inputs_.refine_options.bounding_creases &&
-          !inputs_.should_stop() && FindCreases()) {
+          !inputs_.progress.ShouldStop() && FindCreases()) {
         labels_.clear();
         costs_ = std::vector<Image<PlaneCost>>(costs_.size());
         kept_bytes_ = 0;
@@ -309,7 +310,7 @@ class SceneModeler {
           FindPlaneLines(observed, Renumber(*labels[view], copies), model_);
     });
     const std::vector<PlaneLine> lines = JoinPlaneLines(of_views);
-    if (lines.empty() || inputs_.should_stop()) {
+    if (lines.empty() || inputs_.progress.ShouldStop()) {
       return false;
     }
     std::vector<LineEvidence> sum(lines.size());
@@ -330,7 +331,7 @@ class SceneModeler {
     ForEachFullView("outlines", [&](size_t view, const ObservedView& observed) {
       search.FindOutlines(view, observed);
     });
-    if (inputs_.should_stop()) {
+    if (inputs_.progress.ShouldStop()) {
       return;
     }
     Visit("circles",
@@ -340,7 +341,7 @@ class SceneModeler {
           [&](size_t axis, Device& cpu) {
             search.FindCircles(axis, cpu.Threads());
           });
-    if (!search.HasFoundAny() || inputs_.should_stop()) {
+    if (!search.HasFoundAny() || inputs_.progress.ShouldStop()) {
       return;
     }
     ForEachObservedView(
@@ -391,7 +392,7 @@ class SceneModeler {
                   max_at_a_time,
                   inputs_.resources.num_threads,
                   [&](size_t i, Device& cpu) {
-                    if (!inputs_.should_stop()) {
+                    if (!inputs_.progress.ShouldStop()) {
                       visitor(i, cpu);
                       // The speed that progress reports is in images.
                       inputs_.progress.Advance(/*was_work=*/are_views);

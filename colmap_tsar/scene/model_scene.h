@@ -61,7 +61,6 @@ struct ModelSceneInputs {
   const ModelSceneOptions& options;
   const ModelResources& resources;
   Progress& progress;
-  const std::function<bool()>& should_stop;
 };
 
 // Finds the planes of a whole scene and labels its views with them:
@@ -76,8 +75,8 @@ struct ModelSceneInputs {
 // superpixel of all views, and up to max_kept_bytes of the costs of labels;
 // once these are freed, the outlines of all views (CylinderSearch).
 //
-// Result: the same bits for any resources; nothing once should_stop returned
-// true.
+// Result: the same bits for any resources; nothing where the user asked
+// to stop.
 std::optional<SceneModel> ModelScene(const ModelSceneInputs& inputs);
 
 }  // namespace tsar

@@ -4,7 +4,6 @@
 #include "colmap_tsar/scene/scene_options.h"
 
 #include "colmap_tsar/base/median.h"
-#include "colmap_tsar/view/stage_options.h"
 
 #include <algorithm>
 #include <cmath>

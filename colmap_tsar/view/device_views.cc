@@ -3,7 +3,6 @@
 
 #include "colmap_tsar/view/device_views.h"
 
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/view/denoise/denoise.h"

@@ -28,114 +28,62 @@ BlockDepth BlocksOf(const ViewData& rows,
           first_row};
 }
 
-// BlockDepth::Find() with buffers, several times as fast on a CPU: the
-// depths of a block are gathered once, and rays come from tables.
+// BlockDepth::Find() with buffers, which is faster on a CPU with large blocks:
+// their pixels are gathered once.
 class BlockDepthFinder {
  public:
-  explicit BlockDepthFinder(const BlockDepth& blocks)
-      : blocks_(blocks),
-        own_(blocks.factor),
-        other_(blocks.factor),
-        rays_(static_cast<size_t>(blocks.depth.width)) {
-    for (int x = 0; x < blocks.depth.width; ++x) {
-      rays_[x] = blocks.RayOf(x, 0).x;
-    }
-  }
+  explicit BlockDepthFinder(const BlockDepth& blocks) : blocks_(blocks) {}
 
   ptrdiff_t Find(int x, int y) {
     const int factor = blocks_.factor;
     const int end_x = std::min(x * factor + factor, blocks_.depth.width);
     const int end_y = std::min(y * factor + factor, blocks_.depth.height);
-    own_.count = 0;
-    other_.count = 0;
+    own_.clear();
+    other_.clear();
     for (int row = y * factor; row < end_y; ++row) {
       for (int column = x * factor; column < end_x; ++column) {
-        Gather(column, row);
+        const auto pixel = static_cast<int>(blocks_.depth.Index(column, row));
+        if (DepthOf(pixel) > 0.f) {
+          const bool is_own = blocks_.is_to_refine.Empty() ||
+                              blocks_.is_to_refine.data[pixel] != 0;
+          (is_own ? own_ : other_).push_back(pixel);
+        }
       }
     }
-    const int min_count =
-        BlockDepth::MinCount((end_x - x * factor) * (end_y - y * factor));
+    const auto min_count = static_cast<size_t>(
+        BlockDepth::MinCount((end_x - x * factor) * (end_y - y * factor)));
     const ptrdiff_t own = FindAmong(own_, min_count);
     return own >= 0 ? own : FindAmong(other_, min_count);
   }
 
  private:
-  // Arrays of which the first `count` elements are used.
-  struct Depths {
-    explicit Depths(int factor)
-        : depth(static_cast<size_t>(factor) * static_cast<size_t>(factor)),
-          column(depth.size()),
-          row(depth.size()) {}
+  float DepthOf(int pixel) const { return blocks_.depth.data[pixel]; }
 
-    int count = 0;
-    std::vector<float> depth;
-    std::vector<int> column;
-    std::vector<int> row;
-  };
-
-  // This has no branches, since holes are unpredictable.
-  void Gather(int column, int row) {
-    const size_t pixel = blocks_.depth.Index(column, row);
-    const float depth = blocks_.depth.data[pixel];
-    const bool is_own =
-        blocks_.is_to_refine.Empty() || blocks_.is_to_refine.data[pixel] != 0;
-    Append(depth, column, row, is_own, &own_);
-    Append(depth, column, row, !is_own, &other_);
-  }
-
-  static void Append(
-      float depth, int column, int row, bool counts, Depths* depths) {
-    // A depth that does not count is overwritten by the next.
-    const auto index = static_cast<size_t>(depths->count);
-    depths->depth[index] = depth;
-    depths->column[index] = column;
-    depths->row[index] = row;
-    depths->count += counts && depth > 0.f ? 1 : 0;
-  }
-
-  ptrdiff_t FindAmong(const Depths& depths, int min_count) const {
-    if (depths.count < min_count) {
+  ptrdiff_t FindAmong(const std::vector<int>& pixels, size_t min_count) {
+    if (pixels.size() < min_count) {
       return -1;
     }
-    const auto median = static_cast<size_t>(Median(depths));
-    const auto pixel = static_cast<ptrdiff_t>(
-        blocks_.depth.Index(depths.column[median], depths.row[median]));
-    const Plane plane = blocks_.PlaneOf(pixel);
-    int count = 0;
-    for (size_t i = 0; i < static_cast<size_t>(depths.count); ++i) {
-      const Vec3f ray = {
-          rays_[depths.column[i]], blocks_.RayOf(0, depths.row[i]).y, 1.f};
-      count += BlockDepth::IsOnPlane(
-                   depths.depth[i], ray, plane, depths.depth[median])
-                   ? 1
-                   : 0;
+    sorted_.clear();
+    for (const int pixel : pixels) {
+      sorted_.push_back(DepthOf(pixel));
     }
-    return count >= min_count ? pixel : -1;
-  }
-
-  // The index of the first depth that equals the lower median.
-  static int Median(const Depths& depths) {
-    const int rank = (depths.count - 1) / 2;
-    for (int i = 0; i < depths.count; ++i) {
-      const float one = depths.depth[i];
-      int num_nearer = 0;
-      int num_as_near = 0;
-      for (int j = 0; j < depths.count; ++j) {
-        const float other = depths.depth[j];
-        num_nearer += other < one ? 1 : 0;
-        num_as_near += other == one ? 1 : 0;
-      }
-      if (num_nearer <= rank && rank < num_nearer + num_as_near) {
-        return i;
-      }
-    }
-    return 0;
+    const auto middle = sorted_.begin() + (std::ssize(sorted_) - 1) / 2;
+    std::nth_element(sorted_.begin(), middle, sorted_.end());
+    const int median = *std::ranges::find(
+        pixels, *middle, [this](int pixel) { return DepthOf(pixel); });
+    const Plane plane = blocks_.PlaneOf(median);
+    const int width = blocks_.depth.width;
+    const auto count = std::ranges::count_if(pixels, [&](int pixel) {
+      const Vec3f ray = blocks_.RayOf(pixel % width, pixel / width);
+      return BlockDepth::IsOnPlane(DepthOf(pixel), ray, plane, *middle);
+    });
+    return static_cast<size_t>(count) >= min_count ? median : -1;
   }
 
   const BlockDepth& blocks_;
-  Depths own_;
-  Depths other_;
-  std::vector<float> rays_;  // x of the ray of each column.
+  std::vector<int> own_;
+  std::vector<int> other_;
+  std::vector<float> sorted_;
 };
 
 Image<Rgb> MeanColors(const Image<Rgb>& color,

@@ -6,28 +6,15 @@
 #include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/view/regions/region_planes.h"
 
-#include <charconv>
-#include <iomanip>
 #include <limits>
 #include <type_traits>
 
 namespace tsar {
 namespace {
-
-template <typename T>
-std::string ValueText(T value) {
-  if constexpr (std::is_same_v<T, bool>) {
-    return value ? "1" : "0";
-  } else {
-    char text[64];
-    const std::to_chars_result result =
-        std::to_chars(text, text + sizeof(text), value);
-    return std::string(text, result.ptr);
-  }
-}
 
 template <typename T>
 void CheckRange(const RefineField& field, const T* value) {
@@ -259,7 +246,9 @@ std::vector<RefineField> ListRefineFields(RefineOptions* options) {
 #undef TSAR_FIELD
 
 std::string RefineField::Text() const {
-  return std::visit([](const auto* value) { return ValueText(*value); }, value);
+  // A bool is 1 or 0.
+  return std::visit([](const auto* value) { return NumberText(+*value); },
+                    value);
 }
 
 void RefineOptions::Check() const {
@@ -311,9 +300,7 @@ std::string HashRefineOptions(const RefineOptions& options) {
   }
   ContentHash hash;
   hash.Update(text.data(), text.size());
-  TextStream hex;
-  hex << std::hex << std::setfill('0') << std::setw(16) << hash.Value();
-  return hex.str();
+  return HexDigits(hash.Value());
 }
 
 }  // namespace tsar

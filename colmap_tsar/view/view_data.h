@@ -9,7 +9,6 @@
 #include "colmap_tsar/matching/gray_pair.h"
 #include "colmap_tsar/priors/depth_prior.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>

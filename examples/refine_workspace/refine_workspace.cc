@@ -26,8 +26,8 @@ int main(int argc, char** argv) {
 
   tsar::Progress progress(std::cerr, /*live=*/false);
   try {
-    const tsar::RunSummary summary = tsar::RefineWorkspace(
-        workspace, options, progress, /*should_stop=*/[] { return false; });
+    const tsar::RunSummary summary =
+        tsar::RefineWorkspace(workspace, options, progress);
     std::cout << summary.num_refined << " images refined\n";
   } catch (const tsar::Error& error) {
     std::cerr << "ERROR: " << error.what() << "\n";

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/test_workspace.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -103,6 +104,23 @@ TEST(Progress, TellsTheListenerOfStartsAndOfEveryImage) {
                                       "Pass 1 of 2: 2/2",
                                       " 0/1",
                                       " 1/1"}));
+}
+
+TEST(Progress, TellsWhetherTheUserAskedToStop) {
+  std::ostringstream text;
+  Progress progress(text, true, [] { return 0.0; });
+  EXPECT_FALSE(progress.ShouldStop());
+  bool should_stop = false;
+  progress.SetStop([&] { return should_stop; });
+  progress.Start(1);
+  progress.Advance(true);
+  progress.ThrowIfStopped("stopped");
+  should_stop = true;
+  EXPECT_TRUE(progress.ShouldStop());
+  ExpectError(ErrorCode::kInterrupted, {"stopped"}, [&] {
+    progress.ThrowIfStopped("stopped");
+  });
+  EXPECT_THAT(text.str(), testing::EndsWith("\n"));
 }
 
 }  // namespace

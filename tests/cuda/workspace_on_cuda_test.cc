@@ -187,7 +187,7 @@ class WorkspaceOnCudaTest : public testing::Test {
     options.devices = devices;
     std::ostringstream text;
     Progress progress(text, false);
-    return RefineWorkspace(options, refine, progress, [] { return false; });
+    return RefineWorkspace(options, refine, progress);
   }
   Tree Maps(const std::string& output) {
     Tree maps;
@@ -307,10 +307,8 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuMatchToTheSameBytes) {
     }
     std::ostringstream text;
     Progress progress(text, false);
-    const StereoSummary summary = MatchWorkspace(
-        root_, devices, options, /*overwrite=*/false, progress, [] {
-          return false;
-        });
+    const StereoSummary summary =
+        MatchWorkspace(root_, devices, options, /*overwrite=*/false, progress);
     EXPECT_EQ(summary.num_images, 4);
     return Maps("dense");
   };
@@ -331,9 +329,7 @@ TEST_F(WorkspaceOnCudaTest, CpuAndGpuFuseToTheSameBytes) {
         std::ostringstream out;
         Progress progress(out, false);
         const FuseSummary summary = FuseWorkspace(
-            Workspace(root_, MapType::kGeometric), options, progress, [] {
-              return false;
-            });
+            Workspace(root_, MapType::kGeometric), options, progress);
         EXPECT_GT(summary.num_points, 500);
         return ReadText(options.output_path) +
                ReadText(options.output_path.string() + ".vis");

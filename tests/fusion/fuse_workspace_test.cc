@@ -30,13 +30,12 @@ class FuseWorkspaceTest : public testing::Test {
     options_.devices.choice = DeviceChoice::kCpu;
   }
 
-  FuseSummary Fuse(const std::function<bool()>& should_stop = [] {
-    return false;
-  }) {
+  FuseSummary Fuse(const std::function<bool()>& should_stop = nullptr) {
     std::ostringstream out;
     Progress progress(out, false);
+    progress.SetStop(should_stop);
     return FuseWorkspace(
-        Workspace(root_, MapType::kGeometric), options_, progress, should_stop);
+        Workspace(root_, MapType::kGeometric), options_, progress);
   }
 
   std::string Bytes() const {

@@ -94,14 +94,8 @@ TEST_F(MapIoTest, WritesTheBytesThatColmapReads) {
     return PutDepthMap(Image<float>(1, 2, 7.f), file);
   });
   EXPECT_EQ(ReadText(path), MapBytes("1&2&1&", {7, 7}));
-  const PlanarMap map = {2, 1, 2, {1, 2, 3, 4}};
-  WritePlanarMap(UserPath(path), map);
+  WriteMap(UserPath(path), {2, 1, 2}, std::vector<float>{1, 2, 3, 4});
   EXPECT_EQ(ReadText(path), MapBytes("2&1&2&", {1, 2, 3, 4}));
-  const PlanarMap read = ReadPlanarMap(path);
-  EXPECT_EQ(read.width, 2);
-  EXPECT_EQ(read.height, 1);
-  EXPECT_EQ(read.channels, 2);
-  EXPECT_EQ(read.values, map.values);
 }
 
 TEST_F(MapIoTest, RefusesFilesOfAnotherLength) {
@@ -162,9 +156,6 @@ TEST_F(MapIoTest, RefusesToWriteWhatFusionCannotRead) {
   }
   ExpectError(ErrorCode::kMismatch, {"empty"}, [&] {
     WriteDepthMap(UserPath(path), Image<float>());
-  });
-  ExpectError(ErrorCode::kMismatch, {path.string()}, [&] {
-    WritePlanarMap(UserPath(path), {2, 2, 1, {1, 2, 3}});
   });
   EXPECT_EQ(ReadText(path), "old");
 }

@@ -97,14 +97,6 @@ TEST_F(PatchMatchConfigTest, CopiesOfAViewAreNoSources) {
   const std::vector<StereoProblem> problems = Read(
       "v0.jpg\n__all__\nv1.jpg\nv0.jpg, v2.jpg\nv3.jpg\nv2.jpg, v1.jpg\n"
       "v2.jpg\n__auto__, 20\n");
-  testing::internal::CaptureStderr();
-  WarnOfSourcesLeftOut(path_, problems);
-  EXPECT_THAT(
-      testing::internal::GetCapturedStderr(),
-      testing::HasSubstr(path_.string() + ": 5 of 8 sources are left out"));
-  testing::internal::CaptureStderr();
-  WarnOfSourcesLeftOut(path_, {problems[3]});
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_THAT(problems[0].sources, ElementsAre(3));
   EXPECT_EQ(problems[0].without_sources, "");
   EXPECT_THAT(problems[1].sources, IsEmpty());

@@ -196,7 +196,7 @@ class RefineTest(SampleTest):
             (bad_option, ["num_threads: "], refine, dense, {"num_threads": 0}),
             (bad_option, ["cache_size: "], refine, dense, {"cache_size": 0}),
             (bad_option, ["gpu_index: ", "-3"], refine, dense, {"gpu_index": "0,-3"}),
-            (not_found, ["no normal map", "photometric"], refine, dense, {"input_type": "normal"}),
+            (bad_option, ["input_type: 'normal' is not one of"], refine, dense, {"input_type": "normal"}),
             (bad_option, ["device: "], colmap_tsar.refine, dense, {"device": "gpu"}),
             (unsupported, ["choose another output_path"], refine, dense, {"output_path": dense}),
         ):

@@ -63,9 +63,8 @@ class DrawnRoomTest : public testing::Test {
     }
   }
 
-  std::optional<SceneModel> Run(const std::function<bool()>& should_stop = [] {
-    return false;
-  }) {
+  std::optional<SceneModel> Run(
+      const std::function<bool()>& should_stop = nullptr) {
     const SceneEvidence evidence = {
         [&](size_t view) {
           return std::make_shared<const ViewEvidence>(room_.evidence[view]);
@@ -73,13 +72,9 @@ class DrawnRoomTest : public testing::Test {
         [&](size_t view) { return room_.evidence[view]; }};
     text_.str("");
     Progress progress(text_, false);
-    return ModelScene({views_,
-                       evidence,
-                       refine_options_,
-                       options_,
-                       resources_,
-                       progress,
-                       should_stop});
+    progress.SetStop(should_stop);
+    return ModelScene(
+        {views_, evidence, refine_options_, options_, resources_, progress});
   }
 
   // The number of the model's plane for this surface, or -1.

@@ -116,9 +116,10 @@ struct PipelineRun {
     at_work.num_workers = num_workers;
     std::ostringstream text;
     Progress progress(text, false);
-    outcome = ImagePipeline<int64_t>(
-                  pass, images, "", at_work, max_views, progress, should_stop)
-                  .Run();
+    progress.SetStop(should_stop);
+    outcome =
+        ImagePipeline<int64_t>(pass, images, "", at_work, max_views, progress)
+            .Run();
   }
 
   int NumFailures() const {
@@ -133,7 +134,7 @@ struct PipelineRun {
 
   DrawnPass pass;
   std::vector<size_t> images;
-  std::function<bool()> should_stop = [] { return false; };
+  std::function<bool()> should_stop;
   PipelineOutcome outcome;
 };
 
@@ -178,7 +179,8 @@ TEST(ImagePipeline, AFailureEndsTheRunOnceThoseBegunAreDone) {
       SCOPED_TRACE(what);
       PipelineRun run(500);
       if (what == std::string("read")) {
-        run.pass.unreadable = static_cast<int>(kFailing) + 3 * run.pass.num_sources;
+        run.pass.unreadable =
+            static_cast<int>(kFailing) + 3 * run.pass.num_sources;
       } else {
         (what == std::string("write") ? run.pass.fails_to_write
                                       : run.pass.fails_to_compute) = {kFailing};

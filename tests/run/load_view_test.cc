@@ -25,13 +25,12 @@ class LoadViewTest : public testing::Test {
   // Writes geometric costs without evidence for the first pixels of the view.
   void WriteCosts(const Image<float>& depth,
                   size_t num_without_evidence) const {
-    PlanarMap costs = {depth.Width(), depth.Height(), 2, {}};
-    costs.values.assign(2 * depth.NumPixels(), 0.1f);
-    std::fill_n(costs.values.begin(), num_without_evidence, 2.f);
+    std::vector<float> costs(2 * depth.NumPixels(), 0.1f);
+    std::fill_n(costs.begin(), num_without_evidence, 2.f);
     const ContainedPath path =
         GetMapPaths(root_, "v1.png", MapType::kGeometric).cost;
     CreateFolders(path.Parent());
-    WritePlanarMap(path, costs);
+    WriteMap(path, {depth.Width(), depth.Height(), 2}, costs);
   }
 
   TemporaryFolder folder_;
@@ -121,13 +120,12 @@ TEST_F(LoadViewTest, AReducedViewIsTheViewReduced) {
   Image<float> depth = ReadDepthMap(paths.depth);
   for (const bool has_costs : {false, true}) {
     if (has_costs) {
-      PlanarMap costs = {depth.Width(), depth.Height(), 2, {}};
+      std::vector<float> costs;
       for (size_t i = 0; i < 2 * depth.NumPixels(); ++i) {
-        costs.values.push_back(i % 11 == 0 ? 2.f
-                                           : static_cast<float>(i % 7) / 10.f);
+        costs.push_back(i % 11 == 0 ? 2.f : static_cast<float>(i % 7) / 10.f);
       }
       CreateFolders(paths.cost.Parent());
-      WritePlanarMap(paths.cost, costs);
+      WriteMap(paths.cost, {depth.Width(), depth.Height(), 2}, costs);
     }
     const Workspace workspace(root_, MapType::kGeometric);
     const ViewData view = LoadView(workspace, 1);

@@ -76,9 +76,9 @@ TEST_F(RefineCylindersTest, SearchesNoFurtherOnceItIsToStop) {
       }
       stops = pass.ends_with(" " + last + ":") && num_done > 0;
     });
+    progress.SetStop([&] { return stops.load(); });
     ExpectError(ErrorCode::kInterrupted, {"same command"}, [&] {
-      RefineWorkspace(
-          Options(root_), {}, progress, [&] { return stops.load(); });
+      RefineWorkspace(Options(root_), {}, progress);
     });
     EXPECT_TRUE(parts.back().ends_with(" " + last + ":")) << parts.back();
   }

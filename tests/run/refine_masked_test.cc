@@ -247,13 +247,10 @@ TEST_F(RefineMaskedTest, RefusesMasksThatDoNotFitBeforeAnythingIsChanged) {
 
 // However the view is read.
 TEST_F(RefineMaskedTest, ViewsHaveNothingWhereTheyAreMasked) {
-  PlanarMap costs;
-  costs.width = kWidth;
-  costs.height = kHeight;
-  costs.channels = 2;
-  costs.values.assign(size_t{2} * kWidth * kHeight, 0.25f);
   CreateFolders(Paths(1).cost.Parent());
-  WritePlanarMap(Paths(1).cost, costs);
+  WriteMap(Paths(1).cost,
+           {kWidth, kHeight, 2},
+           std::vector<float>(size_t{2} * kWidth * kHeight, 0.25f));
   Workspace workspace(root_, MapType::kGeometric);
   const int image = workspace.Model().IndexOf("v1.png");
   const ViewData whole = LoadView(workspace, image);

@@ -12,7 +12,9 @@
 #include "colmap_tsar/view/planes/world_plane.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <set>
+#include <vector>
 
 #include "tests/run/refine_workspace_fixture.h"
 #include "tests/support/scene_model_testing.h"
@@ -25,10 +27,14 @@ class RefineModelTest : public RefineWorkspaceTest {
   std::filesystem::path Planes() const {
     return root_ / "stereo/tsar/planes.bin";
   }
-  // Stops a run once the file is there.
-  void StopAt(const std::filesystem::path& file) {
+  // Stops a run once one of the files is there.
+  void StopAt(const std::vector<std::filesystem::path>& files) {
     ExpectError(ErrorCode::kInterrupted, {"same command"}, [&] {
-      Refine(Options(root_), {}, [&] { return std::filesystem::exists(file); });
+      Refine(Options(root_), {}, [&] {
+        return std::ranges::any_of(files, [](const auto& file) {
+          return std::filesystem::exists(file);
+        });
+      });
     });
   }
 };
@@ -102,21 +108,21 @@ TEST_F(RefineModelTest, RunsWithoutThePlanesOfTheSceneLeaveNone) {
 TEST_F(RefineModelTest, AKilledRunGoesOnWithItsPlanes) {
   const Tree expected = RefinedInOneGo();
   // While the views are labeled, or before.
-  StopAt(Evidence(root_, 3));
+  StopAt({Evidence(root_, 3)});
   EXPECT_FALSE(std::filesystem::exists(Planes()));
   // Once the planes are there.
-  StopAt(Planes());
+  StopAt({Planes()});
   EXPECT_EQ(ReadSceneModel(Planes()).views.size(), 4u);
   const auto time = std::filesystem::last_write_time(Planes());
   // While the maps are composed.
-  StopAt(Paths(1).record);
+  StopAt({Paths(0).record, Paths(1).record, Paths(2).record, Paths(3).record});
   EXPECT_TRUE(std::filesystem::last_write_time(Planes()) == time);
   Refine();
   ExpectSameFiles(expected, MapsOf(root_));
 }
 
 TEST_F(RefineModelTest, OtherOptionsNeedOtherPlanes) {
-  StopAt(Planes());
+  StopAt({Planes()});
   RefineOptions others;
   others.manhattan_frame = false;
   others.min_scene_plane = 60.0;

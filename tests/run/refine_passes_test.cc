@@ -74,11 +74,9 @@ class RefinePassesTest : public testing::Test {
     const std::vector<size_t> images = {0, 1, 2, 3};
     std::ostringstream text;
     Progress progress(text, false);
-    const std::function<bool()> never = [] { return false; };
     const RefineRun run = {workspace_options,
                            options,
                            progress,
-                           never,
                            workspace,
                            overview,
                            images,
@@ -107,8 +105,7 @@ class RefinePassesTest : public testing::Test {
                                                           "",
                                                           {},
                                                           /*max_num_views=*/8,
-                                                          run.progress,
-                                                          run.should_stop)
+                                                          run.progress)
                                   .Run();
     reports_ = std::move(outcome.reports);
     failures_ = std::move(outcome.failures);

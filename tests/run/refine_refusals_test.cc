@@ -170,13 +170,8 @@ TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
     for (const auto& [width, height] :
          {std::pair(72, 96), {4000, 2}, {96, 36}}) {
       CreateFolders(path.Parent());
-      WritePlanarMap(
-          path,
-          {width,
-           height,
-           num_channels,
-           std::vector<float>(
-               static_cast<size_t>(width * height * num_channels), 1.f)});
+      const MapSize size = {width, height, num_channels};
+      WriteMap(path, size, std::vector<float>(size.NumValues(), 1.f));
       ExpectRefusal(ErrorCode::kMismatch,
                     {path.string() + ": has " + std::to_string(width) + " x " +
                          std::to_string(height) + " pixels",

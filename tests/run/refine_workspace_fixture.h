@@ -73,13 +73,13 @@ class RefineWorkspaceTest : public testing::Test {
     return options;
   }
 
-  static RunSummary Refine(
-      const WorkspaceRefineOptions& options,
-      const RefineOptions& refine = {},
-      const std::function<bool()>& should_stop = [] { return false; }) {
+  static RunSummary Refine(const WorkspaceRefineOptions& options,
+                           const RefineOptions& refine = {},
+                           const std::function<bool()>& should_stop = nullptr) {
     std::ostringstream text;
     Progress progress(text, false);
-    return RefineWorkspace(options, refine, progress, should_stop);
+    progress.SetStop(should_stop);
+    return RefineWorkspace(options, refine, progress);
   }
   RunSummary Refine() { return Refine(Options(root_)); }
 

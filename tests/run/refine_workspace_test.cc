@@ -296,49 +296,6 @@ TEST_F(RefineWorkspaceTest, TakesPhotometricMapsWhereThereAreNoOthers) {
               [&] { Refine(options); });
 }
 
-// As another version of COLMAP may name them: refined alike.
-TEST_F(RefineWorkspaceTest, TakesMapsOfAnySuffix) {
-  const Tree expected = RefinedInOneGo();
-  WorkspaceRefineOptions options = Options(root_);
-  options.input_type = MapType::Parse("fused_2");
-  options.output_path = folder_.Path() / "out";
-  ExpectError(ErrorCode::kNotFound,
-              {"no fused_2 map", "input_type (there are: geometric, photo"},
-              [&] { Refine(options); });
-  for (int view = 0; view < 4; ++view) {
-    const MapPaths to = Paths(view, *options.input_type);
-    std::filesystem::rename(Paths(view).depth, to.depth);
-    std::filesystem::rename(Paths(view).normal, to.normal);
-  }
-  EXPECT_EQ(Refine(options).num_refined, 4);
-  const Tree found = MapsOf(options.output_path);
-  EXPECT_EQ(found.size(), expected.size());
-  for (const auto& [name, content] : found) {
-    std::string other = name;
-    if (const size_t at = name.find("fused_2"); at != std::string::npos) {
-      other.replace(at, 7, "geometric");
-    }
-    EXPECT_TRUE(content == expected.at(other)) << name;
-  }
-  Refine(Options(options.output_path));
-  for (const char* word : {"", "a.b", "a/b", "a b"}) {
-    ExpectError(ErrorCode::kBadOption, {"input_type: '"}, [&] {
-      MapType::Parse(word);
-    });
-  }
-}
-
-TEST_F(RefineWorkspaceTest, NamesMapsThatAreCopiesOfAnotherImages) {
-  const std::string depth = Paths(1).depth.string();
-  EXPECT_THAT(WarningsOf(Options(root_), 4),
-              testing::Not(testing::HasSubstr("another image's map")));
-  Restore(root_);
-  WriteText(Paths(2).depth, ReadText(Paths(1).depth));
-  EXPECT_THAT(WarningsOf(Options(root_), 4),
-              testing::HasSubstr(Paths(2).depth.string() +
-                                 ": has the bytes of " + depth));
-}
-
 TEST_F(RefineWorkspaceTest, TheManifestTellsWhatTheRunWasDoneWith) {
   WorkspaceRefineOptions options = Options(root_);
   options.devices.cache_size = 2.5;

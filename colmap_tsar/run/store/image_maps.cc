@@ -3,9 +3,7 @@
 
 #include "colmap_tsar/run/store/image_maps.h"
 
-#include "colmap_tsar/base/content_hash.h"
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/main_memory.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/start_thread.h"
@@ -16,8 +14,6 @@
 #include "colmap_tsar/io/map_shape.h"
 
 #include <algorithm>
-#include <map>
-#include <string>
 #include <utility>
 
 namespace tsar {
@@ -28,7 +24,7 @@ template <typename Read>
 auto ReadIfThere(const Image<float>& depth,
                  const std::filesystem::path& path,
                  Read read) {
-  return Exists(path) ? RequireSizeOf(depth, "the depth map", path, read(path))
+  return Exists(path) ? RequireSizeOf(depth, path, read(path))
                       : decltype(read(path))();
 }
 
@@ -64,8 +60,7 @@ Image<Vec3f> ReadWholeNormal(const Workspace& workspace,
                              const Image<float>& depth,
                              const MapConventions& conventions) {
   const ContainedPath path = workspace.Paths(image, workspace.Type()).normal;
-  Image<Vec3f> normal =
-      RequireSizeOf(depth, "the depth map", path, ReadNormalMap(path));
+  Image<Vec3f> normal = RequireSizeOf(depth, path, ReadNormalMap(path));
   conventions.Apply(normal);
   return normal;
 }
@@ -86,6 +81,18 @@ int NumThreadsFor(const Workspace& workspace,
       std::clamp<int64_t>(room, 1, NumThreads(num_threads)));
 }
 
+std::vector<int> FindRefinedImages(const Workspace& workspace) {
+  const MapType type = workspace.Type();
+  std::vector<int> refined;
+  for (int image = 0; image < workspace.NumImages(); ++image) {
+    if (workspace.HasMaps(image, type) &&
+        Exists(workspace.Paths(image, type).provenance)) {
+      refined.push_back(image);
+    }
+  }
+  return refined;
+}
+
 }  // namespace
 
 std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
@@ -97,18 +104,6 @@ std::vector<int> FindImagesWithMaps(const Workspace& workspace) {
     }
   }
   return images;
-}
-
-std::vector<int> FindRefinedImages(const Workspace& workspace) {
-  const MapType type = workspace.Type();
-  std::vector<int> refined;
-  for (int image = 0; image < workspace.NumImages(); ++image) {
-    if (workspace.HasMaps(image, type) &&
-        Exists(workspace.Paths(image, type).provenance)) {
-      refined.push_back(image);
-    }
-  }
-  return refined;
 }
 
 std::vector<int> RequireRefinedImages(const Workspace& workspace) {
@@ -144,42 +139,6 @@ void WarnOfConventions(const Workspace& workspace,
     remarks.Add(ConventionsOf(workspace, image).remarks, workspace.Name(image));
   }
   std::ranges::for_each(remarks.Lines(), &Warn);
-  WarnOfCopiedMaps(workspace, images);
-}
-
-void WarnOfCopiedMaps(const Workspace& workspace,
-                      const std::vector<int>& images) {
-  constexpr uintmax_t kNumBytes = 1024;
-  // Few bytes amid each tell which files to compare.
-  std::map<std::vector<uint8_t>, std::vector<std::filesystem::path>> alike;
-  for (const int image : images) {
-    const MapPaths maps = workspace.Paths(image, workspace.Type());
-    const std::filesystem::path path =
-        Exists(maps.provenance) ? maps.original_depth : maps.depth;
-    if (InputFile file(path); file.Size() >= kNumBytes) {
-      alike[file.ReadBytes((file.Size() - kNumBytes) / 2, kNumBytes)].push_back(
-          path);
-    }
-  }
-  for (const auto& [bytes, paths] : alike) {
-    std::map<uint64_t, std::filesystem::path> of_content;
-    for (size_t i = 0; paths.size() > 1 && i < paths.size(); ++i) {
-      const auto [first, is_new] =
-          of_content.emplace(HashFile(paths[i]), paths[i]);
-      if (is_new) {
-        continue;
-      }
-      // Of a wall straight ahead, or where all is masked, maps may be the same.
-      const Image<float> depth = ReadDepthMap(paths[i]);
-      const auto [least, most] = std::ranges::minmax(depth);
-      if (least < most) {
-        Warn(paths[i].string() + ": has the bytes of " +
-             first->second.string() +
-             ", another image's map; run patch_match_stereo again for the "
-             "image whose map it is not");
-      }
-    }
-  }
 }
 
 Image<float> ReadImageDepth(const Workspace& workspace, int image) {

@@ -43,9 +43,7 @@ void ClearMaskedPixels(const Image<uint8_t>& mask, Maps* maps) {
 std::vector<int> FindImagesWithMaps(const Workspace& workspace);
 
 // The images whose maps of the workspace's type were refined, as indices into
-// its sparse model, ascending.
-std::vector<int> FindRefinedImages(const Workspace& workspace);
-// Throws Error kNotFound where there are none.
+// its sparse model, ascending. Throws Error kNotFound where there are none.
 std::vector<int> RequireRefinedImages(const Workspace& workspace);
 
 // Opens a workspace to read its maps. type: if not given, geometric maps, or
@@ -62,13 +60,10 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image);
 // no other maps. Throws what Workspace::ReadOriginalMaps and ReadMask throw.
 ImageMaps ReadOriginalImageMaps(const Workspace& workspace, int image);
 
-// Warns of maps that do not follow COLMAP's conventions, see map_conventions.h,
-// or are copies. Throws what Workspace::OpenOriginalMaps throws.
+// Warns of maps that do not follow COLMAP's conventions, see map_conventions.h.
+// Throws what Workspace::OpenOriginalMaps throws.
 void WarnOfConventions(const Workspace& workspace,
                        const std::vector<int>& images);
-// Warns of original depth maps of two images that are the same, byte for byte.
-void WarnOfCopiedMaps(const Workspace& workspace,
-                      const std::vector<int>& images);
 
 // Reads the depth map alone; errors as ReadImageMaps().
 Image<float> ReadImageDepth(const Workspace& workspace, int image);

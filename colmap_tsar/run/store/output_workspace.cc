@@ -8,12 +8,10 @@
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
-#include "colmap_tsar/io/sparse_model.h"
 #include "colmap_tsar/run/store/input_folders.h"
 #include "colmap_tsar/run/store/originals.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <string>
 #include <system_error>
@@ -102,7 +100,7 @@ void LinkMaps(const Workspace& input, const std::filesystem::path& output) {
     CreateFolders({output, std::filesystem::path("stereo") / folder});
   }
   for (int image = 0; image < input.NumImages(); ++image) {
-    for (const MapType type : input.Types()) {
+    for (const MapType type : kMapTypes) {
       const MapPaths from = input.Paths(image, type);
       const MapPaths to = GetMapPaths(output, input.Name(image), type);
       const OriginalMaps originals = FindOriginals(from);

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
-#include "colmap_tsar/base/path.h"
 #include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/record.h"
@@ -15,7 +14,6 @@
 #include "colmap_tsar/run/store/workspace_lock.h"
 
 #include <algorithm>
-#include <optional>
 #include <set>
 #include <string>
 

@@ -64,10 +64,6 @@ MapSample ReadSample(DepthMapReader depth, NormalMapReader normal) {
   return sample;
 }
 
-std::filesystem::path ConfigPath(const std::filesystem::path& root) {
-  return root / "stereo" / "patch-match.cfg";
-}
-
 }  // namespace
 
 void RequireSizeOfDepthMap(const std::filesystem::path& map,
@@ -97,19 +93,7 @@ Workspace::Workspace(const std::filesystem::path& root, MapType type)
   }
   model_folder_ = FindModelFolder(root);
   model_ = ReadWorkspaceModel(model_folder_);
-  problems_ = ReadPatchMatchConfig(ConfigPath(root), model_);
-}
-
-std::vector<MapType> Workspace::Types() const {
-  std::vector<MapType> types = {MapType::kPhotometric, MapType::kGeometric};
-  if (std::ranges::find(types, type_) == types.end()) {
-    types.push_back(type_);
-  }
-  return types;
-}
-
-void Workspace::WarnOfSourcesLeftOut() const {
-  tsar::WarnOfSourcesLeftOut(ConfigPath(root_), problems_);
+  problems_ = ReadPatchMatchConfig(root / "stereo" / "patch-match.cfg", model_);
 }
 
 std::vector<int> Workspace::References() const {
@@ -153,14 +137,6 @@ std::filesystem::path Workspace::ImagePath(int image) const {
 
 MapPaths Workspace::Paths(int image, MapType type) const {
   return GetMapPaths(root_, Name(image), type);
-}
-
-std::filesystem::path Workspace::DepthPath(int image, MapType type) const {
-  return Paths(image, type).depth;
-}
-
-std::filesystem::path Workspace::CostPath(int image, MapType type) const {
-  return Paths(image, type).cost;
 }
 
 void Workspace::UseMasks(const std::filesystem::path& folder) {
@@ -345,7 +321,7 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
 
 std::optional<MapReader> Workspace::OpenCosts(
     int image, MapType type, const RasterSize& depth_size) const {
-  const std::filesystem::path path = CostPath(image, type);
+  const std::filesystem::path path = Paths(image, type).cost;
   if (!Exists(path)) {
     return std::nullopt;
   }

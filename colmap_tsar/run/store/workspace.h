@@ -82,14 +82,10 @@ class Workspace {
     return type_ == MapType::kPhotometric ? MapType::kGeometric
                                           : MapType::kPhotometric;
   }
-  // COLMAP's, and that of the maps to refine.
-  std::vector<MapType> Types() const;
   const SparseModel& Model() const { return model_; }
   // The folder of the model: sparse, or sparse/0.
   const std::filesystem::path& ModelFolder() const { return model_folder_; }
   const std::vector<StereoProblem>& Problems() const { return problems_; }
-  // Warns in one line of sources of these problems that were left out.
-  void WarnOfSourcesLeftOut() const;
   // The references of all problems, or of those with these indices.
   std::vector<int> References() const;
   std::vector<int> ReferencesOf(const std::vector<size_t>& problems) const;
@@ -111,8 +107,6 @@ class Workspace {
 
   std::filesystem::path ImagePath(int image) const;
   MapPaths Paths(int image, MapType type) const;
-  std::filesystem::path DepthPath(int image, MapType type) const;
-  std::filesystem::path CostPath(int image, MapType type) const;
 
   // From now on, images have the masks in this folder, see image_masks.h; none
   // where it is empty. Throws Error: what FindImageMasks throws,

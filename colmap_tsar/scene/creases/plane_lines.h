@@ -10,7 +10,6 @@
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
-#include <cmath>
 #include <vector>
 
 #include <Eigen/Core>

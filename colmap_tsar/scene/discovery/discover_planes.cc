@@ -10,7 +10,6 @@
 #include "colmap_tsar/scene/discovery/score_planes.h"
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/evidence/superpixel_matches.h"
-#include "colmap_tsar/view/planes/fit_plane.h"
 
 #include <algorithm>
 #include <functional>

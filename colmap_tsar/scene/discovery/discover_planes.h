@@ -8,7 +8,6 @@
 #include "colmap_tsar/view/planes/world_plane.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <vector>
 

@@ -8,7 +8,6 @@
 #include "colmap_tsar/scene/labeling/crease_distance.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <limits>

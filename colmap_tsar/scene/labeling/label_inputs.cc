@@ -5,7 +5,6 @@
 
 #include "colmap_tsar/base/image.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <numeric>
 

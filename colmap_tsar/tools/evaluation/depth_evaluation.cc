@@ -300,13 +300,11 @@ DepthEvaluation EvaluateDepthMaps(const fs::path& workspace_path,
   return evaluation;
 }
 
-FusedPixelEvaluation EvaluateFusedPixels(
-    const Workspace& workspace,
-    const DepthEvaluationOptions& options,
-    const FusionOptions& fusion,
-    const DeviceOptions& devices,
-    Progress& progress,
-    const std::function<bool()>& should_stop) {
+FusedPixelEvaluation EvaluateFusedPixels(const Workspace& workspace,
+                                         const DepthEvaluationOptions& options,
+                                         const FusionOptions& fusion,
+                                         const DeviceOptions& devices,
+                                         Progress& progress) {
   CheckTolerances(options.tolerances);
   const WorkspaceLock lock(workspace.Root(), WorkspaceLock::Mode::kShared);
   WarnOfChangedResults(workspace);
@@ -330,8 +328,7 @@ FusedPixelEvaluation EvaluateFusedPixels(
         }
       },
       [&](size_t place) { Add(of_images[place], &sum); },
-      progress,
-      should_stop);
+      progress);
   return sum;
 }
 

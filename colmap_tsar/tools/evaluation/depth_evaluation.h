@@ -10,7 +10,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -77,12 +76,10 @@ struct FusedPixelEvaluation {
 // Throws Error: kNotFound (no image has maps, or no fused image has ground
 // truth), kMismatch (a ground truth is not of the shape of the map), kBadOption
 // (tolerances), and what FusionRun and ReadDepthMap throw.
-FusedPixelEvaluation EvaluateFusedPixels(
-    const Workspace& workspace,
-    const DepthEvaluationOptions& options,
-    const FusionOptions& fusion,
-    const DeviceOptions& devices,
-    Progress& progress,
-    const std::function<bool()>& should_stop);
+FusedPixelEvaluation EvaluateFusedPixels(const Workspace& workspace,
+                                         const DepthEvaluationOptions& options,
+                                         const FusionOptions& fusion,
+                                         const DeviceOptions& devices,
+                                         Progress& progress);
 
 }  // namespace tsar

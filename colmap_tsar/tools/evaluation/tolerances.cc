@@ -5,9 +5,9 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <functional>
 
@@ -26,25 +26,14 @@ void CheckTolerances(const std::vector<double>& tolerances) {
 }
 
 std::vector<double> ParseTolerances(const std::string& text) {
-  std::vector<double> tolerances;
-  const char* next = text.data();
-  const char* const end = next + text.size();
-  while (true) {
-    double tolerance = 0;
-    const auto result = std::from_chars(next, end, tolerance);
-    if (result.ec != std::errc() || (result.ptr != end && *result.ptr != ',')) {
-      throw Error(ErrorCode::kBadOption,
-                  OptionName("tolerances") + ": '" + text +
-                      "' is not a list of numbers; give one such as 0.02,0.1");
-    }
-    tolerances.push_back(tolerance);
-    if (result.ptr == end) {
-      break;
-    }
-    next = result.ptr + 1;
+  const auto tolerances = ParseNumbers<double>(text);
+  if (!tolerances) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("tolerances") + ": '" + text +
+                    "' is not a list of numbers; give one such as 0.02,0.1");
   }
-  CheckTolerances(tolerances);
-  return tolerances;
+  CheckTolerances(*tolerances);
+  return *tolerances;
 }
 
 double HarmonicMean(double a, double b) {

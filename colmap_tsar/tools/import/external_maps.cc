@@ -4,7 +4,6 @@
 #include "colmap_tsar/tools/import/external_maps.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/io/dense_maps.h"
 #include "colmap_tsar/io/float_map.h"
 #include "colmap_tsar/io/map_files.h"
@@ -12,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 namespace tsar {

@@ -80,8 +80,7 @@ class FilterPass : public ImagePass<StereoMaps> {
 
 void FilterMaps(const Workspace& workspace,
                 const DeviceOptions& device_options,
-                Progress& progress,
-                const std::function<bool()>& should_stop) {
+                Progress& progress) {
   const WorkspaceOverview overview = CheckWorkspace(workspace);
   std::vector<size_t> images;
   for (size_t i = 0; i < workspace.Problems().size(); ++i) {
@@ -99,8 +98,7 @@ void FilterMaps(const Workspace& workspace,
           "Filtering:",
           devices.at_work,
           devices.at_work.MaxNumViews(overview.max_num_pixels),
-          progress,
-          should_stop)
+          progress)
           .Run();
   outcome.RethrowFailure();
   if (!outcome.IsComplete()) {

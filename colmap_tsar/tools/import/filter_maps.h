@@ -7,8 +7,6 @@
 #include "colmap_tsar/run/device_options.h"
 #include "colmap_tsar/run/store/workspace.h"
 
-#include <functional>
-
 namespace tsar {
 
 // Writes, for each image with photometric maps, geometric ones: those depths
@@ -16,12 +14,11 @@ namespace tsar {
 // Programs that fill textureless walls from a prior or by chance leave no
 // holes, and neighboring views agree on what they fill in.
 //
-// Throws kInterrupted once should_stop returned true, and the errors of
+// Throws kInterrupted where the user asked to stop, and the errors of
 // CheckWorkspace, CreateRefineDevices and the readers and writers of maps.
 // workspace: of the photometric type.
 void FilterMaps(const Workspace& workspace,
                 const DeviceOptions& device_options,
-                Progress& progress,
-                const std::function<bool()>& should_stop);
+                Progress& progress);
 
 }  // namespace tsar

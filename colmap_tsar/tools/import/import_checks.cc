@@ -6,11 +6,11 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/median.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/io/map_conventions.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 #include <Eigen/Geometry>
@@ -44,12 +44,6 @@ Error OtherCamera(const StoredCamera& stored,
                   const std::string& what,
                   const std::string& advice) {
   return Error::File(ErrorCode::kMismatch, stored.file, what, advice);
-}
-
-std::string Text(const char* format, double first, double second) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, first, second);
-  return text;
 }
 
 // extent: that of the model.
@@ -97,9 +91,9 @@ void CheckPose(const AssignedCamera& assigned,
   throw OtherCamera(
       stored,
       "the camera is not that of " + image.name + ", it differs by " +
-          Text("%.2f degrees and %.3g of the scene's extent",
-               own.rotation * kMaxDegrees,
-               own.center * kMaxShareOfExtent),
+          Formatted("%.2f degrees and %.3g of the scene's extent",
+                    own.rotation * kMaxDegrees,
+                    own.center * kMaxShareOfExtent),
       "use maps that were made from this sparse model; for maps in other "
       "units give " +
           OptionName("depth_scale"));
@@ -121,8 +115,8 @@ void CheckIntrinsics(const AssignedCamera& assigned, const SparseModel& model) {
     throw OtherCamera(stored,
                       "the camera is not that of " + image.name +
                           ": its principal point over its focal length is " +
-                          Text("%.4g and %.4g, the image's ", x, y) +
-                          Text("%.4g and %.4g", own_x, own_y),
+                          Formatted("%.4g and %.4g, the image's ", x, y) +
+                          Formatted("%.4g and %.4g", own_x, own_y),
                       "use maps of the undistorted images of this workspace");
   }
 }

@@ -7,6 +7,7 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/sparse_model.h"
@@ -18,7 +19,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 #include <set>
 #include <system_error>
@@ -38,12 +38,6 @@ constexpr OutputFolderKind kImportFolder = {"import",
                                             "stereo/tsar_import.json",
                                             "stereo/tsar_import_files.txt",
                                             "unfinished_import"};
-
-std::string Text(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, value);
-  return text;
-}
 
 // A power of ten, such as that between millimeters and meters, where the factor
 // is nearly that.
@@ -92,12 +86,9 @@ void WriteInputs(const fs::path& source,
 
 class Importer {
  public:
-  Importer(const ImportOptions& options,
-           Progress& progress,
-           const std::function<bool()>& should_stop)
+  Importer(const ImportOptions& options, Progress& progress)
       : options_(options),
         progress_(progress),
-        should_stop_(should_stop),
         model_(ReadTargetModel(options.workspace_path)) {
     const MatchedMaps matched = MatchImages(options.match, model_);
     for (const ExternalFiles& files : matched.files) {
@@ -154,18 +145,12 @@ class Importer {
     return options_.match.type == MapType::kGeometric && MustTurn();
   }
 
-  void ThrowIfStopped() const {
-    if (should_stop_()) {
-      throw Error(ErrorCode::kInterrupted, "interrupted; nothing was imported");
-    }
-  }
-
   // Reads all files once and keeps the data for the checks.
   void CheckFiles() {
     std::vector<AssignedCamera> cameras;
     progress_.Start(static_cast<int>(maps_.size()), "Checking:");
     for (Map& map : maps_) {
-      ThrowIfStopped();
+      progress_.ThrowIfStopped("interrupted; nothing was imported");
       ExternalMaps external =
           ReadExternalMaps(map.files, options_.match.format);
       RequireShape(map.files.depth,
@@ -239,11 +224,11 @@ class Importer {
       throw Error::File(
           ErrorCode::kMismatch,
           options_.match.input_path.string(),
-          "depths are " + Text("%.4g", scale.median) +
+          "depths are " + Formatted("%.4g", scale.median) +
               " times those of the sparse points in all images, so they seem "
               "to be in other units",
           "give " + OptionName("depth_scale") + " " +
-              Text("%.3g", RoundFactor(maps_[0].scale / scale.median)) +
+              Formatted("%.3g", RoundFactor(maps_[0].scale / scale.median)) +
               ", or " + OptionName("check_scale") +
               " 0 to take them as they are");
     }
@@ -259,9 +244,9 @@ class Importer {
           IsOffScale(map.sparse.ratio)) {
         is_any_off = true;
         summary_.warnings.push_back(
-            map.image.name + ": depths are " + Text("%.3g", map.sparse.ratio) +
-            " times those of its " + std::to_string(map.sparse.num_points) +
-            " sparse points");
+            map.image.name + ": depths are " +
+            Formatted("%.3g", map.sparse.ratio) + " times those of its " +
+            std::to_string(map.sparse.num_points) + " sparse points");
       }
     }
     if (!scale.is_consistent && is_any_off) {
@@ -289,7 +274,7 @@ class Importer {
   void WriteMaps(const fs::path& root, MapType type) {
     progress_.Start(static_cast<int>(maps_.size()), "Importing:");
     for (const Map& map : maps_) {
-      ThrowIfStopped();
+      progress_.ThrowIfStopped("interrupted; nothing was imported");
       ExternalMaps external =
           ReadExternalMaps(map.files, options_.match.format);
       ClearNoDepth(map.no_depth, external.depth);
@@ -314,10 +299,8 @@ class Importer {
   }
 
   void Filter(const fs::path& root) {
-    FilterMaps(Workspace(root, MapType::kPhotometric),
-               options_.device,
-               progress_,
-               should_stop_);
+    FilterMaps(
+        Workspace(root, MapType::kPhotometric), options_.device, progress_);
     summary_.num_kept = 0;
     for (const Map& map : maps_) {
       const auto paths = [&](MapType type) {
@@ -332,7 +315,6 @@ class Importer {
 
   const ImportOptions& options_;
   Progress& progress_;
-  const std::function<bool()>& should_stop_;
   const SparseModel model_;
   ImportSummary summary_;
   std::vector<Map> maps_;
@@ -368,9 +350,8 @@ SparseModel ReadTargetModel(const fs::path& root) {
 }
 
 ImportSummary ImportWorkspace(const ImportOptions& options,
-                              Progress& progress,
-                              const std::function<bool()>& should_stop) {
-  return Importer(options, progress, should_stop).Run();
+                              Progress& progress) {
+  return Importer(options, progress).Run();
 }
 
 }  // namespace tsar

@@ -12,7 +12,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -70,10 +69,7 @@ SparseModel ReadTargetModel(const std::filesystem::path& root);
 // depths are in other units than the sparse points, or an image has too few
 // sparse points for scale_to_sparse.
 //
-// should_stop: called before each image. Once it returns true,
-// kInterrupted is thrown.
-ImportSummary ImportWorkspace(const ImportOptions& options,
-                              Progress& progress,
-                              const std::function<bool()>& should_stop);
+// Throws kInterrupted where the user asked to stop.
+ImportSummary ImportWorkspace(const ImportOptions& options, Progress& progress);
 
 }  // namespace tsar

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
+#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/io/dense_maps.h"
 #include "colmap_tsar/io/float_map.h"
 #include "colmap_tsar/io/image_lists.h"
@@ -15,7 +16,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 #include <initializer_list>
 #include <map>
 #include <numeric>
@@ -128,8 +128,7 @@ NumberedFolders FindNumberedFolders(const Path& parent, MapType type) {
     if (take_geometric || geometric.empty()) {
       files.normal = FindFile(folder, {"normals", "normal"});
     }
-    char name[32];
-    std::snprintf(name, sizeof(name), "%08d_cam.txt", *number);
+    const std::string name = Formatted("%08d_cam.txt", *number);
     for (const Path& cams : {parent.parent_path() / "cams", parent / "cams"}) {
       if (files.camera.empty() && HasMap(cams / name)) {
         files.camera = cams / name;

@@ -84,15 +84,11 @@ void TurnOver(PlaneCoordinates* coordinates, Eigen::AlignedBox2d* box) {
 PlaneObservations ObservePlanes(const Workspace& workspace,
                                 const std::vector<int>& images,
                                 const SceneModel& model,
-                                Progress& progress,
-                                const std::function<bool()>& is_stopped) {
+                                Progress& progress) {
   const auto visit_views = [&](const char* pass, const auto& function) {
     progress.Start(static_cast<int>(images.size()), pass);
     for (const int image : images) {
-      if (is_stopped()) {
-        progress.Finish();
-        throw Error(ErrorCode::kInterrupted, "stopped; nothing was written");
-      }
+      progress.ThrowIfStopped("stopped; nothing was written");
       function(ReadPlaneView(
           workspace, image, static_cast<int>(model.planes.size())));
       progress.Advance(true);
@@ -287,8 +283,7 @@ void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes) {
 
 ExportedPlanes ExportPlanes(const Workspace& workspace,
                             double min_area,
-                            Progress& progress,
-                            const std::function<bool()>& is_stopped) {
+                            Progress& progress) {
   const std::filesystem::path model_path = GetSceneModelPath(workspace.Root());
   const std::vector<int> images = FindPlaneViews(workspace);
   if (!Exists(model_path) || images.empty()) {
@@ -298,8 +293,7 @@ ExportedPlanes ExportPlanes(const Workspace& workspace,
       ReadSceneModel(model_path, SceneModelParts::kWithoutLabels);
   RequirePlanesOfMaps(workspace, images, model_path);
   WarnOfChangedResults(workspace, {"depth", "planes", "provenance"});
-  PlaneObservations seen =
-      ObservePlanes(workspace, images, model, progress, is_stopped);
+  PlaneObservations seen = ObservePlanes(workspace, images, model, progress);
   ExportedPlanes result;
   result.type = ToString(workspace.Type());
   result.num_images = static_cast<int>(images.size());

@@ -9,7 +9,6 @@
 #include "colmap_tsar/tools/plane_export/plane_polygon.h"
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -122,13 +121,12 @@ void ScaleToMeters(double meters_per_unit, ExportedPlanes* planes);
 // The planes of a refined workspace, from its stereo/tsar/planes.bin, with
 // their visible parts in the refined maps of its type. Holds the maps of one
 // image at a time and reads them twice. min_area: the least area of a plane, in
-// square units of the sparse model. is_stopped: called before each image.
+// square units of the sparse model.
 //
 // Throws Error: kNotFound (no scene planes, or no plane maps), kMismatch (maps,
 // planes and model are not of one run), kInterrupted, and those of the readers.
 ExportedPlanes ExportPlanes(const Workspace& workspace,
                             double min_area,
-                            Progress& progress,
-                            const std::function<bool()>& is_stopped);
+                            Progress& progress);
 
 }  // namespace tsar

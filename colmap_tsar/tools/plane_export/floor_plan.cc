@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
 #include <algorithm>

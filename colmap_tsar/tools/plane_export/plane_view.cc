@@ -37,12 +37,10 @@ PlaneView ReadPlaneView(const Workspace& workspace, int image, int num_planes) {
   view.depth = ReadImageDepth(workspace, image);
   view.camera = workspace.CameraOf(image).Resized(view.depth.Width(),
                                                   view.depth.Height());
-  view.provenance = RequireSizeOf(view.depth,
-                                  "the depth map",
-                                  paths.provenance,
-                                  ReadGrayPng(paths.provenance));
-  view.planes = RequireSizeOf(
-      view.depth, "the depth map", paths.planes, ReadGray16Png(paths.planes));
+  view.provenance = RequireSizeOf(
+      view.depth, paths.provenance, ReadGrayPng(paths.provenance));
+  view.planes =
+      RequireSizeOf(view.depth, paths.planes, ReadGray16Png(paths.planes));
   const int largest = *std::ranges::max_element(view.planes);
   if (largest > num_planes) {
     throw Error::File(ErrorCode::kMismatch,

@@ -3,13 +3,14 @@
 
 #include "colmap_tsar/tools/plane_export/write_planes.h"
 
+#include "colmap_tsar/base/parse_number.h"
+
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 
+#include <boost/algorithm/string/case_conv.hpp>
 #include <boost/polygon/polygon.hpp>
 #include <nlohmann/json.hpp>
 
@@ -167,12 +168,7 @@ void DxfWriter::PutPoint(int code, const Eigen::Vector3d& point) {
 }
 
 std::string DxfWriter::LayerName(PlaneClass plane_class) {
-  std::string name = ToString(plane_class);
-  for (char& letter : name) {
-    letter =
-        static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
-  }
-  return name;
+  return boost::to_upper_copy(ToString(plane_class));
 }
 
 void DxfWriter::BeginSection(const char* name) {
@@ -264,11 +260,6 @@ void PutPlanesObj(const ExportedPlanes& planes, std::ostream* out) {
       *out << "\n";
     }
   }
-}
-
-std::string NumberText(double number) {
-  char text[32];
-  return {text, std::to_chars(text, text + sizeof(text), number).ptr};
 }
 
 std::vector<PlaneFace> MakeFaces(const ExportedPlane& plane) {

@@ -44,9 +44,6 @@ class DxfWriter {
   std::ostream* out_;
 };
 
-// The shortest text that reads as the same number, whatever the locale.
-std::string NumberText(double number);
-
 // A convex face in the world frame: its three or four corners, counterclockwise
 // against the normal.
 using PlaneFace = std::vector<Eigen::Vector3d>;

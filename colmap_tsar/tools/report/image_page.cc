@@ -4,7 +4,6 @@
 #include "colmap_tsar/tools/report/image_page.h"
 
 #include "colmap_tsar/base/error.h"
-#include "colmap_tsar/base/folder.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/record.h"
 #include "colmap_tsar/tools/report/page_text.h"

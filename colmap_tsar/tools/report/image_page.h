@@ -8,7 +8,6 @@
 #include "colmap_tsar/view/refined_maps.h"
 
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <string>
 

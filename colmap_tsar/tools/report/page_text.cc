@@ -7,8 +7,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <string_view>
+
+#include <boost/algorithm/string/replace.hpp>
 
 namespace tsar {
 namespace {
@@ -59,35 +60,22 @@ bool IsPlain(char c) {
          (c >= 'a' && c <= 'z') || c == '-' || c == '.';
 }
 
-void ReplaceAll(std::string_view from, std::string_view to, std::string* text) {
-  for (size_t at = text->find(from); at != std::string::npos;
-       at = text->find(from, at + to.size())) {
-    text->replace(at, from.size(), to);
-  }
+std::string Percent(double share) {
+  return Formatted("%.1f %%", 100.0 * share);
 }
-
-std::string Format(const char* format, double number) {
-  char text[64];
-  std::snprintf(text, sizeof(text), format, number);
-  return text;
-}
-
-std::string Percent(double share) { return Format("%.1f %%", 100.0 * share); }
 
 std::string Cell(const std::string& html) { return "<td>" + html + "</td>"; }
 
 // The color and the name of a value of provenance maps.
 std::string KindHtml(size_t value) {
   const Rgb& color = kProvenanceColors[value];
-  char style[48];
-  std::snprintf(style,
-                sizeof(style),
-                "background: #%02x%02x%02x",
-                color.r,
-                color.g,
-                color.b);
-  return std::string("<span class=\"swatch\" style=\"") + style +
-         "\"></span> " + kProvenanceNames[value];
+  return Formatted(
+      "<span class=\"swatch\" style=\"background: "
+      "#%02x%02x%02x\"></span> %s",
+      color.r,
+      color.g,
+      color.b,
+      kProvenanceNames[value]);
 }
 
 void PutKinds(std::ostream& html) {
@@ -143,7 +131,7 @@ void PutRow(const std::string& name,
   for (size_t value = 1; value < kProvenanceNames.size(); ++value) {
     html << Cell(Percent(image.shares_by_provenance[value]));
   }
-  html << Cell(image.seconds > 0.0 ? Format("%.2f", image.seconds) : "")
+  html << Cell(image.seconds > 0.0 ? Formatted("%.2f", image.seconds) : "")
        << Cell(EscapeHtml(image.note)) << "</tr>\n";
 }
 
@@ -206,9 +194,9 @@ void PutImage(size_t index, const ImagePage& image, std::ostream& html) {
   PicturePutter pictures(image, html);
   pictures.Put("photo.jpg", "Photo");
   pictures.PutSlider("depth",
-                     "Depth from " + Format("%.4g", image.range.nearest) +
-                         " (red) to " + Format("%.4g", image.range.farthest) +
-                         " (blue)");
+                     "Depth from " + Formatted("%.4g", image.range.nearest) +
+                         " (red) to " +
+                         Formatted("%.4g", image.range.farthest) + " (blue)");
   pictures.Put("provenance.png", "What each depth is");
   if (image.has_confidence) {
     pictures.Put("confidence.png", "Confidence from 0 (dark) to 1 (yellow)");
@@ -236,7 +224,7 @@ std::string PageHtml(const PageData& data) {
   }
   if (!data.kept.empty()) {
     BeginTable("Images left as they were", {"Image", "Reason"}, html);
-    for (const KeptImage& image : data.kept) {
+    for (const RunSummary::KeptImage& image : data.kept) {
       html << "<tr>" << Cell(EscapeHtml(image.name))
            << Cell(EscapeHtml(image.reason)) << "</tr>\n";
     }
@@ -258,11 +246,11 @@ std::string PageHtml(const PageData& data) {
 
 std::string EscapeHtml(const std::string& text) {
   std::string escaped = text;
-  ReplaceAll("&", "&amp;", &escaped);  // "&" first, since the others add it.
-  ReplaceAll("<", "&lt;", &escaped);
-  ReplaceAll(">", "&gt;", &escaped);
-  ReplaceAll("\"", "&quot;", &escaped);
-  ReplaceAll("'", "&#39;", &escaped);
+  boost::replace_all(escaped, "&", "&amp;");  // First, since others add it.
+  boost::replace_all(escaped, "<", "&lt;");
+  boost::replace_all(escaped, ">", "&gt;");
+  boost::replace_all(escaped, "\"", "&quot;");
+  boost::replace_all(escaped, "'", "&#39;");
   return escaped;
 }
 
@@ -271,10 +259,8 @@ std::string SafeFileName(int index, const std::string& image_name) {
   std::ranges::replace_if(
       plain, [](char c) { return !IsPlain(c); }, '_');
   // A trailing dot, or two dots, are special in some file systems.
-  ReplaceAll("..", "_", &plain);
-  char number[16];
-  std::snprintf(number, sizeof(number), "%05d_", index);
-  return number + plain + (plain.ends_with('.') ? "_" : "");
+  boost::replace_all(plain, "..", "_");
+  return Formatted("%05d_", index) + plain + (plain.ends_with('.') ? "_" : "");
 }
 
 }  // namespace tsar

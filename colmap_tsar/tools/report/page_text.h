@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/run/run_summary.h"
 #include "colmap_tsar/tools/report/image_page.h"
 
 #include <map>
@@ -11,19 +12,13 @@
 
 namespace tsar {
 
-// An image that kept its maps.
-struct KeptImage {
-  std::string name;
-  std::string reason;
-};
-
 // The content of the page. Texts may be any bytes.
 struct PageData {
   std::string version;
   std::string workspace;
   std::string type;
   std::vector<ImagePage> images;
-  std::vector<KeptImage> kept;
+  std::vector<RunSummary::KeptImage> kept;
   // The options of the run that made the maps; empty: not known.
   std::map<std::string, std::string> options;
 };

@@ -4,7 +4,6 @@
 #include "colmap_tsar/tools/report/write_page.h"
 
 #include "colmap_tsar/base/atomic_file.h"
-#include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/input_file.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/io/map_paths.h"
@@ -45,9 +44,9 @@ std::string WorkspaceName(const Workspace& workspace) {
   return (root.has_filename() ? root : root.parent_path()).filename().string();
 }
 
-std::vector<KeptImage> ListKept(const Workspace& workspace,
-                                const std::vector<int>& refined) {
-  std::vector<KeptImage> kept;
+std::vector<RunSummary::KeptImage> ListKept(const Workspace& workspace,
+                                            const std::vector<int>& refined) {
+  std::vector<RunSummary::KeptImage> kept;
   for (const StereoProblem& problem : workspace.Problems()) {
     const int image = problem.reference;
     if (std::ranges::binary_search(refined, image)) {
@@ -80,14 +79,11 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
                                    const std::vector<int>& refined,
                                    const fs::path& folder,
                                    const PageOptions& options,
-                                   Progress& progress,
-                                   const std::function<bool()>& should_stop) {
+                                   Progress& progress) {
   std::vector<ImagePage> pages(refined.size());
   progress.Start(static_cast<int>(refined.size()));
   ForEachImage(workspace, refined, options.num_threads, [&](size_t i) {
-    if (should_stop()) {
-      throw Error(ErrorCode::kInterrupted, "interrupted; no page was written");
-    }
+    progress.ThrowIfStopped("interrupted; no page was written");
     pages[i] = WriteImagePage(workspace,
                               refined[i],
                               static_cast<int>(i),
@@ -103,8 +99,7 @@ std::vector<ImagePage> WriteImages(const Workspace& workspace,
 
 int WritePage(const Workspace& workspace,
               const PageOptions& options,
-              Progress& progress,
-              const std::function<bool()>& should_stop) {
+              Progress& progress) {
   RequireOutsideInputs(
       workspace.Root(), options.report_path, OptionName("report_path"));
   // The lock keeps the maps before and after consistent.
@@ -118,12 +113,8 @@ int WritePage(const Workspace& workspace,
   data.type = ToString(workspace.Type());
   data.options = ReadRunOptions(workspace);
   data.kept = ListKept(workspace, refined);
-  data.images = WriteImages(workspace,
-                            refined,
-                            folder.Temporary() / "images",
-                            options,
-                            progress,
-                            should_stop);
+  data.images = WriteImages(
+      workspace, refined, folder.Temporary() / "images", options, progress);
   AtomicFile page(ContainedPath(folder.Temporary(), "index.html"));
   page.Stream() << PageHtml(data);
   page.Commit();

@@ -7,7 +7,6 @@
 #include "colmap_tsar/run/store/workspace.h"
 
 #include <filesystem>
-#include <functional>
 
 namespace tsar {
 
@@ -21,12 +20,11 @@ struct PageOptions {
 // Writes the page of a refined workspace: a folder with index.html for
 // browsers. It appears only when complete. Returns the number of images.
 //
-// Throws Error: kNotFound (nothing was refined), kInterrupted once should_stop
-// returned true, and those of RequireOutsideInputs, WorkspaceLock (shared: a
+// Throws Error: kNotFound (nothing was refined), kInterrupted where the user
+// asked to stop, and those of RequireOutsideInputs, WorkspaceLock (shared: a
 // program is changing the workspace), OutputFolder and WriteImagePage.
 int WritePage(const Workspace& workspace,
               const PageOptions& options,
-              Progress& progress,
-              const std::function<bool()>& should_stop);
+              Progress& progress);
 
 }  // namespace tsar

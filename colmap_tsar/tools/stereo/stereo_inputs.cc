@@ -186,7 +186,7 @@ bool HaveRightSizes(const Workspace& workspace, const StereoOptions& options) {
     const auto [width, height] =
         MapSizeOf(workspace.Model().images[problem.reference].camera,
                   options.max_image_size);
-    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+    for (const MapType type : kMapTypes) {
       const MapPaths paths = workspace.Paths(problem.reference, type);
       for (const fs::path& path : {paths.depth.Path(), paths.normal.Path()}) {
         try {
@@ -281,7 +281,7 @@ void ClaimMaps(const Workspace& workspace,
     const StereoProblem& problem = workspace.Problems()[place];
     const SparseModel::ModelImage& image =
         workspace.Model().images[problem.reference];
-    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+    for (const MapType type : kMapTypes) {
       if (goes_on && known->contains(image.name)) {
         continue;
       }

@@ -7,7 +7,6 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/compose/depth_interval.h"
 #include "colmap_tsar/io/map_paths.h"
-#include "colmap_tsar/run/input_fingerprints.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/tools/stereo/stereo_options.h"
 

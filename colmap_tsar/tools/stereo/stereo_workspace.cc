@@ -47,14 +47,9 @@ void WriteStereoMaps(const StereoMapFiles& files, const StereoMaps& maps) {
   CreateFolders(files.normal.Parent());
   if (files.cost) {
     CreateFolders(files.cost->Parent());
-    PlanarMap costs;
-    costs.width = maps.depth.Width();
-    costs.height = maps.depth.Height();
-    costs.channels = 2;
-    costs.values.assign(maps.min_cost.begin(), maps.min_cost.end());
-    costs.values.insert(
-        costs.values.end(), maps.second_cost.begin(), maps.second_cost.end());
-    WritePlanarMap(*files.cost, costs);
+    std::vector<float> costs(maps.min_cost.begin(), maps.min_cost.end());
+    costs.insert(costs.end(), maps.second_cost.begin(), maps.second_cost.end());
+    WriteMap(*files.cost, {maps.depth.Width(), maps.depth.Height(), 2}, costs);
   }
   WriteNormalMap(files.normal, maps.normal);
   WriteDepthMap(files.depth, maps.depth);
@@ -253,7 +248,6 @@ Workspace OpenForStereo(const fs::path& path, const StereoImageFiles& files) {
     }
   }
   Workspace workspace(path, MapType::kPhotometric);
-  workspace.WarnOfSourcesLeftOut();
   workspace.UseMasks(files.mask_path);
   workspace.WarnOfStrayFiles();
   return workspace;
@@ -300,7 +294,6 @@ void RunPasses(const Workspace& workspace,
                size_t max_num_views,
                RefineDevices& devices,
                Progress& progress,
-               const std::function<bool()>& should_stop,
                StereoSummary* summary) {
   for (int pass = 0; pass < passes.NumPasses(); ++pass) {
     const std::string name =
@@ -311,8 +304,7 @@ void RunPasses(const Workspace& workspace,
                                                         "Pass " + name + ":",
                                                         devices.at_work,
                                                         max_num_views,
-                                                        progress,
-                                                        should_stop)
+                                                        progress)
                                   .Run();
     outcome.RethrowFailure();
     if (!outcome.IsComplete()) {
@@ -334,7 +326,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const StereoOptions& options,
                              bool overwrite,
                              Progress& progress,
-                             const std::function<bool()>& should_stop,
                              const StereoImageFiles& files) {
   device_options.Check();
   options.Check();
@@ -383,7 +374,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   // Otherwise the intermediate files are gone and need not be made again.
   if (!is_done) {
     for (const StereoProblem& problem : workspace.Problems()) {
-      for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
+      for (const MapType type : kMapTypes) {
         RequireUnrefined(workspace.Paths(problem.reference, type));
       }
     }
@@ -394,7 +385,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
               devices.at_work.MaxNumViews(overview.max_num_pixels),
               devices,
               progress,
-              should_stop,
               &summary);
   }
   passes.RemoveFilesBetween();

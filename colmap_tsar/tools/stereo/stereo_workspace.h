@@ -11,7 +11,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,11 +29,6 @@ struct StereoImageFiles {
 };
 
 struct StereoSummary {
-  struct ImageReason {
-    std::string name;
-    std::string reason;
-  };
-
   std::filesystem::path workspace_path;
   // The type of maps for the next step.
   MapType type = MapType::kGeometric;
@@ -43,7 +37,7 @@ struct StereoSummary {
   int num_skipped = 0;  // Images done before.
   // The number of images with a mask; nullopt without masks.
   std::optional<int64_t> num_masks;
-  std::vector<ImageReason> without_sources;
+  std::vector<RunSummary::KeptImage> without_sources;
   double wall_seconds = 0.0;
   std::vector<RunSummary::GpuMemory> peak_gpu_memory;
 };
@@ -60,7 +54,7 @@ struct StereoSummary {
 // Throws Error: kUnsupported (there are such maps and overwrite is false, or
 // the workspace has been refined and maps are to be made), kNotFound (no image
 // has sources; an image without sparse points needs options.depth_min and
-// depth_max), kInterrupted once should_stop returned true, and those of the
+// depth_max), kInterrupted where the user asked to stop, and those of the
 // workspace, its lock, the devices, writing and Workspace::UseMasks. Completed
 // images are kept; the same call resumes the run.
 StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
@@ -68,7 +62,6 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
                              const StereoOptions& options,
                              bool overwrite,
                              Progress& progress,
-                             const std::function<bool()>& should_stop,
                              const StereoImageFiles& files = {});
 
 }  // namespace tsar

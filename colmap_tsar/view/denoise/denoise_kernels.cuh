@@ -9,7 +9,6 @@
 
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
-#include "colmap_tsar/view/denoise/denoise.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
 
 #include <algorithm>

@@ -6,7 +6,6 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
-#include "colmap_tsar/view/denoise/window_variance.h"
 
 #include <cstdint>
 

@@ -1,12 +1,8 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/view/regions/region_planes.h"
-
-#include <cstddef>
-#include <cstdint>
 
 namespace tsar {
 namespace {

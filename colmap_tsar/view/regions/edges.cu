@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/device/scan_and_sort.h"
-#include "colmap_tsar/matching/gray_pair.h"
 
 #include <algorithm>
 #include <cmath>

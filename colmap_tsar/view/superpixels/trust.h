@@ -3,7 +3,6 @@
 
 #pragma once
 
-#include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"

@@ -29,7 +29,7 @@ class OutputWorkspaceTest : public testing::Test {
     return record;
   }
   static float Depth(const Workspace& workspace, int image) {
-    return ReadDepthMap(workspace.DepthPath(image, kGeometric))(0, 0);
+    return ReadDepthMap(workspace.Paths(image, kGeometric).depth)(0, 0);
   }
   static float OriginalDepth(const Workspace& workspace) {
     return workspace.ReadOriginalMaps(0, kGeometric).depth(0, 0);
@@ -142,7 +142,7 @@ TEST_F(OutputWorkspaceTest, TakesTheOriginalsThatTheInputHasNow) {
   // Files that somebody wrote into the output are superseded, not lost.
   const auto superseded =
       GetSupersededFolder(output_) / "depth_maps/a.png.geometric.bin";
-  std::filesystem::remove(output.DepthPath(0, kGeometric));
+  std::filesystem::remove(output.Paths(0, kGeometric).depth);
   std::filesystem::remove(output.Paths(0, kGeometric).normal);
   WriteTestMaps(output_, "a.png", kGeometric, 10.f);
   EXPECT_EQ(OriginalDepth(Create()), 9.f);
@@ -160,10 +160,10 @@ TEST_F(OutputWorkspaceTest, AnOutputOfAnOutputHasTheSameOriginals) {
 
 TEST_F(OutputWorkspaceTest, WorksWithMissingMaps) {
   std::filesystem::remove(
-      Workspace(root_, kGeometric).DepthPath(0, kGeometric));
+      Workspace(root_, kGeometric).Paths(0, kGeometric).depth);
   const Workspace output = Create();
   EXPECT_FALSE(output.HasMaps(0, kGeometric));
-  EXPECT_FALSE(std::filesystem::exists(output.DepthPath(0, kGeometric)));
+  EXPECT_FALSE(std::filesystem::exists(output.Paths(0, kGeometric).depth));
   EXPECT_TRUE(output.HasMaps(1, kGeometric));
 }
 

@@ -37,11 +37,11 @@ TEST_F(WorkspaceTest, ReadsModelAndProblems) {
   EXPECT_EQ(workspace.Problems()[1].reference, 1);
   EXPECT_THAT(workspace.Problems()[1].sources, testing::ElementsAre(0, 2));
   EXPECT_EQ(workspace.ImagePath(1), root_ / "images/left/b.png");
-  EXPECT_EQ(workspace.DepthPath(1, kGeometric),
+  EXPECT_EQ(workspace.Paths(1, kGeometric).depth,
             root_ / "stereo/depth_maps/left/b.png.geometric.bin");
   EXPECT_EQ(workspace.Paths(0, kPhotometric).normal,
             root_ / "stereo/normal_maps/a.png.photometric.bin");
-  EXPECT_EQ(workspace.CostPath(0, kPhotometric),
+  EXPECT_EQ(workspace.Paths(0, kPhotometric).cost,
             root_ / "stereo/cost_maps/a.png.photometric.bin");
   EXPECT_EQ(workspace.Paths(0, kPhotometric).confidence.Path(),
             root_ / "stereo/confidence_maps/a.png.photometric.png");
@@ -87,7 +87,7 @@ TEST_F(WorkspaceTest, ReadsMaps) {
 TEST_F(WorkspaceTest, NamesTheMissingMap) {
   const Workspace workspace(root_, kGeometric);
   std::filesystem::remove(workspace.Paths(0, kGeometric).normal);
-  std::filesystem::remove(workspace.DepthPath(1, kGeometric));
+  std::filesystem::remove(workspace.Paths(1, kGeometric).depth);
   EXPECT_FALSE(workspace.HasMaps(0, kGeometric));
   EXPECT_TRUE(workspace.HasMaps(0, kPhotometric));
   EXPECT_FALSE(workspace.HasMaps(1, kGeometric));
@@ -95,7 +95,7 @@ TEST_F(WorkspaceTest, NamesTheMissingMap) {
               {workspace.Paths(0, kGeometric).normal.string()},
               [&] { workspace.ReadOriginalMaps(0, kGeometric); });
   ExpectError(ErrorCode::kNotFound,
-              {workspace.DepthPath(1, kGeometric).string()},
+              {workspace.Paths(1, kGeometric).depth.string()},
               [&] { workspace.ReadOriginalMaps(1, kGeometric); });
 }
 

@@ -48,9 +48,9 @@ TEST_F(WriteBackTest, WritesAllFourMapsAndKeepsTheOriginals) {
   EXPECT_EQ(written->counts, record.counts);
   EXPECT_EQ(written->seconds, record.seconds);
   EXPECT_EQ(written->note, "fine");
-  EXPECT_TRUE(written->Has("depth", workspace().DepthPath(1, kGeometric)));
+  EXPECT_TRUE(written->Has("depth", workspace().Paths(1, kGeometric).depth));
   EXPECT_EQ(written->files.at("depth").front().hash,
-            HashFile(workspace().DepthPath(1, kGeometric)));
+            HashFile(workspace().Paths(1, kGeometric).depth));
 }
 
 TEST_F(WriteBackTest, WritesPlanesAndSigmaWhereThereAreSome) {

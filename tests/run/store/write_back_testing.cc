@@ -16,7 +16,8 @@ ImageRecord WriteBackTest::Record(const std::string& options_hash) {
 }
 
 float WriteBackTest::CurrentDepth(int image) {
-  return ReadDepthMap(workspace().DepthPath(image, MapType::kGeometric))(0, 0);
+  return ReadDepthMap(workspace().Paths(image, MapType::kGeometric).depth)(0,
+                                                                           0);
 }
 
 float WriteBackTest::OriginalDepth(int image) {

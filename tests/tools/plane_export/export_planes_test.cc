@@ -24,9 +24,7 @@ class ExportPlanesTest : public testing::Test {
     std::ostringstream output;
     Progress progress(output, false);
     return ExportPlanes(
-        Workspace(room_.root, MapType::kGeometric), min_area, progress, [] {
-          return false;
-        });
+        Workspace(room_.root, MapType::kGeometric), min_area, progress);
   }
   void ExpectFailure(ErrorCode code,
                      const std::vector<std::string>& texts) const {
@@ -196,11 +194,9 @@ TEST_F(ExportPlanesTest, CanBeStopped) {
   std::ostringstream output;
   Progress progress(output, false);
   int num_asked = 0;
+  progress.SetStop([&] { return ++num_asked > 3; });
   ExpectError(ErrorCode::kInterrupted, {"nothing was written"}, [&] {
-    ExportPlanes(
-        Workspace(room_.root, MapType::kGeometric), 0.0, progress, [&] {
-          return ++num_asked > 3;
-        });
+    ExportPlanes(Workspace(room_.root, MapType::kGeometric), 0.0, progress);
   });
 }
 

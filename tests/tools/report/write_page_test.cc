@@ -51,10 +51,8 @@ class WritePageTest : public testing::Test {
   int Write(bool is_stopped = false) const {
     std::ostringstream out;
     Progress progress(out, false);
-    return WritePage(
-        Workspace(root_, MapType::kGeometric), options_, progress, [&] {
-          return is_stopped;
-        });
+    progress.SetStop([&] { return is_stopped; });
+    return WritePage(Workspace(root_, MapType::kGeometric), options_, progress);
   }
   std::string Html() const {
     return ReadText(options_.report_path / "index.html");

@@ -179,7 +179,7 @@ TEST_F(StereoWorkspaceTest, MapsOfAnotherSizeAreNotItsOwn) {
   Run();
   const Workspace workspace(root_, MapType::kGeometric);
   const std::filesystem::path path =
-      workspace.DepthPath(1, MapType::kGeometric);
+      workspace.Paths(1, MapType::kGeometric).depth;
   WriteDepthMap(UserPath(path), Image<float>(kMapHeight, kMapWidth, 5.f));
   ExpectRefused(ErrorCode::kUnsupported, "overwrite 1");
   EXPECT_EQ(Run(/*overwrite=*/true).num_skipped, 0);

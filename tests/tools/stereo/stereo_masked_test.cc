@@ -34,7 +34,7 @@ TEST_F(StereoMaskedTest, MaskedPixelsGetNoDepth) {
       const MapPaths paths = GetMapPaths(root_, name, type);
       const Image<float> depth = ReadDepthMap(paths.depth);
       const Image<Vec3f> normal = ReadNormalMap(paths.normal);
-      const PlanarMap costs = ReadPlanarMap(paths.cost);
+      const std::vector<float> costs = ReadCosts(paths.cost);
       ASSERT_EQ(depth.Width(), kMapWidth);
       int num_beside = 0;
       for (int y = 0; y < kMapHeight; ++y) {
@@ -43,8 +43,8 @@ TEST_F(StereoMaskedTest, MaskedPixelsGetNoDepth) {
           if (std::string(name) == "v1.png" && x >= 10 && y == 5) {
             ASSERT_EQ(depth(x, y), 0.f);
             ASSERT_TRUE(normal(x, y) == Vec3f{});
-            ASSERT_EQ(costs.values[i], 2.f);
-            ASSERT_EQ(costs.values[i + depth.NumPixels()], 2.f);
+            ASSERT_EQ(costs[i], 2.f);
+            ASSERT_EQ(costs[i + depth.NumPixels()], 2.f);
           } else {
             num_beside += depth(x, y) > 0.f ? 1 : 0;
           }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/base/error.h"
+#include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
 
 #include <chrono>
@@ -12,6 +13,7 @@
 #include <map>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/support/synthetic_workspace.h"
 #include "tests/support/test_workspace.h"
@@ -46,23 +48,29 @@ class StereoWorkspaceTest : public testing::Test {
     }
   }
 
-  StereoSummary Run(
-      bool overwrite = false,
-      int num_threads = 1,
-      const std::function<bool()>& should_stop = [] { return false; }) {
+  // The smallest costs of all pixels, then the second smallest.
+  static std::vector<float> ReadCosts(const std::filesystem::path& path) {
+    MapReader reader(path);
+    std::vector<float> costs(reader.Size().NumValues());
+    reader.Read(0, 0, costs);
+    return costs;
+  }
+
+  StereoSummary Run(bool overwrite = false,
+                    int num_threads = 1,
+                    const std::function<bool()>& should_stop = nullptr) {
     DeviceOptions devices;
     devices.choice = DeviceChoice::kCpu;
     devices.num_threads = num_threads;
     std::ostringstream log;
     Progress progress(log, false);
-    return MatchWorkspace(
-        root_,
-        devices,
-        options_,
-        overwrite,
-        progress,
-        should_stop,
-        {image_list_path_, mask_path_});
+    progress.SetStop(should_stop);
+    return MatchWorkspace(root_,
+                          devices,
+                          options_,
+                          overwrite,
+                          progress,
+                          {image_list_path_, mask_path_});
   }
 
   // Expects that a run fails and changes no map.

@@ -32,9 +32,9 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
         workspace.ReadOriginalMaps(image, MapType::kPhotometric);
     const DepthNormal filtered =
         workspace.ReadOriginalMaps(image, MapType::kGeometric);
-    const PlanarMap costs =
-        ReadPlanarMap(workspace.CostPath(image, MapType::kGeometric));
-    ASSERT_EQ(costs.channels, 2);
+    const std::vector<float> costs =
+        ReadCosts(workspace.Paths(image, MapType::kGeometric).cost);
+    ASSERT_EQ(costs.size(), 2 * filtered.depth.NumPixels());
     const Intrinsics intrinsics =
         workspace.Model().images[image].camera.GetIntrinsics();
     for (int y = 8; y < SyntheticWorkspace::kHeight - 8; ++y) {
@@ -45,9 +45,9 @@ TEST_F(StereoWorkspaceTest, FindsTheWallWhereItHasTexture) {
         const float z = filtered.depth(x, y);
         const size_t i = static_cast<size_t>(y) * SyntheticWorkspace::kWidth +
                          static_cast<size_t>(x);
-        const float cost = costs.values[i];
+        const float cost = costs[i];
         EXPECT_TRUE(cost >= 0.f && cost <= 2.f);
-        EXPECT_LE(cost, costs.values[i + filtered.depth.NumPixels()]);
+        EXPECT_LE(cost, costs[i + filtered.depth.NumPixels()]);
         if (z > 0.f) {
           EXPECT_LT(Dot(filtered.normal(x, y), intrinsics.Ray(x, y)), 0.f);
         }
@@ -78,7 +78,7 @@ TEST_F(StereoWorkspaceTest, MakesSmallPhotometricMapsAloneIfToldSo) {
   for (int image = 0; image < 4; ++image) {
     EXPECT_FALSE(workspace.HasMaps(image, MapType::kGeometric));
     const MapSize size =
-        ReadMapSize(workspace.DepthPath(image, MapType::kPhotometric));
+        ReadMapSize(workspace.Paths(image, MapType::kPhotometric).depth);
     EXPECT_EQ(size.width, kMapWidth);
     EXPECT_EQ(size.height, kMapHeight);
   }
