@@ -3,10 +3,12 @@
 
 #include "colmap_tsar/view/planes/fit_plane.h"
 
+#include "colmap_tsar/base/avx2.h"
 #include "colmap_tsar/base/median.h"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
@@ -24,67 +26,126 @@ constexpr double kMinRelativeWidth = 0.01;
 // The ratio kMinRelativeWidth of sums of squares.
 constexpr double kMinSquareRatio = kMinRelativeWidth * kMinRelativeWidth;
 
-// The terms of a block in one step of a fit.
-struct TermBlock {
-  static constexpr int kSize = FitSamples::Block::kSize;
-  double weight[kSize];
-  double height[kSize];  // Height over the plane.
-  // Residuals are measured along the ray. The derivative of the slope with
-  // respect to the normal is included by rotating the plane about the ray's
-  // foot instead of the measured point.
-  double foot_x[kSize];
-  double foot_y[kSize];
-  double foot_z[kSize];
+// Sums over all samples in one step of a fit. Positions are those of the feet:
+// residuals are measured along the ray, and rotating the plane about the ray's
+// foot instead of the measured point includes the derivative of the slope with
+// respect to the normal.
+struct Sums {
+  double weights = 0.0;
+  // About the mean, along two tangents of the plane.
+  double xx = 0.0, xy = 0.0, yy = 0.0;
+  double xh = 0.0, yh = 0.0;  // Products with the heights over the plane.
+  // Weighted means, which are NaN if all weights are 0.
+  double height = 0.0;
+  Eigen::Vector3d foot = Eigen::Vector3d::Zero();
+};
 
-  TermBlock(const FitSamples::Block& block,
-            const WorldPlane& plane,
-            double loss_scale) {
-    const double a = plane.normal.x();
-    const double b = plane.normal.y();
-    const double c = plane.normal.z();
-    for (int i = 0; i < kSize; ++i) {
+// The plane and its axes: x and y along two tangents, z along the normal, from
+// an origin near the samples, so that sums of products stay precise.
+struct PlaneAxes {
+  Eigen::Vector3d x;
+  Eigen::Vector3d y;
+  Eigen::Vector3d z;
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+
+  PlaneAxes(const WorldPlane& plane, const FitSamples& samples)
+      : x(plane.normal.unitOrthogonal()),
+        y(plane.normal.cross(x)),
+        z(plane.normal) {
+    if (!samples.Blocks().empty()) {
+      const FitSamples::Block& block = samples.Blocks().front();
+      origin = {block.x[0], block.y[0], block.z[0]};
+    }
+  }
+};
+
+// Sums of products of a weight with 1, the height, and the foot's coordinates,
+// each for one lane of all blocks.
+constexpr int kLanes = FitSamples::Block::kSize;
+struct LaneSums {
+  enum { kW, kH, kX, kY, kZ, kXX, kXY, kYY, kXH, kYH, kCount };
+  double of[kCount][kLanes] = {};
+
+  double operator[](int sum) const {
+    return std::accumulate(of[sum], of[sum] + kLanes, 0.0);
+  }
+};
+
+LaneSums AddUpLanes(const FitSamples& samples,
+                    const WorldPlane& plane,
+                    const PlaneAxes& axes,
+                    double loss_scale) {
+  LaneSums sums;
+  const double a = plane.normal.x();
+  const double b = plane.normal.y();
+  const double c = plane.normal.z();
+  for (const FitSamples::Block& block : samples.Blocks()) {
+    for (int i = 0; i < kLanes; ++i) {
       const double along =
           a * block.ray_x[i] + b * block.ray_y[i] + c * block.ray_z[i];
       const double slope = std::max(std::abs(along), block.min_slope[i]);
-      height[i] =
+      const double height =
           a * block.x[i] + b * block.y[i] + c * block.z[i] + plane.offset;
-      const double error = block.sigma[i] * slope;
-      const double ratio = height[i] / (error * loss_scale);
-      weight[i] = block.weight[i] / (error * error * (1.0 + ratio * ratio));
-      const double step = (along > 0.0 ? -height[i] : height[i]) / slope;
-      foot_x[i] = block.x[i] + step * block.ray_x[i];
-      foot_y[i] = block.y[i] + step * block.ray_y[i];
-      foot_z[i] = block.z[i] + step * block.ray_z[i];
+      // w / error^2 times Cauchy's weight, 1 / (1 + (height / scale)^2).
+      const double scale = block.sigma[i] * slope * loss_scale;
+      const double weight = block.weight[i] * loss_scale * loss_scale /
+                            (scale * scale + height * height);
+      const double step = (along > 0.0 ? -height : height) / slope;
+      const double foot_x =
+          block.x[i] + step * block.ray_x[i] - axes.origin.x();
+      const double foot_y =
+          block.y[i] + step * block.ray_y[i] - axes.origin.y();
+      const double foot_z =
+          block.z[i] + step * block.ray_z[i] - axes.origin.z();
+      const auto along_axis = [&](const Eigen::Vector3d& axis) {
+        return axis.x() * foot_x + axis.y() * foot_y + axis.z() * foot_z;
+      };
+      const double x = along_axis(axes.x);
+      const double y = along_axis(axes.y);
+      const double weighted_x = weight * x;
+      const double weighted_y = weight * y;
+      sums.of[LaneSums::kW][i] += weight;
+      sums.of[LaneSums::kH][i] += weight * height;
+      sums.of[LaneSums::kX][i] += weighted_x;
+      sums.of[LaneSums::kY][i] += weighted_y;
+      sums.of[LaneSums::kZ][i] += weight * along_axis(axes.z);
+      sums.of[LaneSums::kXX][i] += weighted_x * x;
+      sums.of[LaneSums::kXY][i] += weighted_x * y;
+      sums.of[LaneSums::kYY][i] += weighted_y * y;
+      sums.of[LaneSums::kXH][i] += weighted_x * height;
+      sums.of[LaneSums::kYH][i] += weighted_y * height;
     }
   }
+  return sums;
+}
 
-  Eigen::Vector3d Foot(int i) const {
-    return {foot_x[i], foot_y[i], foot_z[i]};
-  }
-};
+TSAR_FOR_AVX2 LaneSums AddUpLanesForAvx2(const FitSamples& samples,
+                                         const WorldPlane& plane,
+                                         const PlaneAxes& axes,
+                                         double loss_scale) {
+  return AddUpLanes(samples, plane, axes, loss_scale);
+}
 
-// The terms of all samples and their weighted means, which are NaN if all
-// weights are 0.
-struct Terms {
-  std::vector<TermBlock> blocks;
-  double weights = 0.0;
-  double mean_height = 0.0;
-  Eigen::Vector3d mean_foot = Eigen::Vector3d::Zero();
-
-  Terms(const FitSamples& samples, const WorldPlane& plane, double loss_scale) {
-    blocks.reserve(samples.Blocks().size());
-    for (const FitSamples::Block& block : samples.Blocks()) {
-      const TermBlock& term = blocks.emplace_back(block, plane, loss_scale);
-      for (int i = 0; i < TermBlock::kSize; ++i) {
-        weights += term.weight[i];
-        mean_height += term.weight[i] * term.height[i];
-        mean_foot += term.weight[i] * term.Foot(i);
-      }
-    }
-    mean_height /= weights;
-    mean_foot /= weights;
-  }
-};
+Sums AddUp(const FitSamples& samples,
+           const WorldPlane& plane,
+           const PlaneAxes& axes,
+           double loss_scale) {
+  const LaneSums lanes = (HasAvx2() ? AddUpLanesForAvx2 : AddUpLanes)(
+      samples, plane, axes, loss_scale);
+  Sums sums;
+  sums.weights = lanes[LaneSums::kW];
+  sums.height = lanes[LaneSums::kH] / sums.weights;
+  const double x = lanes[LaneSums::kX] / sums.weights;
+  const double y = lanes[LaneSums::kY] / sums.weights;
+  const double z = lanes[LaneSums::kZ] / sums.weights;
+  sums.foot = axes.origin + x * axes.x + y * axes.y + z * axes.z;
+  sums.xx = lanes[LaneSums::kXX] - x * lanes[LaneSums::kX];
+  sums.xy = lanes[LaneSums::kXY] - x * lanes[LaneSums::kY];
+  sums.yy = lanes[LaneSums::kYY] - y * lanes[LaneSums::kY];
+  sums.xh = lanes[LaneSums::kXH] - x * lanes[LaneSums::kH];
+  sums.yh = lanes[LaneSums::kYH] - y * lanes[LaneSums::kH];
+  return sums;
+}
 
 // Whether the squared length of a step, in standard errors, is negligible; also
 // of a step that is no number.
@@ -102,40 +163,24 @@ struct FitStep {
 std::optional<FitStep> StepToFit(const WorldPlane& plane,
                                  const FitSamples& samples,
                                  double loss_scale) {
-  const Terms terms(samples, plane, loss_scale);
-  const Eigen::Vector3d tangent = plane.normal.unitOrthogonal();
-  const Eigen::Vector3d other_tangent = plane.normal.cross(tangent);
-  double xx = 0.0, xy = 0.0, yy = 0.0, xh = 0.0, yh = 0.0;
-  for (const TermBlock& term : terms.blocks) {
-    for (int i = 0; i < TermBlock::kSize; ++i) {
-      const double weight = term.weight[i];
-      const Eigen::Vector3d position = term.Foot(i) - terms.mean_foot;
-      const double x = tangent.dot(position);
-      const double y = other_tangent.dot(position);
-      const double height = term.height[i] - terms.mean_height;
-      xx += weight * x * x;
-      xy += weight * x * y;
-      yy += weight * y * y;
-      xh += weight * x * height;
-      yh += weight * y * height;
-    }
-  }
-  const double determinant = xx * yy - xy * xy;
+  const PlaneAxes axes(plane, samples);
+  const Sums sums = AddUp(samples, plane, axes, loss_scale);
+  const double determinant = sums.xx * sums.yy - sums.xy * sums.xy;
+  const double trace = sums.xx + sums.yy;
   // The negated comparison also holds for NaN.
-  if (!(determinant > kMinSquareRatio * (xx + yy) * (xx + yy))) {
+  if (!(determinant > kMinSquareRatio * trace * trace)) {
     return std::nullopt;
   }
-  const double turn_x = (xy * yh - yy * xh) / determinant;
-  const double turn_y = (xy * xh - xx * yh) / determinant;
-  const Eigen::Vector3d turn = turn_x * tangent + turn_y * other_tangent;
+  const double turn_x = (sums.xy * sums.yh - sums.yy * sums.xh) / determinant;
+  const double turn_y = (sums.xy * sums.xh - sums.xx * sums.yh) / determinant;
+  const Eigen::Vector3d turn = turn_x * axes.x + turn_y * axes.y;
   const Eigen::Vector3d normal = plane.normal + turn;
-  const double offset =
-      plane.offset - turn.dot(terms.mean_foot) - terms.mean_height;
+  const double offset = plane.offset - turn.dot(sums.foot) - sums.height;
   const double length = normal.norm();
   return FitStep{{normal / length, offset / length},
-                 terms.weights * terms.mean_height * terms.mean_height +
-                     turn_x * (turn_x * xx + 2.0 * turn_y * xy) +
-                     turn_y * turn_y * yy};
+                 sums.weights * sums.height * sums.height +
+                     turn_x * (turn_x * sums.xx + 2.0 * turn_y * sums.xy) +
+                     turn_y * turn_y * sums.yy};
 }
 
 // The terms of one plane in a step of a joint fit. A small rotation w changes a
@@ -151,23 +196,23 @@ struct TurnTerms {
 
 TurnTerms FindTurnTerms(const JointPlane& joint, double loss_scale) {
   const WorldPlane& plane = joint.plane;
-  const Terms terms(*joint.samples, plane, loss_scale);
+  const PlaneAxes axes(plane, *joint.samples);
+  const Sums sums = AddUp(*joint.samples, plane, axes, loss_scale);
   TurnTerms result;
-  if (!(terms.weights > 0.0)) {
+  if (!(sums.weights > 0.0)) {
     result.middle = -plane.offset * plane.normal;
     return result;
   }
-  result.middle = terms.mean_foot + terms.mean_height * plane.normal;
-  result.square_of_move = terms.weights * terms.mean_height * terms.mean_height;
-  for (const TermBlock& term : terms.blocks) {
-    for (int i = 0; i < TermBlock::kSize; ++i) {
-      const Eigen::Vector3d lever =
-          plane.normal.cross(term.Foot(i) - terms.mean_foot);
-      result.products += term.weight[i] * lever * lever.transpose();
-      result.heights +=
-          term.weight[i] * (term.height[i] - terms.mean_height) * lever;
-    }
-  }
+  result.middle = sums.foot + sums.height * plane.normal;
+  result.square_of_move = sums.weights * sums.height * sums.height;
+  // normal x position, for positions along x and along y.
+  const Eigen::Vector3d& of_x = axes.y;
+  const Eigen::Vector3d of_y = -axes.x;
+  const Eigen::Matrix3d mixed = of_x * of_y.transpose();
+  result.products = sums.xx * of_x * of_x.transpose() +
+                    sums.xy * (mixed + mixed.transpose()) +
+                    sums.yy * of_y * of_y.transpose();
+  result.heights = sums.xh * of_x + sums.yh * of_y;
   return result;
 }
 
