@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstdarg>
 #include <cstdio>
 #include <sstream>
 #include <string>
@@ -16,11 +17,15 @@ class TextStream : public std::ostringstream {
   TextStream() { exceptions(std::ios::badbit); }
 };
 
-// What std::printf() would print, at most 255 characters.
-template <typename... Values>
-std::string Formatted(const char* format, Values... values) {
+// What std::printf() would print, at most 255 characters; compilers compare the
+// format with the values.
+__attribute__((format(printf, 1, 2))) inline std::string Formatted(
+    const char* format, ...) {
   char text[256];
-  std::snprintf(text, sizeof(text), format, values...);
+  std::va_list values;
+  va_start(values, format);
+  std::vsnprintf(text, sizeof(text), format, values);
+  va_end(values);
   return text;
 }
 

@@ -242,6 +242,12 @@ void WriteNormalMap(const ContainedPath& path, const Image<Vec3f>& normal) {
 void WriteMap(const ContainedPath& path,
               const MapSize& size,
               std::span<const float> values) {
+  if (values.size() != size.NumValues()) {
+    throw Error(ErrorCode::kMismatch,
+                path.string() + ": there are " + std::to_string(values.size()) +
+                    " values for a map of " + std::to_string(size.NumValues()) +
+                    "; this is a mistake of the program, please report it");
+  }
   AtomicFile file(path);
   MapWriter(size, &file).Write(values);
   file.Commit();

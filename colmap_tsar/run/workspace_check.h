@@ -28,7 +28,7 @@ struct WorkspaceOverview {
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is
 // not of its image's shape), and what FindOriginals, Workspace::CheckMask and
-// ReadPrior throw. Depth priors are read. Warns of alpha channels.
+// ReadPrior throw. Depth priors are read.
 WorkspaceOverview CheckWorkspace(const Workspace& workspace);
 
 // Opens the workspace with the requested type of maps, or the type that it has.

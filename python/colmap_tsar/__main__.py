@@ -27,7 +27,7 @@ def _parse(arguments):
         command.add_argument(f"--{name}", metavar="PATH", required=True, help=text)
     command.add_argument("--format", choices=_export.FORMATS, required=True, help="what to write")
     text = "if not given: geometric, or photometric where only those were refined or are there"
-    command.add_argument("--input_type", help=text)
+    command.add_argument("--input_type", choices=("geometric", "photometric"), help=text)
     for name, text in (
         ("mask_path", "no depth where a mask is black; nerfstudio gets the masks as well"),
         ("cloud_path", "nerfstudio: a cloud (PLY) that its methods start from"),

@@ -128,8 +128,8 @@ def read_planes(
 
     Args:
         workspace_path: The refined dense workspace.
-        input_type: The maps that were refined, such as "geometric". None:
-            geometric, or photometric where only those have planes.
+        input_type: The maps that were refined, "geometric" or "photometric".
+            None: geometric, or photometric where only those have planes.
         min_area: Planes of a smaller area, in square units of the sparse model, are
             left out.
     """

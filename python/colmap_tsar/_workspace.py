@@ -65,8 +65,8 @@ class Workspace(typing.Mapping[str, WorkspaceImage]):
 
     def __init__(self, workspace_path: _Path, *, input_type: Optional[str] = None):
         """workspace_path: the folder. input_type: which maps to read, refine and report
-        about, such as "geometric". None: geometric, or photometric where there
-        are no geometric ones. Raises Error where it is no workspace."""
+        about, "geometric" or "photometric". None: geometric, or photometric where
+        there are no geometric ones. Raises Error where it is no workspace."""
         if input_type is not None:
             _core.check_input_type(input_type)
         self._path = pathlib.Path(os.fsdecode(workspace_path))

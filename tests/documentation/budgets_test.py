@@ -18,7 +18,7 @@ BUDGETS = (
     ("colmap_tsar/compose", SOURCES, 2310),
     ("colmap_tsar/device", SOURCES, 1610),
     ("colmap_tsar/fusion", SOURCES, 1510),
-    ("colmap_tsar/io", SOURCES, 4190),
+    ("colmap_tsar/io", SOURCES, 4200),
     ("colmap_tsar/matching", SOURCES, 2050),
     ("colmap_tsar/priors", SOURCES, 1820),
     ("colmap_tsar/run", SOURCES, 7900),

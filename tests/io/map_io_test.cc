@@ -154,6 +154,9 @@ TEST_F(MapIoTest, RefusesToWriteWhatFusionCannotRead) {
       WriteNormalMap(UserPath(path), Image<Vec3f>(2, 2, Vec3f{0, 0, value}));
     });
   }
+  ExpectError(ErrorCode::kMismatch, {"3 values for a map of 4"}, [&] {
+    WriteMap(UserPath(path), {2, 1, 2}, std::vector<float>{1, 2, 3});
+  });
   ExpectError(ErrorCode::kMismatch, {"empty"}, [&] {
     WriteDepthMap(UserPath(path), Image<float>());
   });

@@ -25,6 +25,9 @@ constexpr int kMaxSteps = 100;
 constexpr double kMinRelativeWidth = 0.01;
 // The ratio kMinRelativeWidth of sums of squares.
 constexpr double kMinSquareRatio = kMinRelativeWidth * kMinRelativeWidth;
+// A spread about the mean that is a smaller share of that about the origin is
+// nothing but rounding errors.
+constexpr double kMinPreciseShare = 1e-12;
 
 // Sums over all samples in one step of a fit. Positions are those of the feet:
 // residuals are measured along the ray, and rotating the plane about the ray's
@@ -40,23 +43,19 @@ struct Sums {
   Eigen::Vector3d foot = Eigen::Vector3d::Zero();
 };
 
-// The plane and its axes: x and y along two tangents, z along the normal, from
-// an origin near the samples, so that sums of products stay precise.
+// The axes of a plane: x and y along two tangents, z along the normal, from an
+// origin amid the samples, so that sums of products stay precise.
 struct PlaneAxes {
   Eigen::Vector3d x;
   Eigen::Vector3d y;
   Eigen::Vector3d z;
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  Eigen::Vector3d origin;
 
-  PlaneAxes(const WorldPlane& plane, const FitSamples& samples)
+  PlaneAxes(const WorldPlane& plane, const Eigen::Vector3d& around)
       : x(plane.normal.unitOrthogonal()),
         y(plane.normal.cross(x)),
-        z(plane.normal) {
-    if (!samples.Blocks().empty()) {
-      const FitSamples::Block& block = samples.Blocks().front();
-      origin = {block.x[0], block.y[0], block.z[0]};
-    }
-  }
+        z(plane.normal),
+        origin(around) {}
 };
 
 // Sums of products of a weight with 1, the height, and the foot's coordinates,
@@ -144,6 +143,10 @@ Sums AddUp(const FitSamples& samples,
   sums.yy = lanes[LaneSums::kYY] - y * lanes[LaneSums::kY];
   sums.xh = lanes[LaneSums::kXH] - x * lanes[LaneSums::kH];
   sums.yh = lanes[LaneSums::kYH] - y * lanes[LaneSums::kH];
+  const double around_origin = lanes[LaneSums::kXX] + lanes[LaneSums::kYY];
+  if (!(sums.xx + sums.yy > kMinPreciseShare * around_origin)) {
+    sums.xx = sums.xy = sums.yy = sums.xh = sums.yh = 0.0;
+  }
   return sums;
 }
 
@@ -156,14 +159,16 @@ bool IsNegligible(double square) {
 struct FitStep {
   WorldPlane plane;     // After the step.
   double square = 0.0;  // The squared length of the step, in standard errors.
+  Eigen::Vector3d middle;  // The mean of the feet.
 };
 
 // One Gauss-Newton step that reduces the loss of the normalized residuals.
 // Returns nullopt if the observations do not determine a plane.
 std::optional<FitStep> StepToFit(const WorldPlane& plane,
                                  const FitSamples& samples,
+                                 const Eigen::Vector3d& around,
                                  double loss_scale) {
-  const PlaneAxes axes(plane, samples);
+  const PlaneAxes axes(plane, around);
   const Sums sums = AddUp(samples, plane, axes, loss_scale);
   const double determinant = sums.xx * sums.yy - sums.xy * sums.xy;
   const double trace = sums.xx + sums.yy;
@@ -180,7 +185,8 @@ std::optional<FitStep> StepToFit(const WorldPlane& plane,
   return FitStep{{normal / length, offset / length},
                  sums.weights * sums.height * sums.height +
                      turn_x * (turn_x * sums.xx + 2.0 * turn_y * sums.xy) +
-                     turn_y * turn_y * sums.yy};
+                     turn_y * turn_y * sums.yy,
+                 sums.foot};
 }
 
 // The terms of one plane in a step of a joint fit. A small rotation w changes a
@@ -194,9 +200,11 @@ struct TurnTerms {
   double square_of_move = 0.0;                       // In standard errors.
 };
 
-TurnTerms FindTurnTerms(const JointPlane& joint, double loss_scale) {
+TurnTerms FindTurnTerms(const JointPlane& joint,
+                        const Eigen::Vector3d& around,
+                        double loss_scale) {
   const WorldPlane& plane = joint.plane;
-  const PlaneAxes axes(plane, *joint.samples);
+  const PlaneAxes axes(plane, around);
   const Sums sums = AddUp(*joint.samples, plane, axes, loss_scale);
   TurnTerms result;
   if (!(sums.weights > 0.0)) {
@@ -239,15 +247,17 @@ struct JointStep {
   double square = 0.0;  // The squared length of the step, in standard errors.
 };
 
+// around: a point amid the samples of each plane.
 JointStep StepTogether(const std::optional<Eigen::Vector3d>& axis,
+                       const std::vector<Eigen::Vector3d>& around,
                        double loss_scale,
                        std::vector<JointPlane>* planes) {
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
   Eigen::Vector3d heights = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> middles;
   double square = 0.0;
-  for (const JointPlane& joint : *planes) {
-    const TurnTerms terms = FindTurnTerms(joint, loss_scale);
+  for (size_t p = 0; p < planes->size(); ++p) {
+    const TurnTerms terms = FindTurnTerms((*planes)[p], around[p], loss_scale);
     products += terms.products;
     heights += terms.heights;
     middles.push_back(terms.middle);
@@ -291,6 +301,13 @@ void FitSamples::Add(const DepthObservation& observation) {
   block.weight[lane] = observation.weight;
 }
 
+Eigen::Vector3d FitSamples::First() const {
+  if (size_ == 0) {
+    return Eigen::Vector3d::Zero();
+  }
+  return {blocks_[0].x[0], blocks_[0].y[0], blocks_[0].z[0]};
+}
+
 Eigen::Vector3d FitSamples::Middle() const {
   if (size_ == 0) {
     return Eigen::Vector3d::Zero();
@@ -310,12 +327,15 @@ WorldPlane FitPlane(const WorldPlane& initial,
                     const FitSamples& samples,
                     double loss_scale) {
   WorldPlane plane = initial;
+  Eigen::Vector3d middle = samples.First();
   for (int i = 0; i < kMaxSteps; ++i) {
-    const std::optional<FitStep> step = StepToFit(plane, samples, loss_scale);
+    const std::optional<FitStep> step =
+        StepToFit(plane, samples, middle, loss_scale);
     if (!step) {
       return initial;
     }
     plane = step->plane;
+    middle = step->middle;
     if (IsNegligible(step->square)) {
       break;
     }
@@ -326,9 +346,13 @@ WorldPlane FitPlane(const WorldPlane& initial,
 Eigen::Matrix3d FitTogether(const std::optional<Eigen::Vector3d>& axis,
                             double loss_scale,
                             std::vector<JointPlane>* planes) {
+  std::vector<Eigen::Vector3d> around;
+  for (const JointPlane& joint : *planes) {
+    around.push_back(joint.samples->Middle());
+  }
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   for (int i = 0; i < kMaxSteps; ++i) {
-    const JointStep step = StepTogether(axis, loss_scale, planes);
+    const JointStep step = StepTogether(axis, around, loss_scale, planes);
     rotation = step.rotation * rotation;
     if (IsNegligible(step.square)) {
       break;

@@ -32,6 +32,8 @@ class FitSamples {
 
   void Add(const DepthObservation& observation);
   const std::vector<Block>& Blocks() const { return blocks_; }
+  // The first point; zero without points.
+  Eigen::Vector3d First() const;
   // The medians of the points' coordinates; zero without points.
   Eigen::Vector3d Middle() const;
 
