@@ -85,9 +85,8 @@ TSAR_HD inline float Interpolate(const Halves& top,
   return MultiplyAdd(fy, b - t, t);
 }
 
-// The largest position that has a row below it, if there is more than one row:
-// just above the last, which has a weight of at least 0.999 there in an image
-// of up to 8192 rows.
+// The largest position with a row below it, if there are several rows: the last
+// one has a weight of 0.999 and more there, with up to 8192 rows.
 TSAR_HD inline float LastRowPosition(int height) {
   constexpr float kBelowOne = 1.f - 1.f / 16777216.f;
   return kBelowOne * static_cast<float>(height - 1);
