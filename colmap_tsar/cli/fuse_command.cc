@@ -47,12 +47,11 @@ void FuseCommand::AddTo(OptionSet* set) {
                    &options.output_path,
                    "The PLY file to write; beside it, with .vis behind its "
                    "name, the images that see each point.");
-  set->AddEnum<MapType>(
-      "input_type",
+  AddInputType(
       &input_type,
-      {MapType::kGeometric, MapType::kPhotometric},
       "The maps to fuse. If not given: geometric, or photometric where "
-      "only those were refined or are there.");
+      "only those were refined or are there.",
+      set);
   set->Add("image_list_path",
            &options.image_list_path,
            "A text file with one image name per line: the pixels of these "

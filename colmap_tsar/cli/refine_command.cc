@@ -41,12 +41,11 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                        &command->workspace.workspace_path,
                        "The dense workspace, as image_undistorter makes it and "
                        "patch_match_stereo fills it.");
-  options->AddEnum<MapType>(
-      "input_type",
+  AddInputType(
       &command->workspace.input_type,
-      {MapType::kGeometric, MapType::kPhotometric},
       "The maps to refine; the others serve as evidence. If not given: "
-      "geometric, or photometric where there are no others.");
+      "geometric, or photometric where there are no others.",
+      options);
   options->Add("image_list_path",
                &command->workspace.image_list_path,
                "A text file with one image name per line: refine these alone, "

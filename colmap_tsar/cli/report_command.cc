@@ -27,12 +27,11 @@ constexpr const char* kSummary =
 void ReportCommand::AddTo(OptionSet* options) {
   options->AddRequired(
       "workspace_path", &workspace_path, "The refined dense workspace.");
-  options->AddEnum<MapType>(
-      "input_type",
+  AddInputType(
       &input_type,
-      {MapType::kGeometric, MapType::kPhotometric},
       "The maps that were refined. If not given: geometric, or photometric "
-      "where only those were.");
+      "where only those were.",
+      options);
   options->Add(
       "report_path",
       &page.report_path,

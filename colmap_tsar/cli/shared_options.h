@@ -4,6 +4,7 @@
 #pragma once
 
 #include "colmap_tsar/cli/option_set.h"
+#include "colmap_tsar/io/map_paths.h"
 #include "colmap_tsar/run/device_options.h"
 
 #include <filesystem>
@@ -26,6 +27,17 @@ void AddNumThreads(const std::string& name,
                    int* value,
                    OptionSet* options,
                    const std::string& remark = "");
+
+// Adds --input_type. value: a MapType, or an optional one.
+template <typename Value>
+void AddInputType(Value* value,
+                  const std::string& description,
+                  OptionSet* options) {
+  options->AddEnum<MapType>("input_type",
+                            value,
+                            {MapType::kGeometric, MapType::kPhotometric},
+                            description);
+}
 
 // Adds --mask_path. effect: what a mask changes, in sentences.
 void AddMaskPath(std::filesystem::path* value,

@@ -111,10 +111,7 @@ struct MapArguments {
              const std::string& maps,
              const std::string& mask_effect) {
     set->AddRequired("workspace_path", &workspace_path, workspace);
-    set->AddEnum<MapType>("input_type",
-                          &options.input_type,
-                          {MapType::kGeometric, MapType::kPhotometric},
-                          maps);
+    AddInputType(&options.input_type, maps, set);
     set->Add("ground_truth_path",
              &options.ground_truth_path,
              "Folder with IMAGE_NAME.bin, depth maps in COLMAP's format, 0 "

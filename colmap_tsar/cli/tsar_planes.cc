@@ -62,12 +62,11 @@ void AddOptions(PlanesCommand* command, OptionSet* options) {
                &command->plan_path,
                "A floor plan to write: the walls seen from above, as a picture "
                "with a scale bar (.svg) or for CAD programs (.dxf).");
-  options->AddEnum<MapType>(
-      "input_type",
+  AddInputType(
       &command->input_type,
-      {MapType::kGeometric, MapType::kPhotometric},
       "The maps that were refined. If not given: geometric, or photometric "
-      "where only those were refined.");
+      "where only those were refined.",
+      options);
   options->Add("min_area",
                &command->min_area,
                "Planes of a smaller area are left out; in square units of "
