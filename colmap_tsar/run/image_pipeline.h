@@ -56,8 +56,8 @@ class ImagePass {
   // The views that Compute() needs, as images of the sparse model.
   virtual std::vector<int> Views(size_t index) const = 0;
   virtual std::shared_ptr<const ViewData> Load(int image) const = 0;
-  // Work on the CPU that needs the views but no worker.
-  virtual void Prepare(size_t /*index*/, const LoadedViews& /*views*/) {}
+  // Work on the CPU that needs no worker.
+  virtual void Prepare(size_t /*index*/) {}
   // Computes with one of the workers, each of which is used by one thread at a
   // time. Releases views as early as possible.
   virtual Result Compute(size_t index,
@@ -217,7 +217,7 @@ void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
     return;
   }
   report->seconds["read"] += reading.Seconds();
-  pass_.Prepare(index, views);
+  pass_.Prepare(index);
   Result result;
   {
     const Loan loan(*this);

@@ -15,7 +15,6 @@
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/run/store/write_back.h"
-#include "colmap_tsar/view/reduce_view.h"
 
 #include <algorithm>
 #include <array>
@@ -138,13 +137,6 @@ RefineResult RunSingleView(const RefineRun& run,
   });
 }
 
-// Whether the image was observed, that is, has depths at the size at which it
-// is judged.
-bool WasObserved(const ViewData& view) {
-  return HasReducedDepth(
-      view, ReductionFactor(view.depth.Width(), view.depth.Height()));
-}
-
 // Empty maps of the size of this map.
 RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
   const int width = depth.Width();
@@ -262,9 +254,9 @@ std::vector<int> ComposePass::Views(size_t index) const {
              : run_.selection.SourcesAndReference(index);
 }
 
-void ComposePass::Prepare(size_t index, const LoadedViews& views) {
+void ComposePass::Prepare(size_t index) {
   if (run_.HasScenePlanes() && run_.devices.finds_scenes_ahead &&
-      WasObserved(views.Get(run_.selection.Reference(index)))) {
+      run_.evidence.IsCurrent(run_.selection.Reference(index))) {
     scenes_[index] = NamePlaceOfErrors(run_, index, "the CPU", [&] {
       return FindImageScene(run_, model_, index, *Device::CreateCpu(1));
     });
@@ -348,7 +340,8 @@ void ComposePass::Keep(size_t index, ImageReport* report) const {
 RefineResult ComposePass::Compose(size_t index,
                                   const RefineWorker& worker,
                                   const ViewData& reference) {
-  if (!WasObserved(reference)) {
+  // It may have no depth at the size at which it is judged.
+  if (!run_.evidence.IsCurrent(run_.selection.Reference(index))) {
     RefineResult result;
     result.reason_to_keep = kNothingReliable;
     return result;

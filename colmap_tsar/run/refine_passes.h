@@ -72,7 +72,7 @@ class ComposePass : public ImagePass<RefineResult> {
   std::shared_ptr<const ViewData> Load(int image) const override;
   // Finds the scene of the image where the workers are GPUs, which would
   // otherwise wait for the CPU meanwhile.
-  void Prepare(size_t index, const LoadedViews& views) override;
+  void Prepare(size_t index) override;
   RefineResult Compute(size_t index,
                        size_t worker,
                        LoadedViews* views,

@@ -28,64 +28,6 @@ BlockDepth BlocksOf(const ViewData& rows,
           first_row};
 }
 
-// BlockDepth::Find() with buffers, which is faster on a CPU with large blocks:
-// their pixels are gathered once.
-class BlockDepthFinder {
- public:
-  explicit BlockDepthFinder(const BlockDepth& blocks) : blocks_(blocks) {}
-
-  ptrdiff_t Find(int x, int y) {
-    const int factor = blocks_.factor;
-    const int end_x = std::min(x * factor + factor, blocks_.depth.width);
-    const int end_y = std::min(y * factor + factor, blocks_.depth.height);
-    own_.clear();
-    other_.clear();
-    for (int row = y * factor; row < end_y; ++row) {
-      for (int column = x * factor; column < end_x; ++column) {
-        const auto pixel = static_cast<int>(blocks_.depth.Index(column, row));
-        if (DepthOf(pixel) > 0.f) {
-          const bool is_own = blocks_.is_to_refine.Empty() ||
-                              blocks_.is_to_refine.data[pixel] != 0;
-          (is_own ? own_ : other_).push_back(pixel);
-        }
-      }
-    }
-    const auto min_count = static_cast<size_t>(
-        BlockDepth::MinCount((end_x - x * factor) * (end_y - y * factor)));
-    const ptrdiff_t own = FindAmong(own_, min_count);
-    return own >= 0 ? own : FindAmong(other_, min_count);
-  }
-
- private:
-  float DepthOf(int pixel) const { return blocks_.depth.data[pixel]; }
-
-  ptrdiff_t FindAmong(const std::vector<int>& pixels, size_t min_count) {
-    if (pixels.size() < min_count) {
-      return -1;
-    }
-    sorted_.clear();
-    for (const int pixel : pixels) {
-      sorted_.push_back(DepthOf(pixel));
-    }
-    const auto middle = sorted_.begin() + (std::ssize(sorted_) - 1) / 2;
-    std::nth_element(sorted_.begin(), middle, sorted_.end());
-    const int median = *std::ranges::find(
-        pixels, *middle, [this](int pixel) { return DepthOf(pixel); });
-    const Plane plane = blocks_.PlaneOf(median);
-    const int width = blocks_.depth.width;
-    const auto count = std::ranges::count_if(pixels, [&](int pixel) {
-      const Vec3f ray = blocks_.RayOf(pixel % width, pixel / width);
-      return BlockDepth::IsOnPlane(DepthOf(pixel), ray, plane, *middle);
-    });
-    return static_cast<size_t>(count) >= min_count ? median : -1;
-  }
-
-  const BlockDepth& blocks_;
-  std::vector<int> own_;
-  std::vector<int> other_;
-  std::vector<float> sorted_;
-};
-
 Image<Rgb> MeanColors(const Image<Rgb>& color,
                       int factor,
                       int width,
@@ -178,12 +120,11 @@ ViewReducer::ViewReducer(const Camera& camera, int factor, bool has_costs)
 
 void ViewReducer::Add(const ViewData& rows) {
   const BlockDepth blocks = BlocksOf(rows, camera_, factor_, num_rows_);
-  BlockDepthFinder finder(blocks);
   const int first_row = num_rows_ / factor_;
   const int num_blocks = CeilOfQuotient(rows.depth.Height(), factor_);
   for (int y = 0; y < num_blocks; ++y) {
     for (int x = 0; x < reduced_.depth.Width(); ++x) {
-      const ptrdiff_t pixel = finder.Find(x, y);
+      const ptrdiff_t pixel = blocks.Find(x, y);
       if (pixel >= 0) {
         Set(rows, blocks, pixel, x, first_row + y);
       }
@@ -228,18 +169,6 @@ ViewData ReduceView(const ViewData& view, int factor) {
   reduced.num_not_finite = view.num_not_finite;
   reduced.prior = view.prior;
   return reduced;
-}
-
-bool HasReducedDepth(const ViewData& view, int factor) {
-  const BlockDepth blocks = BlocksOf(view, view.camera, factor, 0);
-  for (int y = 0; y < CeilOfQuotient(view.depth.Height(), factor); ++y) {
-    for (int x = 0; x < CeilOfQuotient(view.depth.Width(), factor); ++x) {
-      if (blocks.Find(x, y) >= 0) {
-        return true;
-      }
-    }
-  }
-  return false;
 }
 
 }  // namespace tsar

@@ -69,7 +69,4 @@ class ViewReducer {
   int num_rows_ = 0;  // Rows of the full view added so far.
 };
 
-// Whether the reduced view has a depth in any pixel.
-bool HasReducedDepth(const ViewData& view, int factor);
-
 }  // namespace tsar

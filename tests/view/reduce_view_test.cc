@@ -139,7 +139,6 @@ TEST(ReduceView, TakesTheOtherTypeWhereTheMapToRefineHasGaps) {
   EXPECT_EQ(reduced.depth(2, 0), 3.f);
   EXPECT_EQ(reduced.is_to_refine(2, 0), 0);
   EXPECT_EQ(reduced.num_depths_to_refine, 1);
-  EXPECT_TRUE(HasReducedDepth(view, 3));
   // Without the raster, all are from one map.
   view.is_to_refine = {};
   EXPECT_EQ(ReduceView(view, 3).depth(1, 0), 2.f);
