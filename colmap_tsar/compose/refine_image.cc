@@ -17,12 +17,22 @@
 #include "colmap_tsar/view/single_view.h"
 #include "colmap_tsar/view/stage_timer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 
 namespace tsar {
 namespace {
+
+Image<uint8_t> RoundedGray(const Image<Rgb>& color) {
+  Image<uint8_t> gray(color.Width(), color.Height());
+  std::ranges::transform(color, gray.begin(), [](const Rgb& pixel) {
+    return static_cast<uint8_t>(std::lround(GrayLevel(pixel)));
+  });
+  return gray;
+}
 
 // The least gain of a plane in one view to be a candidate in its neighbors,
 // relative to that in all of them.
@@ -163,6 +173,9 @@ RefineResult ObserveImage(
       DownloadInputs(views, single_view, gray.View(), device),
       views.DownloadRasterColor(),
       gray.ToHost(),
+      RoundedGray(MakeRasterColor(
+                      views.Color(), views.Raster(), /*denoise=*/false, device)
+                      .ToHost()),
       PackFlags(
           single_view.trusted.View(), single_view.confirmations.View(), device)
           .ToHost(),
@@ -203,6 +216,7 @@ void MakeEvidence(const RefineOptions& options,
   }
   GatheredEvidence gathered = GatherEvidence(measured.inputs);
   gathered.evidence.color = std::move(measured.color);
+  gathered.evidence.gray = std::move(measured.noisy_gray);
   gathered.evidence.flags = std::move(measured.flags);
   timer.Finish("evidence");
   ReduceCandidates(measured.camera, options, device, &gathered);

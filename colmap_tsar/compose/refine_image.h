@@ -25,6 +25,7 @@ struct MeasuredImage {
   EvidenceInputs inputs;
   Image<Rgb> color;                         // On the raster of the inputs.
   Image<float> gray;                        // On the same raster.
+  Image<uint8_t> noisy_gray;                // The same, not denoised.
   Image<uint8_t> flags;                     // See ViewEvidence::flags.
   Camera camera;                            // Camera of the maps.
   std::shared_ptr<const DepthPrior> prior;  // Null: none.

@@ -67,7 +67,7 @@ MemoryPlan PlanRefinement(const RefineOptions& options,
     return plan;
   }
   const int64_t neighbor = 6 * raster + 530 * superpixels;
-  const int64_t own = judged + 9 * raster + 800 * superpixels;
+  const int64_t own = judged + 10 * raster + 800 * superpixels;
   const int64_t labeling = 30 * raster + 3600 * superpixels +
                            views * (13 * raster + 512 * superpixels);
   plan.label_view = 2 * own + (views + 1) * neighbor + labeling;

@@ -128,10 +128,8 @@ ViewLabels LabelInModel(const std::vector<ModeledView>& views,
   std::vector<int> indices = MeasuredPlanes(views, planes.size());
   const std::vector<BoundingCrease> bounding =
       BoundingCreasesOf(creases, &indices);
-  ViewEvidence cut;
   if (!bounding.empty()) {
-    cut = CutAtCreases(observed[0], planes, bounding);
-    observed[0].evidence = &cut;
+    observed[0].sides = FindSidesOfCreases(observed[0], planes, bounding);
   }
   const std::vector<int> new_indices = IndicesAmong(indices, planes.size());
   const std::vector<Plane> camera_planes =

@@ -304,12 +304,12 @@ class SceneModeler {
       labels.push_back(&labels_[view].planes);
     }
     const std::vector<int> copies = FindPlaneCopies(model_, cameras, labels);
-    std::vector<std::vector<PlaneLine>> of_views(inputs_.views.size());
+    std::vector<std::vector<PlaneProfile>> of_views(inputs_.views.size());
     ForEachFullView("lines", [&](size_t view, const ObservedView& observed) {
       of_views[view] =
-          FindPlaneLines(observed, Renumber(*labels[view], copies), model_);
+          MakePlaneProfiles(observed, Renumber(*labels[view], copies), model_);
     });
-    const std::vector<PlaneLine> lines = JoinPlaneLines(of_views);
+    const std::vector<PlaneLine> lines = FindSharedLines(of_views);
     if (lines.empty() || inputs_.progress.ShouldStop()) {
       return false;
     }

@@ -97,8 +97,8 @@ ReducedRaster MakeRaster(int width, int height);
 // The largest number of raster pixels of a map of num_pixels.
 int64_t MaxRasterPixels(int64_t num_pixels);
 
-// The image in which superpixels, regions, textures and borders are found:
-// reduced to the raster and, with denoise, denoised.
+// The image in which superpixels, regions, textures and borders are found, or
+// lines without `denoise`: reduced to the raster and, with it, denoised.
 DeviceImage<Rgb> MakeRasterColor(ImageView<const Rgb> color,
                                  const ReducedRaster& raster,
                                  bool denoise,

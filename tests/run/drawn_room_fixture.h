@@ -46,6 +46,8 @@ class DrawnRoomTest : public testing::Test {
       }
       evidence.color = Image<Rgb>(
           SyntheticRoom::kWidth, SyntheticRoom::kHeight, Rgb{100, 100, 100});
+      evidence.gray = Image<uint8_t>(
+          SyntheticRoom::kWidth, SyntheticRoom::kHeight, 100);
       evidence.confident_depth =
           Image<float>(SyntheticRoom::kWidth, SyntheticRoom::kHeight, 0.f);
       for (const WorldPlane& plane : room_.Candidates()) {

@@ -5,11 +5,15 @@
 
 #include "colmap_tsar/scene/model_scene.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
+#include <vector>
 
 #include "tests/run/counting_device.h"
 #include "tests/run/drawn_room_fixture.h"
+#include "tests/support/synthetic_observations.h"
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -72,6 +76,7 @@ class ModelCreasesTest : public DrawnRoomTest {
           const auto byte =
               static_cast<uint8_t>(std::lround(gray(surface, point)));
           evidence.color(x, y) = {byte, byte, byte};
+          evidence.gray(x, y) = byte;
         }
       }
     }
@@ -143,6 +148,27 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
   EXPECT_THAT(text_.str(), testing::HasSubstr("Model, creases: [3/3]"));
   EXPECT_THAT(text_.str(),
               testing::HasSubstr("Model, labels within creases: [3/3]"));
+}
+
+// Along a line of three views, noise averages out. The denoised image shows
+// nothing.
+TEST_F(ModelCreasesTest, ACeilingInNoiseAsStrongAsItsStep) {
+  MakeCeilingBare();
+  PaintSurfaces();
+  for (ViewEvidence& evidence : room_.evidence) {
+    std::ranges::fill(evidence.color, Rgb{100, 100, 100});
+  }
+  Philox random(9, 0, 0);
+  for (ViewEvidence& evidence : room_.evidence) {
+    for (uint8_t& gray : evidence.gray) {
+      gray =
+          static_cast<uint8_t>(std::lround(gray + 10.0 * NextNormal(&random)));
+    }
+  }
+  const SceneModel model = *Run();
+  const int ceiling = FindCeiling(model);
+  ASSERT_GE(ceiling, 0);
+  EXPECT_GT(ShareOfCeiling(model, ceiling), 0.8);
 }
 
 // What views would tell each other from before creases were known is void.

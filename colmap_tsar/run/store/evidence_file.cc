@@ -59,6 +59,7 @@ void ForOwnArrays(Evidence& evidence, const auto& use) {
   use(evidence.confirmed);
   use(evidence.confirmed_pixels);
   use(evidence.borders);
+  use(evidence.gray);
   use(evidence.flags);
 }
 

@@ -20,15 +20,15 @@ namespace tsar {
 // The key of such a file tells whether the evidence may be used.
 inline constexpr StateFileKind kEvidenceFile = {
     {'T', 'S', 'A', 'R', 'V', 'I', 'E', 'W'},
-    /*version=*/14,
+    /*version=*/15,
     "evidence file",
     "no such file",
     "run again without removing files meanwhile"};
 
 enum class EvidenceParts {
   kAll,
-  // Everything but the values of the prior, the confirmed depths, borders and
-  // flags, which stay empty and are not even read from the disk.
+  // Everything but the values of the prior, the confirmed depths, borders, gray
+  // levels and flags, which stay empty and are not even read from the disk.
   kForNeighbors,
 };
 

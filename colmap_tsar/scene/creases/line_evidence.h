@@ -28,8 +28,8 @@ struct LineEvidence {
   std::array<Side, 2> sides;
 };
 
-// The evidence of one view, by line. lines: from JoinPlaneLines. labels: as for
-// FindPlaneLines.
+// The evidence of one view, by line. lines: from FindSharedLines. labels: as
+// for MakePlaneProfiles.
 std::vector<LineEvidence> TestPlaneLines(const ObservedView& view,
                                          const std::vector<int>& labels,
                                          const std::vector<PlaneLine>& lines,

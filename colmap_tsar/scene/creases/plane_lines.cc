@@ -7,9 +7,11 @@
 #include "colmap_tsar/base/median.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -30,155 +32,144 @@ constexpr float kReach = 1.5f;
 // A line lies on the plane if a pixel labeled with it is within this distance
 // on either side.
 constexpr float kMaxDistance = 6.f;
-// In gray levels. Walls darken toward their creases by one level in ten pixels,
-// and noise is below one along a line of sixty.
-constexpr float kMinStep = 1.f;
-// Differences are clamped to this many gray levels: one lamp is no line.
+// Differences, with their noise, are clamped to this many gray levels: one lamp
+// is no line.
 constexpr float kMaxDifference = 15.f;
-// The share of the line's pixels at which brightness must rise by half of its
-// step or more. A poster's edge covers a small share of such a line.
-constexpr float kMinShare = 0.5f;
+// The length of pieces of a line.
+constexpr float kPieceLength = 32.f;
 // In bins of one pixel. The level around a line is that of bins at these
 // distances,
 constexpr int kNearestAround = 5;
 constexpr int kFarthestAround = 14;
-// of which this many are required; of several lines closer to each other than
-// kMinGap only the strongest counts.
+// of which this many are required.
 constexpr size_t kMinAround = 6;
-constexpr int kMinGap = 4;
 // The profile is centered on the visible part of a plane, which is very long at
 // a grazing angle.
 constexpr int kMaxBins = 4096;
 
 float Median(std::vector<float> values) { return UpperMedian(&values); }
 
-Image<float> GrayLevels(const Image<Rgb>& color) {
-  Image<float> gray(color.Width(), color.Height());
-  std::transform(color.begin(), color.end(), gray.begin(), GrayLevel);
-  return gray;
-}
-
-// The slope of brightness along an axis, by position.
-class LineProfile {
- public:
-  struct Sample {
-    float position;
-    float rise;  // In gray levels.
-  };
-
-  // pixel: the size of a bin.
-  LineProfile(const std::vector<Sample>& samples, float pixel, int min_length)
-      : pixel_(pixel) {
-    std::vector<float> positions;
-    for (const Sample& sample : samples) {
-      positions.push_back(sample.position);
-    }
-    first_ = std::max(std::ranges::min(positions),
-                      Median(positions) - kMaxBins / 2 * pixel);
-    for (const Sample& sample : samples) {
-      const float bin = (sample.position - first_) / pixel;
-      if (bin >= 0.f && bin < kMaxBins) {
-        const auto i = static_cast<size_t>(bin);
-        bins_.resize(std::max(bins_.size(), i + 1));
-        bins_[i].push_back(sample.rise);
-      }
-    }
-    for (const std::vector<float>& bin : bins_) {
-      std::optional<float>& mean = means_.emplace_back();
-      if (static_cast<int>(bin.size()) >= min_length) {
-        mean = std::accumulate(bin.begin(), bin.end(), 0.f) / bin.size();
-      }
-    }
-    for (int bin = 0; bin < NumBins(); ++bin) {
-      steps_.push_back(Mean(bin) ? *Mean(bin) - LevelAround(bin) : 0.f);
-    }
-  }
-
-  int NumBins() const { return static_cast<int>(bins_.size()); }
-  float Step(int bin) const { return steps_[bin]; }
-  float Position(int bin) const { return first_ + (bin + 0.5f) * pixel_; }
-
-  bool IsPeak(int bin) const {
-    const float step = std::abs(Step(bin));
-    for (int other = std::max(bin - kMinGap, 0);
-         other <= std::min(bin + kMinGap, NumBins() - 1);
-         ++other) {
-      const float rival = std::abs(Step(other));
-      if (rival > step || (rival == step && other < bin)) {
-        return false;
-      }
-    }
-    return true;
-  }
-
-  // The share of the pixels at which brightness rises by half of the step or
-  // more.
-  float Share(int bin) const {
-    const std::vector<float>& rises = bins_[bin];
-    const float step = Step(bin);
-    const float level = *Mean(bin) - step;
-    const auto num_rises = std::ranges::count_if(
-        rises, [&](float rise) { return (rise - level) / step > 0.5f; });
-    return static_cast<float>(num_rises) / rises.size();
-  }
-
- private:
-  const std::optional<float>& Mean(int bin) const { return means_[bin]; }
-
-  // The level of the bin itself where there are too few bins around it.
-  float LevelAround(int bin) const {
-    std::vector<float> around;
-    for (int gap = kNearestAround; gap <= kFarthestAround; ++gap) {
-      for (const int other : {bin - gap, bin + gap}) {
-        if (other >= 0 && other < NumBins() && Mean(other)) {
-          around.push_back(*Mean(other));
-        }
-      }
-    }
-    return around.size() >= kMinAround ? Median(std::move(around)) : *Mean(bin);
-  }
-
-  float pixel_;
-  float first_ = 0.f;
-  std::vector<std::vector<float>> bins_;
-  std::vector<std::optional<float>> means_;
-  std::vector<float> steps_;
+// The rise of brightness at a pixel, and its positions on the axis and along
+// the line.
+struct Rise {
+  float position;
+  float along;
+  float rise;  // In gray levels.
 };
 
-class LineFinder {
+using Pieces = std::vector<PlaneProfile::Piece>;
+
+// Adds a pixel to its piece. Neighbors come one after the other.
+void AddToPiece(const Rise& rise, float piece_length, Pieces* pieces) {
+  const float along =
+      (std::floor(rise.along / piece_length) + 0.5f) * piece_length;
+  const auto found = std::find_if(
+      pieces->rbegin(), pieces->rend(), [along](const auto& piece) {
+        return piece.along == along;
+      });
+  PlaneProfile::Piece& piece =
+      found != pieces->rend() ? *found : pieces->emplace_back();
+  piece.along = along;
+  piece.rise += rise.rise;
+  ++piece.num_pixels;
+}
+
+// The median of the means of the bins around one, if there are enough.
+std::optional<float> LevelAround(const std::vector<std::optional<float>>& means,
+                                 int bin) {
+  std::vector<float> around;
+  for (int gap = kNearestAround; gap <= kFarthestAround; ++gap) {
+    for (const int other : {bin - gap, bin + gap}) {
+      if (other >= 0 && other < std::ssize(means) && means[other]) {
+        around.push_back(*means[other]);
+      }
+    }
+  }
+  return around.size() >= kMinAround ? std::optional(Median(std::move(around)))
+                                     : std::nullopt;
+}
+
+// Fills the bins. min_length: the least number of pixels of one.
+void AddBins(const std::vector<Rise>& rises,
+             float min_length,
+             PlaneProfile* profile) {
+  std::vector<float> positions;
+  for (const Rise& rise : rises) {
+    positions.push_back(rise.position);
+  }
+  profile->first = std::max(std::ranges::min(positions),
+                            Median(positions) - kMaxBins / 2 * profile->pixel);
+  std::vector<Pieces> pieces;
+  for (const Rise& rise : rises) {
+    const float bin = (rise.position - profile->first) / profile->pixel;
+    if (bin >= 0.f && bin < kMaxBins) {
+      const auto i = static_cast<size_t>(bin);
+      pieces.resize(std::max(pieces.size(), i + 1));
+      AddToPiece(rise, profile->piece_length, &pieces[i]);
+    }
+  }
+  std::vector<std::optional<float>> means(pieces.size());
+  profile->bins.resize(pieces.size());
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    PlaneProfile::Bin& bin = profile->bins[i];
+    for (const PlaneProfile::Piece& piece : pieces[i]) {
+      bin.step += piece.rise;
+      bin.num_pixels += piece.num_pixels;
+    }
+    if (bin.num_pixels >= min_length) {
+      means[i] = bin.step / bin.num_pixels;
+    }
+  }
+  for (size_t i = 0; i < pieces.size(); ++i) {
+    PlaneProfile::Bin& bin = profile->bins[i];
+    const std::optional<float> level = LevelAround(means, static_cast<int>(i));
+    if (!means[i] || !level) {
+      bin = {};
+      continue;
+    }
+    bin.step = *means[i] - *level;
+    if (std::abs(bin.step) >= 0.5f * kMinLineStep) {
+      for (PlaneProfile::Piece& piece : pieces[i]) {
+        piece.rise -= *level * piece.num_pixels;
+      }
+      bin.pieces.assign(pieces[i].begin(), pieces[i].end());
+    }
+  }
+}
+
+class ProfileMaker {
  public:
-  LineFinder(const ObservedView& view,
-             const std::vector<int>& labels,
-             const SceneModel& model)
+  ProfileMaker(const ObservedView& view,
+               const std::vector<int>& labels,
+               const SceneModel& model)
       : camera_(view.camera),
         intrinsics_(view.camera.GetIntrinsics()),
         model_(model),
-        gray_(GrayLevels(view.evidence->color)),
+        gray_(view.evidence->gray),
         planes_(view.evidence->width, view.evidence->height) {
     std::ranges::transform(view.evidence->superpixels,
                            planes_.begin(),
                            [&](uint16_t s) { return labels[s]; });
   }
 
-  std::vector<PlaneLine> Run() {
+  std::vector<PlaneProfile> Run() {
     std::map<int, int> areas;
     for (const int plane : planes_) {
       ++areas[plane];
     }
     const float min_area = kMinArea * planes_.NumPixels();
-    std::vector<PlaneLine> lines;
+    std::vector<PlaneProfile> profiles;
     for (const auto& [index, area] : areas) {
-      if (index < 0 || area < min_area) {
+      if (index < 0 || area < min_area || model_.planes[index].axis < 0) {
         continue;
       }
-      const ModelPlane& plane = model_.planes[index];
-      for (int axis = 0; axis < 3 && plane.axis >= 0; ++axis) {
-        if (axis != plane.axis) {
-          FindAcross(index, axis, &lines);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (axis != model_.planes[index].axis) {
+          MakeAcross(index, axis, &profiles);
         }
       }
     }
-    return lines;
+    return profiles;
   }
 
  private:
@@ -218,73 +209,83 @@ class LineFinder {
                below;
   }
 
-  void FindAcross(int index, int axis, std::vector<PlaneLine>* lines) const {
+  void MakeAcross(int index,
+                  int axis,
+                  std::vector<PlaneProfile>* profiles) const {
     const ModelPlane& plane = model_.planes[index];
-    const PlaneAxis in_view(plane, AxisOf(model_, index, axis), camera_);
-    std::vector<LineProfile::Sample> samples;
+    const PlaneAxis across(plane, AxisOf(model_, index, axis), camera_);
+    const PlaneAxis along(
+        plane, AxisOf(model_, index, 3 - axis - plane.axis), camera_);
+    std::vector<Rise> rises;
     std::vector<float> pixels;
+    std::vector<float> pixels_along;
     // The margin is the reach, plus a pixel for interpolation.
     const int margin = static_cast<int>(std::ceil(kReach)) + 1;
     for (int y = margin; y < planes_.Height() - margin; ++y) {
       for (int x = margin; x < planes_.Width() - margin; ++x) {
-        if (planes_(x, y) == index || planes_(x, y) < 0) {
-          AddSample(index, in_view, x, y, &samples, &pixels);
+        if ((planes_(x, y) == index || planes_(x, y) < 0) &&
+            AddRise(index, across, along, x, y, &rises) &&
+            planes_(x, y) == index) {
+          pixels.push_back(Slope(across, x, y).norm());
+          pixels_along.push_back(Slope(along, x, y).norm());
         }
       }
     }
     if (pixels.empty()) {
       return;
     }
-    const float pixel = Median(std::move(pixels));
-    const auto min_length = static_cast<int>(kMinLength * planes_.Width());
-    const LineProfile profile(samples, pixel, std::max(min_length, 1));
-    for (int bin = 0; bin < profile.NumBins(); ++bin) {
-      const float step = profile.Step(bin);
-      if (std::abs(step) >= kMinStep && profile.IsPeak(bin) &&
-          profile.Share(bin) >= kMinShare) {
-        lines->push_back({index, axis, profile.Position(bin), pixel, step});
-      }
+    const float pixel_along = Median(std::move(pixels_along));
+    if (!(pixel_along > 0.f && std::isfinite(pixel_along))) {
+      return;
     }
+    PlaneProfile& profile = profiles->emplace_back();
+    profile.plane = index;
+    profile.axis = axis;
+    profile.pixel = Median(std::move(pixels));
+    profile.piece_length = kPieceLength * pixel_along;
+    AddBins(rises, kMinLength * planes_.Width(), &profile);
   }
 
-  void AddSample(int plane,
-                 const PlaneAxis& in_view,
-                 int x,
-                 int y,
-                 std::vector<LineProfile::Sample>* samples,
-                 std::vector<float>* pixels) const {
-    const float position = in_view.Position(intrinsics_.Ray(x, y));
-    float across_x = in_view.Position(intrinsics_.Ray(x + 1.f, y)) - position;
-    float across_y = in_view.Position(intrinsics_.Ray(x, y + 1.f)) - position;
-    const float pixel = std::hypot(across_x, across_y);
-    if (!(pixel > 0.f)) {
-      return;
+  // The change of the position from pixel to pixel.
+  Eigen::Vector2f Slope(const PlaneAxis& axis, int x, int y) const {
+    const float position = axis.Position(intrinsics_.Ray(x, y));
+    return {axis.Position(intrinsics_.Ray(x + 1.f, y)) - position,
+            axis.Position(intrinsics_.Ray(x, y + 1.f)) - position};
+  }
+
+  // Returns whether the pixel may be part of a line.
+  bool AddRise(int plane,
+               const PlaneAxis& across,
+               const PlaneAxis& along,
+               int x,
+               int y,
+               std::vector<Rise>* rises) const {
+    const Eigen::Vector2f slope = Slope(across, x, y);
+    const float pixel = slope.norm();
+    if (!(pixel > 0.f && std::isfinite(pixel))) {
+      return false;
     }
-    across_x /= pixel;
-    across_y /= pixel;
-    const float reach_x = kReach * across_x;
-    const float reach_y = kReach * across_y;
-    const float far_x = kMaxDistance * across_x;
-    const float far_y = kMaxDistance * across_y;
-    if (!IsFree(plane, x + reach_x, y + reach_y) ||
-        !IsFree(plane, x - reach_x, y - reach_y) ||
-        (!IsOn(plane, x + far_x, y + far_y) &&
-         !IsOn(plane, x - far_x, y - far_y))) {
-      return;
+    const Eigen::Vector2f reach = kReach / pixel * slope;
+    const Eigen::Vector2f far = kMaxDistance / pixel * slope;
+    if (!IsFree(plane, x + reach.x(), y + reach.y()) ||
+        !IsFree(plane, x - reach.x(), y - reach.y()) ||
+        (!IsOn(plane, x + far.x(), y + far.y()) &&
+         !IsOn(plane, x - far.x(), y - far.y()))) {
+      return false;
     }
     const float rise =
-        Gray(x + reach_x, y + reach_y) - Gray(x - reach_x, y - reach_y);
-    samples->push_back(
-        {position, std::clamp(rise, -kMaxDifference, kMaxDifference)});
-    if (planes_(x, y) == plane) {
-      pixels->push_back(pixel);
-    }
+        Gray(x + reach.x(), y + reach.y()) - Gray(x - reach.x(), y - reach.y());
+    const Vec3f ray = intrinsics_.Ray(x, y);
+    rises->push_back({across.Position(ray),
+                      along.Position(ray),
+                      std::clamp(rise, -kMaxDifference, kMaxDifference)});
+    return true;
   }
 
   const Camera& camera_;
   const Intrinsics intrinsics_;
   const SceneModel& model_;
-  const Image<float> gray_;
+  const Image<uint8_t>& gray_;
   // For each pixel of the raster the original of its plane's copies, or -1.
   Image<int> planes_;
 };
@@ -346,10 +347,10 @@ std::vector<int> FindPlaneCopies(
   return copies;
 }
 
-std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
-                                      const std::vector<int>& labels,
-                                      const SceneModel& model) {
-  return LineFinder(view, labels, model).Run();
+std::vector<PlaneProfile> MakePlaneProfiles(const ObservedView& view,
+                                            const std::vector<int>& labels,
+                                            const SceneModel& model) {
+  return ProfileMaker(view, labels, model).Run();
 }
 
 }  // namespace tsar

@@ -10,6 +10,7 @@
 #include "colmap_tsar/scene/evidence/scene_model.h"
 #include "colmap_tsar/view/planes/world_plane.h"
 
+#include <cmath>
 #include <vector>
 
 #include <Eigen/Core>
@@ -50,18 +51,18 @@ inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
 }
 
 // A straight line along an axis of the Manhattan frame, across the whole part
-// of a plane that one view shows, or that several do.
+// of a plane that views show.
 struct PlaneLine {
   int plane = -1;  // Index in the model.
   // The frame's other axis in the plane, and the line's position on it, from
   // the plane's center in units of the model.
   int axis = -1;
   float position = 0.f;
-  float pixel = 0.f;  // Size of a pixel of the raster there.
+  float pixel = 0.f;  // Median size of a pixel of the raster on the plane.
   // The step of brightness along the axis, in gray levels, beyond the slope
   // around the line; negative where brightness falls.
   float step = 0.f;
-  int num_views = 1;  // That show it.
+  int num_views = 0;  // That show it.
 };
 
 // A point on the line, in the world.
@@ -95,12 +96,39 @@ std::vector<int> FindPlaneCopies(
     const std::vector<Camera>& cameras,
     const std::vector<const std::vector<int>*>& labels);
 
-// The lines in one view on planes that lie along an axis of a frame and cover
-// at least 2 % of the raster. labels: the plane of each superpixel, of which
-// copies have the index that FindPlaneCopies gives (Renumber), or -1. The
-// evidence must have its colors.
-std::vector<PlaneLine> FindPlaneLines(const ObservedView& view,
-                                      const std::vector<int>& labels,
-                                      const SceneModel& model);
+// The steps of brightness along an axis of a plane's Manhattan frame that one
+// view shows, by position on the axis. Noise is averaged out along the lines.
+struct PlaneProfile {
+  // Part of a line.
+  struct Piece {
+    float along = 0.f;  // Where its middle is along the line.
+    float rise = 0.f;  // Sum over its pixels, beyond the level around the line.
+    float num_pixels = 0.f;
+  };
+  struct Bin {
+    float step = 0.f;        // The mean over its pixels, in gray levels.
+    float num_pixels = 0.f;  // 0: the view shows too little of it.
+    // Only where the step is large enough to be part of a line.
+    std::vector<Piece> pieces;
+  };
+  int plane = -1;            // Index in the model.
+  int axis = -1;             // Of the frame.
+  float pixel = 0.f;         // The width of a bin: a pixel on the plane.
+  float first = 0.f;         // Where the first bin begins.
+  float piece_length = 0.f;  // 32 pixels along the line.
+  std::vector<Bin> bins;
+};
+
+// In gray levels: the least step of a line. Walls darken toward their creases
+// by one level in ten pixels.
+inline constexpr float kMinLineStep = 1.f;
+
+// The profiles of planes that lie along an axis of a frame and cover at least
+// 2 % of the raster. labels: the plane of each superpixel, of which copies have
+// the index that FindPlaneCopies gives (Renumber), or -1. The evidence must
+// have its gray levels.
+std::vector<PlaneProfile> MakePlaneProfiles(const ObservedView& view,
+                                            const std::vector<int>& labels,
+                                            const SceneModel& model);
 
 }  // namespace tsar

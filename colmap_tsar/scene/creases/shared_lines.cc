@@ -6,107 +6,203 @@
 #include "colmap_tsar/base/median.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <functional>
+#include <iterator>
 #include <map>
-#include <tuple>
+#include <utility>
+#include <vector>
 
 namespace tsar {
 namespace {
 
-// The least number of views that must see a line at the same position,
+// The least number of views that must see a line.
 constexpr int kMinViews = 3;
-// and its largest distance from the middle of theirs, in pixels of the
-// raster.
-constexpr float kMaxGap = 1.5f;
+// The least ratio of a step to its standard error by the scatter of what each
+// view shows of each piece of the line: it is no noise.
+constexpr float kMinSignificance = 5.f;
+// The same by the scatter of the pieces, in the mean of the views: it is the
+// same all along the line. A poster's edge is only a part of such a line.
+constexpr float kMinConsistency = 4.f;
+// Of several lines closer to each other than this, in bins, only the strongest
+// counts.
+constexpr int kMinGap = 4;
+// A step blurs over this many bins to either side; its place is their mean.
+constexpr int kReach = 2;
+// Profiles whose bins are this many times wider than those of most views are
+// left out, since they do not show where a line is,
+constexpr float kMaxWidth = 4.f;
+// and those that begin this many pixels from the plane's center, where a float
+// does not tell one pixel from the next.
+constexpr float kMaxPosition = 1e6f;
 
-struct LineInView {
-  PlaneLine line;
-  size_t view;
-};
+// The bins of several views at one position.
+using Bins = std::vector<const PlaneProfile::Bin*>;
 
-// A range of lines in the order of their positions.
-struct Window {
-  size_t begin;
-  size_t end;
-  int num_views;
-};
-
-// The widest windows that begin at each line.
-std::vector<Window> FindWindows(const std::vector<LineInView>& lines) {
-  std::vector<Window> windows;
-  std::map<size_t, int> views;
-  size_t end = 0;
-  for (size_t begin = 0; begin < lines.size(); ++begin) {
-    // One gap to either side of the middle.
-    const float last =
-        lines[begin].line.position + 2.f * kMaxGap * lines[begin].line.pixel;
-    for (; end < lines.size() && lines[end].line.position <= last; ++end) {
-      ++views[lines[end].view];
-    }
-    windows.push_back({begin, end, static_cast<int>(views.size())});
-    const auto own = views.find(lines[begin].view);
-    if (--own->second == 0) {
-      views.erase(own);
-    }
+float MeanStep(const Bins& bins) {
+  float sum = 0.f;
+  float num_pixels = 0.f;
+  for (const PlaneProfile::Bin* bin : bins) {
+    sum += bin->num_pixels * bin->step;
+    num_pixels += bin->num_pixels;
   }
-  return windows;
+  return sum / num_pixels;
 }
 
-PlaneLine Average(const std::vector<LineInView>& lines, const Window& window) {
-  PlaneLine shared = lines[window.begin].line;
-  shared.num_views = window.num_views;
-  std::vector<float> pixels;
-  double positions = 0.0;
-  double weights = 0.0;
-  double steps = 0.0;
-  for (size_t i = window.begin; i < window.end; ++i) {
-    const PlaneLine& line = lines[i].line;
-    const double weight = 1.0 / (double{line.pixel} * line.pixel);
-    positions += weight * line.position;
-    weights += weight;
-    steps += line.step;
-    pixels.push_back(line.pixel);
+// The bins of the views that see the line.
+Bins Showing(const Bins& bins, float step) {
+  Bins showing;
+  std::ranges::copy_if(
+      bins, std::back_inserter(showing), [&](const PlaneProfile::Bin* bin) {
+        return bin->step / step > 0.5f;
+      });
+  return showing;
+}
+
+// Sums of rises, and the ratio of their mean to its standard error.
+class RiseSums {
+ public:
+  explicit RiseSums(float mean) : mean_(mean) {}
+
+  void Add(float rise, float num_pixels) {
+    const float residual = rise - num_pixels * mean_;
+    squares_ += residual * residual;
+    num_pixels_ += num_pixels;
+    ++count_;
   }
-  shared.position = static_cast<float>(positions / weights);
-  shared.pixel = UpperMedian(&pixels);
-  shared.step = static_cast<float>(steps / (window.end - window.begin));
-  return shared;
+
+  float Ratio() const {
+    return count_ < 2.f ? 0.f
+                        : std::abs(mean_) * num_pixels_ /
+                              std::sqrt(squares_ * count_ / (count_ - 1.f));
+  }
+
+ private:
+  float mean_;
+  float squares_ = 0.f;
+  float num_pixels_ = 0.f;
+  float count_ = 0.f;
+};
+
+// Whether the step is no noise, and the same all along the line, in the views
+// that see it. piece_length: of the pieces of the line.
+bool IsLine(const Bins& bins, float piece_length) {
+  const float step = MeanStep(bins);
+  RiseSums by_view(step);
+  std::map<float, std::pair<float, float>> pieces;  // Rises and pixels.
+  for (const PlaneProfile::Bin* bin : bins) {
+    for (const PlaneProfile::Piece& piece : bin->pieces) {
+      by_view.Add(piece.rise, piece.num_pixels);
+      auto& [rise, num_pixels] = pieces[std::floor(piece.along / piece_length)];
+      rise += piece.rise;
+      num_pixels += piece.num_pixels;
+    }
+  }
+  RiseSums by_piece(step);
+  for (const auto& [index, piece] : pieces) {
+    by_piece.Add(piece.first, piece.second);
+  }
+  return by_view.Ratio() >= kMinSignificance &&
+         by_piece.Ratio() >= kMinConsistency;
+}
+
+// The bins of all profiles by position, as a number of pixels.
+std::map<int, Bins> CollectBins(
+    const std::vector<const PlaneProfile*>& profiles, float pixel) {
+  std::map<int, Bins> bins;
+  for (const PlaneProfile* profile : profiles) {
+    const float width = profile->pixel / pixel;  // In pixels.
+    const float first = profile->first / pixel;
+    if (width > kMaxWidth || !(std::abs(first) < kMaxPosition)) {
+      continue;
+    }
+    const auto end = first + width * static_cast<float>(profile->bins.size());
+    for (auto i = static_cast<int>(std::ceil(first - 0.5f)); i + 0.5f < end;
+         ++i) {
+      const auto bin = static_cast<size_t>((i + 0.5f - first) / width);
+      if (bin < profile->bins.size() && profile->bins[bin].num_pixels > 0.f) {
+        bins[i].push_back(&profile->bins[bin]);
+      }
+    }
+  }
+  return bins;
+}
+
+bool IsPeak(const std::map<int, float>& steps, int bin) {
+  const float step = std::abs(steps.at(bin));
+  return std::all_of(steps.lower_bound(bin - kMinGap),
+                     steps.upper_bound(bin + kMinGap),
+                     [&](const std::pair<int, float>& other) {
+                       const float rival = std::abs(other.second);
+                       return rival < step ||
+                              (rival == step && other.first >= bin);
+                     });
+}
+
+// The mean position of a step, as a number of pixels.
+float Middle(const std::map<int, float>& steps, int bin) {
+  float weights = 0.f;
+  float offset = 0.f;
+  const auto end = steps.upper_bound(bin + kReach);
+  for (auto other = steps.lower_bound(bin - kReach); other != end; ++other) {
+    const float weight = std::max(other->second / steps.at(bin), 0.f);
+    weights += weight;
+    offset += weight * (other->first - bin);
+  }
+  return bin + 0.5f + offset / weights;
+}
+
+// The lines on one plane along one axis.
+std::vector<PlaneLine> FindLines(
+    const std::vector<const PlaneProfile*>& profiles) {
+  std::vector<float> pixels;
+  std::vector<float> piece_lengths;
+  for (const PlaneProfile* profile : profiles) {
+    pixels.push_back(profile->pixel);
+    piece_lengths.push_back(profile->piece_length);
+  }
+  const float pixel = UpperMedian(&pixels);
+  const float piece_length = UpperMedian(&piece_lengths);
+  const std::map<int, Bins> bins = CollectBins(profiles, pixel);
+  std::map<int, float> steps;
+  for (const auto& [bin, of_views] : bins) {
+    if (of_views.size() >= kMinViews) {
+      steps[bin] = MeanStep(of_views);
+    }
+  }
+  std::vector<PlaneLine> lines;
+  for (const auto& [bin, step] : steps) {
+    if (std::abs(step) < kMinLineStep || !IsPeak(steps, bin)) {
+      continue;
+    }
+    const Bins showing = Showing(bins.at(bin), step);
+    if (showing.size() >= kMinViews && IsLine(showing, piece_length)) {
+      lines.push_back({profiles[0]->plane,
+                       profiles[0]->axis,
+                       Middle(steps, bin) * pixel,
+                       pixel,
+                       MeanStep(showing),
+                       static_cast<int>(showing.size())});
+    }
+  }
+  return lines;
 }
 
 }  // namespace
 
-std::vector<PlaneLine> JoinPlaneLines(
-    const std::vector<std::vector<PlaneLine>>& lines) {
-  // Lines by plane, axis, and sign of the step.
-  std::map<std::tuple<int, int, bool>, std::vector<LineInView>> groups;
-  for (size_t view = 0; view < lines.size(); ++view) {
-    for (const PlaneLine& line : lines[view]) {
-      groups[{line.plane, line.axis, line.step > 0.f}].push_back({line, view});
+std::vector<PlaneLine> FindSharedLines(
+    const std::vector<std::vector<PlaneProfile>>& of_views) {
+  std::map<std::pair<int, int>, std::vector<const PlaneProfile*>> groups;
+  for (const std::vector<PlaneProfile>& profiles : of_views) {
+    for (const PlaneProfile& profile : profiles) {
+      groups[{profile.plane, profile.axis}].push_back(&profile);
     }
   }
-  std::vector<PlaneLine> shared;
-  for (auto& [key, of_group] : groups) {
-    std::ranges::stable_sort(of_group, {}, [](const LineInView& in_view) {
-      return in_view.line.position;
-    });
-    std::vector<Window> windows = FindWindows(of_group);
-    std::ranges::stable_sort(windows, std::greater{}, &Window::num_views);
-    std::vector<uint8_t> is_taken(of_group.size(), 0);
-    for (const Window& window : windows) {
-      const auto begin = is_taken.begin() + window.begin;
-      const auto end = is_taken.begin() + window.end;
-      if (window.num_views >= kMinViews && std::find(begin, end, 1) == end) {
-        std::fill(begin, end, uint8_t{1});
-        shared.push_back(Average(of_group, window));
-      }
-    }
+  std::vector<PlaneLine> lines;
+  for (const auto& [key, profiles] : groups) {
+    std::ranges::copy(FindLines(profiles), std::back_inserter(lines));
   }
-  std::ranges::stable_sort(shared, {}, [](const PlaneLine& line) {
-    return std::tie(line.plane, line.axis, line.position);
-  });
-  return shared;
+  return lines;
 }
 
 }  // namespace tsar

@@ -9,10 +9,10 @@
 
 namespace tsar {
 
-// The lines that several views see at the same position on a plane, with the
-// median pixel and the mean step; steps of opposite signs are different lines.
-// lines: by view. The result is sorted by plane, axis and position.
-std::vector<PlaneLine> JoinPlaneLines(
-    const std::vector<std::vector<PlaneLine>>& lines);
+// The lines that the profiles of at least three views show together, with the
+// mean step of those that show it. The result is sorted by plane, axis and
+// position.
+std::vector<PlaneLine> FindSharedLines(
+    const std::vector<std::vector<PlaneProfile>>& of_views);
 
 }  // namespace tsar

@@ -6,12 +6,17 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 
+#include <vector>
+
 namespace tsar {
 
 // An observed view with its pose in the world. The evidence must outlive it.
 struct ObservedView {
   const ViewEvidence* evidence = nullptr;
   Camera camera;  // Camera of the evidence's raster.
+  // By superpixel, on which sides of creases it lies (FindSidesOfCreases);
+  // empty where there are none.
+  std::vector<int> sides = {};
 };
 
 // camera: of the view's image at any size; only the pose is taken from it.

@@ -88,10 +88,6 @@ struct ViewEvidence {
 
   std::vector<SuperpixelBorder> borders;  // Sorted by (first, second).
 
-  // By superpixel, on which sides of creases it lies: no region of one color
-  // crosses a crease. Empty where there are none; not stored (CutAtCreases).
-  std::vector<int> sides;
-
   // Candidate planes of the view alone: of regions, then of superpixels.
   std::vector<Plane> candidates;
 
@@ -104,6 +100,10 @@ struct ViewEvidence {
 
   // The image from which the superpixels were made.
   Image<Rgb> color;
+
+  // Its gray levels before it was denoised, for lines on planes: along these,
+  // noise averages out.
+  Image<uint8_t> gray;
 
   // A MeasurementFlags of each depth, of the size at which the view was
   // judged: that of the depth map, or of a reduced one.

@@ -5,9 +5,9 @@
 
 #include "colmap_tsar/scene/evidence/plane_indices.h"
 #include "colmap_tsar/scene/graph_cut/alpha_expansion.h"
-#include "colmap_tsar/scene/labeling/crease_distance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <iterator>
 #include <limits>
@@ -19,6 +19,20 @@ namespace {
 // The pairwise cost between a plane and 'none', as a multiple of that between
 // two planes far apart.
 constexpr float kBorderToNone = 2.f;
+
+// The distance in the image, in pixels, of a ray from the intersection of two
+// planes: the difference of their inverse depths over its slope. Infinite where
+// they are parallel in the image, or the ray does not meet both.
+float DistanceToCrease(const InverseDepthPlane& a,
+                       const InverseDepthPlane& b,
+                       const Vec3f& ray,
+                       const Intrinsics& intrinsics) {
+  const Vec3f gap = a - b;
+  const float slope = std::hypot(gap.x / intrinsics.fx, gap.y / intrinsics.fy);
+  return Dot(a, ray) > 0.f && Dot(b, ray) > 0.f && slope > 0.f
+             ? std::abs(Dot(gap, ray)) / slope
+             : std::numeric_limits<float>::infinity();
+}
 
 // The pairwise costs of borders between superpixels; the last label is 'none'.
 // Keeps references to the evidence.

@@ -229,7 +229,7 @@ void AddColorCosts(const LabelInputs& inputs,
   const DeviceImage<Rgb> color(device, evidence.color);
   DeviceImage<float> gaps(device, costs.width, costs.height);
   Fill(device, gaps.View().data, gaps.View().NumPixels(), 0.f);
-  for (const ColorRegions& regions : FindColorRegions(evidence)) {
+  for (const ColorRegions& regions : FindColorRegions(reference)) {
     const PixelGroups pixels =
         GroupByLabel(evidence, regions.of_superpixel, regions.count, device);
     const DeviceImage<float> differences =

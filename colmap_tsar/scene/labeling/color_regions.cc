@@ -104,11 +104,11 @@ ColorRegions IndexRegions(const std::vector<int>& merged_into) {
 
 }  // namespace
 
-std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence) {
-  std::vector<Borders> borders = MeasureBorders(evidence);
-  for (size_t s = 0; s < evidence.sides.size(); ++s) {
+std::vector<ColorRegions> FindColorRegions(const ObservedView& view) {
+  std::vector<Borders> borders = MeasureBorders(*view.evidence);
+  for (size_t s = 0; s < view.sides.size(); ++s) {
     std::erase_if(borders[s], [&](const auto& border) {
-      return evidence.sides[border.first] != evidence.sides[s];
+      return view.sides[border.first] != view.sides[s];
     });
   }
   std::vector<int> merged_into(borders.size());

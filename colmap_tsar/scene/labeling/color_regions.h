@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "colmap_tsar/scene/evidence/view_evidence.h"
+#include "colmap_tsar/scene/evidence/observed_view.h"
 
 #include <vector>
 
@@ -20,7 +20,7 @@ struct ColorRegions {
 // border, up to 2, 4 and 8 gray levels over the three channels: a border that
 // fades in places still separates, and a shaded wall is one region. The level
 // at which a surface is one region is not known beforehand. No region crosses a
-// crease (ViewEvidence::sides).
-std::vector<ColorRegions> FindColorRegions(const ViewEvidence& evidence);
+// crease (ObservedView::sides).
+std::vector<ColorRegions> FindColorRegions(const ObservedView& view);
 
 }  // namespace tsar

@@ -4,13 +4,10 @@
 #include "colmap_tsar/scene/labeling/crease_labels.h"
 
 #include "colmap_tsar/scene/evidence/view_evidence.h"
-#include "colmap_tsar/scene/labeling/crease_distance.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -26,11 +23,6 @@ constexpr float kCostOfHidden = 0.3f;
 constexpr float kCostBefore = 1.f;
 // The largest uncertainty of a plane beyond the crease at which it begins.
 constexpr float kMaxUncertainty = 0.5f;
-// Measurements within this distance of a crease, in pixels of the raster, and
-// of its depth, as a share of that, keep this share of their weight.
-constexpr float kReach = 8.f;
-constexpr float kMaxGap = 0.1f;
-constexpr float kWeightAtCrease = 0.05f;
 
 // A crease in the camera's frame.
 struct CreaseInView {
@@ -56,32 +48,27 @@ struct CreaseInView {
     return depths;
   }
 
-  // Whether a depth was measured next to the crease.
-  bool IsNear(const RayDepth& sample, const Intrinsics& intrinsics) const {
-    const Vec3f ray = {sample.x, sample.y, 1.f};
-    const float depth = ending.Depth(ray);
-    return DistanceToCrease(ToInverseDepth(ending),
-                            ToInverseDepth(beginning),
-                            ray,
-                            intrinsics) < kReach &&
-           std::abs(sample.z - depth) < kMaxGap * depth;
-  }
-
   bool is_seen;
   Plane ending;
   Plane limit;
   Plane beginning;
 };
 
-// By superpixel, beyond which creases its middle lies: equal numbers stand for
-// equal sides of all.
-std::vector<int> FindSides(const ObservedView& view,
-                           const std::vector<CreaseInView>& creases) {
+}  // namespace
+
+std::vector<int> FindSidesOfCreases(
+    const ObservedView& view,
+    const std::vector<ModelPlane>& planes,
+    const std::vector<BoundingCrease>& creases) {
   const std::vector<Vec3f> rays =
       MiddleRays(*view.evidence, view.camera.GetIntrinsics());
   std::vector<int> sides(rays.size(), 0);
-  for (const CreaseInView& crease : creases) {
-    const std::vector<float> depths = crease.DepthsBeyond(rays);
+  for (const BoundingCrease& crease : creases) {
+    if (!crease.is_new) {
+      continue;
+    }
+    const std::vector<float> depths =
+        CreaseInView(crease, planes, view.camera).DepthsBeyond(rays);
     std::map<std::pair<int, bool>, int> indices;
     for (size_t s = 0; s < rays.size(); ++s) {
       const auto index = static_cast<int>(indices.size());
@@ -90,54 +77,6 @@ std::vector<int> FindSides(const ObservedView& view,
     }
   }
   return sides;
-}
-
-}  // namespace
-
-ViewEvidence CutAtCreases(const ObservedView& view,
-                          const std::vector<ModelPlane>& planes,
-                          const std::vector<BoundingCrease>& creases) {
-  std::vector<CreaseInView> in_view;  // Of those at which new planes begin.
-  for (const BoundingCrease& crease : creases) {
-    const CreaseInView of_view(crease, planes, view.camera);
-    if (crease.is_new && of_view.is_seen) {
-      in_view.push_back(of_view);
-    }
-  }
-  const Intrinsics intrinsics = view.camera.GetIntrinsics();
-  const auto is_near = [&](const RayDepth& sample) {
-    return std::ranges::any_of(in_view, [&](const CreaseInView& crease) {
-      return crease.IsNear(sample, intrinsics);
-    });
-  };
-  ViewEvidence evidence = *view.evidence;
-  evidence.sides = FindSides(view, in_view);
-  for (size_t s = 0; s < evidence.weights.size(); ++s) {
-    float before = 0.f;
-    float after = 0.f;
-    for (int i = evidence.first_observation[s];
-         i < evidence.first_observation[s + 1];
-         ++i) {
-      Observation& observation = evidence.observations[i];
-      before += observation.confidence;
-      observation.confidence *=
-          is_near(observation.sample) ? kWeightAtCrease : 1.f;
-      after += observation.confidence;
-    }
-    evidence.weights[s] *= before > 0.f ? after / before : 1.f;
-    if (evidence.first_confirmed.empty()) {
-      continue;
-    }
-    const auto first = evidence.confirmed.begin() + evidence.first_confirmed[s];
-    const auto last =
-        evidence.confirmed.begin() + evidence.first_confirmed[s + 1];
-    if (first != last) {
-      const auto num_far = std::count_if(first, last, std::not_fn(is_near));
-      evidence.confirmed_pixels[s] = static_cast<int>(
-          evidence.confirmed_pixels[s] * num_far / (last - first));
-    }
-  }
-  return evidence;
 }
 
 void AddCreaseVotes(const ObservedView& view,

@@ -14,13 +14,11 @@
 
 namespace tsar {
 
-// The evidence of a view cut at the creases where new planes begin: with
-// `sides`, and with little weight for what was measured along them. Only the
-// crease itself is textured there. A window on it contains two planes, and
-// where it runs along the baseline, any depth matches.
-ViewEvidence CutAtCreases(const ObservedView& view,
-                          const std::vector<ModelPlane>& planes,
-                          const std::vector<BoundingCrease>& creases);
+// By superpixel, on which sides of the creases where new planes begin its
+// middle lies: equal numbers stand for equal sides of all.
+std::vector<int> FindSidesOfCreases(const ObservedView& view,
+                                    const std::vector<ModelPlane>& planes,
+                                    const std::vector<BoundingCrease>& creases);
 
 // Adds the costs of a view's labels where planes end at creases, of superpixels
 // (row) on planes (column): on planes behind one that begins at a crease, which

@@ -58,6 +58,7 @@ ViewEvidence DrawEvidence() {
   evidence.confirmed = {{0.f, 1.f, 2.f}};
   evidence.confirmed_pixels = {6, 0};
   evidence.borders.resize(3, {0, 1, 7.f, {1, 10, 19, 28}});
+  evidence.gray = Image<uint8_t>(9, 7, 4);
   evidence.flags = Image<uint8_t>(13, 11, 5);
   return evidence;
 }
@@ -207,6 +208,7 @@ TEST(EvidenceFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(read.confirmed.at(0).y, 1.f);
   EXPECT_EQ(read.confirmed_pixels, written.confirmed_pixels);
   EXPECT_EQ(read.borders.at(2).pixels[3], 28);
+  EXPECT_EQ(read.gray(8, 6), 4);
   EXPECT_EQ(read.flags(12, 10), 5);
 
   const ViewEvidence some = ReadEvidence(path, EvidenceParts::kForNeighbors);
@@ -214,6 +216,7 @@ TEST(EvidenceFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(some.candidates.size(), 5u);
   EXPECT_TRUE(some.prior.Empty());
   EXPECT_TRUE(some.borders.empty());
+  EXPECT_TRUE(some.gray.Empty());
   EXPECT_TRUE(some.flags.Empty());
 }
 

@@ -83,7 +83,7 @@ class DrawnWallTest : public testing::Test {
         SquareSuperpixels<uint16_t>(kWidth, kHeight, kSuperpixelSize);
     evidence.weights.resize(kNumSuperpixels, 0.f);
     evidence.first_observation.resize(kNumSuperpixels + 1, 0);
-    evidence.color = Image<Rgb>(kWidth, kHeight, Rgb{100, 100, 100});
+    evidence.gray = Image<uint8_t>(kWidth, kHeight, 100);
     return evidence;
   }
 
@@ -105,9 +105,8 @@ class DrawnWallTest : public testing::Test {
                               x + (i + 0.5) / kSamples - 0.5,
                               y + (j + 0.5) / kSamples - 0.5));
         };
-        const auto gray = static_cast<uint8_t>(
+        evidence->gray(x, y) = static_cast<uint8_t>(
             std::clamp(std::lround(PixelMean<kSamples>(sample)), 0l, 255l));
-        evidence->color(x, y) = {gray, gray, gray};
       }
     }
   }

@@ -3,6 +3,8 @@
 
 #include "colmap_tsar/scene/creases/plane_lines.h"
 
+#include "colmap_tsar/scene/creases/shared_lines.h"
+
 #include "tests/scene/creases/drawn_wall_fixture.h"
 
 namespace tsar {
@@ -15,8 +17,11 @@ class PlaneLinesTest : public DrawnWallTest {
         evidence_(BareEvidence(camera_)),
         labels_(AllOn(0)) {}
 
+  // The lines that five such views share.
   std::vector<PlaneLine> Find() const {
-    return FindPlaneLines({&evidence_, camera_}, labels_, model_);
+    const std::vector<PlaneProfile> profiles =
+        MakePlaneProfiles({&evidence_, camera_}, labels_, model_);
+    return FindSharedLines({profiles, profiles, profiles, profiles, profiles});
   }
 
   // The wall is brighter by `step` from this place on an axis, as a lens shows
@@ -33,10 +38,9 @@ class PlaneLinesTest : public DrawnWallTest {
 
   void AddNoise(double deviation) {
     Philox random(3, 0, 0);
-    for (Rgb& pixel : evidence_.color) {
-      const double gray = pixel.r + deviation * NextNormal(&random);
-      const auto byte = static_cast<uint8_t>(std::lround(gray));
-      pixel = {byte, byte, byte};
+    for (uint8_t& pixel : evidence_.gray) {
+      pixel = static_cast<uint8_t>(
+          std::lround(pixel + deviation * NextNormal(&random)));
     }
   }
 
@@ -131,7 +135,7 @@ TEST_F(PlaneLinesTest, TheEdgeOfWhatStandsBeforeTheWallIsNone) {
   constexpr int kRow = 40;
   for (int y = 0; y < kRow; ++y) {
     for (int x = 0; x < kWidth; ++x) {
-      evidence_.color(x, y) = {130, 130, 130};
+      evidence_.gray(x, y) = 130;
       labels_[SuperpixelAt(x, y)] = before;
     }
   }

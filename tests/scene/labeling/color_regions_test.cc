@@ -54,10 +54,14 @@ void ExpectHalves(const std::vector<ColorRegions>& levels,
   }
 }
 
+std::vector<ColorRegions> RegionsOf(const ViewEvidence& evidence) {
+  return FindColorRegions({&evidence, {}});
+}
+
 TEST(ColorRegionsTest, AStepSeparatesUntilItIsTooSmallForTheLevel) {
   // Over three channels, a step of one level is 1.7.
   const auto halves = [](int step) {
-    return FindColorRegions(
+    return RegionsOf(
         Draw([&](int x, int) { return x < kWidth / 2 ? 100 : 100 + step; }));
   };
   ExpectHalves(halves(0), {false, false, false});
@@ -69,7 +73,7 @@ TEST(ColorRegionsTest, AStepSeparatesUntilItIsTooSmallForTheLevel) {
 
 TEST(ColorRegionsTest, AShadedWallIsOneRegion) {
   const std::vector<ColorRegions> levels =
-      FindColorRegions(Draw([](int x, int y) { return 50 + (x + y) / 3; }));
+      RegionsOf(Draw([](int x, int y) { return 50 + (x + y) / 3; }));
   for (const ColorRegions& regions : levels) {
     EXPECT_EQ(regions.count, 1);
   }
@@ -82,10 +86,9 @@ TEST(ColorRegionsTest, ALevelIsMadeOfTheRegionsOfTheOneBefore) {
     state = state * 1664525u + 1013904223u;
     grays.push_back(100 + static_cast<int>(state >> 28));
   }
-  const std::vector<ColorRegions> levels =
-      FindColorRegions(Draw([&](int x, int y) {
-        return grays[y / kSize * kNumColumns + x / kSize];
-      }));
+  const std::vector<ColorRegions> levels = RegionsOf(Draw([&](int x, int y) {
+    return grays[y / kSize * kNumColumns + x / kSize];
+  }));
   for (size_t i = 1; i < levels.size(); ++i) {
     EXPECT_LE(levels[i].count, levels[i - 1].count);
     std::set<std::pair<int, int>> pairs;
@@ -99,10 +102,11 @@ TEST(ColorRegionsTest, ALevelIsMadeOfTheRegionsOfTheOneBefore) {
 
 TEST(ColorRegionsTest, NoRegionCrossesACrease) {
   ViewEvidence evidence = Draw([](int, int) { return 100; });
+  ObservedView view{&evidence, {}};
   for (int s = 0; s < evidence.NumSuperpixels(); ++s) {
-    evidence.sides.push_back(IsLeft(s) ? 3 : 5);
+    view.sides.push_back(IsLeft(s) ? 3 : 5);
   }
-  ExpectHalves(FindColorRegions(evidence), {true, true, true});
+  ExpectHalves(FindColorRegions(view), {true, true, true});
 }
 
 }  // namespace
