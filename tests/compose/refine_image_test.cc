@@ -106,6 +106,23 @@ TEST_F(RefineImageTest, WithoutAnyStageKeepsTheDepths) {
   EXPECT_GT(num_kept, 4000);
 }
 
+TEST_F(RefineImageTest, TheEvidenceHoldsTheImageWithItsNoiseAndWithout) {
+  Image<Rgb>& color = drawn_.views[0].color;
+  Philox random(2, 0, 0);
+  for (Rgb& pixel : color) {
+    const auto gray = static_cast<uint8_t>(pixel.r + 9.f * random.NextFloat());
+    pixel = {gray, gray, gray};
+  }
+  const std::unique_ptr<ViewEvidence> evidence = std::move(Observe(1)[0]);
+  ASSERT_TRUE(evidence->gray.HasSizeOf(color));
+  int num_changed = 0;
+  ForEachPixel(color.Width(), color.Height(), [&](int x, int y) {
+    EXPECT_EQ(evidence->gray(x, y), color(x, y).r);
+    num_changed += evidence->color(x, y).r != color(x, y).r;
+  });
+  EXPECT_GT(num_changed, static_cast<int>(color.NumPixels() / 4));
+}
+
 TEST_F(RefineImageTest, TakesTheCostsThatComeWithTheMaps) {
   // Only the costs decide which pixels are reliable.
   RefineOptions options;

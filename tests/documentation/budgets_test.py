@@ -29,7 +29,7 @@ BUDGETS = (
     ("colmap_tsar/tools/report", SOURCES, 900),
     ("colmap_tsar/tools/stereo", SOURCES, 1330),
     ("colmap_tsar/view", SOURCES, 6205),
-    ("tests", SOURCES + SCRIPTS, 43505),
+    ("tests", SOURCES + SCRIPTS, 43522),
     ("docs", (".md",), 3500),
 )
 PAGES = {
