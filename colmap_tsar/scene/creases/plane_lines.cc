@@ -265,8 +265,8 @@ class ProfileMaker {
     if (!(pixel > 0.f && std::isfinite(pixel))) {
       return false;
     }
-    const Eigen::Vector2f reach = kReach / pixel * slope;
-    const Eigen::Vector2f far = kMaxDistance / pixel * slope;
+    const Eigen::Vector2f reach = kReach * (slope / pixel);
+    const Eigen::Vector2f far = kMaxDistance * (slope / pixel);
     if (!IsFree(plane, x + reach.x(), y + reach.y()) ||
         !IsFree(plane, x - reach.x(), y - reach.y()) ||
         (!IsOn(plane, x + far.x(), y + far.y()) &&
