@@ -223,10 +223,12 @@ class ProfileMaker {
     const int margin = static_cast<int>(std::ceil(kReach)) + 1;
     for (int y = margin; y < planes_.Height() - margin; ++y) {
       for (int x = margin; x < planes_.Width() - margin; ++x) {
-        if ((planes_(x, y) == index || planes_(x, y) < 0) &&
-            AddRise(index, across, along, x, y, &rises) &&
-            planes_(x, y) == index) {
-          pixels.push_back(Slope(across, x, y).norm());
+        if (planes_(x, y) != index && planes_(x, y) >= 0) {
+          continue;
+        }
+        const float pixel = AddRise(index, across, along, x, y, &rises);
+        if (pixel > 0.f && planes_(x, y) == index) {
+          pixels.push_back(pixel);
           pixels_along.push_back(Slope(along, x, y).norm());
         }
       }
@@ -253,17 +255,17 @@ class ProfileMaker {
             axis.Position(intrinsics_.Ray(x, y + 1.f)) - position};
   }
 
-  // Returns whether the pixel may be part of a line.
-  bool AddRise(int plane,
-               const PlaneAxis& across,
-               const PlaneAxis& along,
-               int x,
-               int y,
-               std::vector<Rise>* rises) const {
+  // Returns the pixel's size across the line; 0 if it cannot be part of one.
+  float AddRise(int plane,
+                const PlaneAxis& across,
+                const PlaneAxis& along,
+                int x,
+                int y,
+                std::vector<Rise>* rises) const {
     const Eigen::Vector2f slope = Slope(across, x, y);
     const float pixel = slope.norm();
     if (!(pixel > 0.f && std::isfinite(pixel))) {
-      return false;
+      return 0.f;
     }
     const Eigen::Vector2f reach = kReach * (slope / pixel);
     const Eigen::Vector2f far = kMaxDistance * (slope / pixel);
@@ -271,7 +273,7 @@ class ProfileMaker {
         !IsFree(plane, x - reach.x(), y - reach.y()) ||
         (!IsOn(plane, x + far.x(), y + far.y()) &&
          !IsOn(plane, x - far.x(), y - far.y()))) {
-      return false;
+      return 0.f;
     }
     const float rise =
         Gray(x + reach.x(), y + reach.y()) - Gray(x - reach.x(), y - reach.y());
@@ -279,7 +281,7 @@ class ProfileMaker {
     rises->push_back({across.Position(ray),
                       along.Position(ray),
                       std::clamp(rise, -kMaxDifference, kMaxDifference)});
-    return true;
+    return pixel;
   }
 
   const Camera& camera_;
