@@ -11,7 +11,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/matching/agreement.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/view/device_views.h"

@@ -212,9 +212,11 @@ void CompareFullWindows(const StereoProblem& problem,
     const PlaneHomography homography(
         reference.intrinsics, source.intrinsics, source.from_reference, plane);
     full.Add(FullWindowCost(
-        [&](float u, float v) { return SampleBilinear(reference.gray, u, v); },
         [&](float u, float v) {
-          return SampleBilinear(source.gray, u, v) * kGrayUnit<GrayPair>;
+          return SampleGray(reference.gray, u + 0.5f, v + 0.5f);
+        },
+        [&](float u, float v) {
+          return SampleGray(source.gray, u + 0.5f, v + 0.5f);
         },
         homography,
         x,
@@ -243,7 +245,7 @@ void CompareView(const StereoProblem& problem,
   const MatchingCosts costs =
       ComputeMatchingCosts(on_device.Reference(), on_device.Sources(), device);
   const Image<float> first = costs.min_cost.ToHost();
-  const std::vector<SourceView> source_views = on_device.Sources().ToHost();
+  const std::vector<SourceView> source_views = on_device.Sources().Host();
   for (int y = 0; y < view.depth.Height(); y += kStride) {
     for (int x = 0; x < view.depth.Width(); x += kStride) {
       if (view.depth(x, y) > 0.f) {

@@ -7,7 +7,7 @@
 #include "colmap_tsar/compose/compose_scene.h"
 #include "colmap_tsar/compose/occlusion_votes.h"
 #include "colmap_tsar/io/map_io.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/run/store/evidence_file.h"
 #include "colmap_tsar/run/store/scene_model_file.h"

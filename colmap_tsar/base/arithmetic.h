@@ -35,15 +35,6 @@ TSAR_HD inline float RoundToNearest(float x) {
   return (x + kRounder) - kRounder;
 }
 
-// The largest integer below or at x, from 0 to 2^22, plus the rounder.
-TSAR_HD inline float FloorPlusRounder(float x) {
-#ifdef __CUDA_ARCH__
-  return __fadd_rd(x, kRounder);
-#else
-  return static_cast<float>(static_cast<int>(x)) + kRounder;
-#endif
-}
-
 TSAR_HD inline int32_t BitsOf(float x) {
   int32_t bits = 0;
   memcpy(&bits, &x, sizeof(bits));

@@ -7,6 +7,7 @@
 #include "colmap_tsar/cli/interruption.h"
 #include "colmap_tsar/cli/print_summary.h"
 #include "colmap_tsar/cli/shared_options.h"
+#include "colmap_tsar/matching/patch_match.h"
 
 #include <functional>
 #include <iostream>
@@ -71,7 +72,7 @@ void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
       &stereo->num_sources,
       "Source images of each image at most: the first of those that "
       "stereo/patch-match.cfg gives.",
-      {1, 1e6});
+      {1, kMaxSources});
   add("window_radius",
       &stereo->window_radius,
       "Half the width of the matching window, in pixels.",

@@ -9,7 +9,7 @@
 #include "colmap_tsar/compose/depth_sigma.h"
 #include "colmap_tsar/compose/occlusion_votes.h"
 #include "colmap_tsar/compose/upsample_depth_flags.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/scene/evidence/texture_measures.h"
 #include "colmap_tsar/scene/find_scene.h"
 #include "colmap_tsar/scene/scene_options.h"

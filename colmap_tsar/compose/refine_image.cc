@@ -7,7 +7,7 @@
 #include "colmap_tsar/compose/depth_sigma.h"
 #include "colmap_tsar/compose/upsample_depth_flags.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/priors/align_normals.h"
 #include "colmap_tsar/scene/evidence/foreground_fattening.h"
 #include "colmap_tsar/scene/evidence/gather_evidence.h"

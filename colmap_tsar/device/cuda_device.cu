@@ -158,6 +158,7 @@ CudaDevice::CudaDevice(int gpu_index)
 CudaDevice::~CudaDevice() {
   cudaSetDevice(gpu_index_);
   cudaStreamSynchronize(Stream());
+  DestroyFreedTextures();
 }
 
 void CudaDevice::Activate() const {
@@ -209,9 +210,48 @@ void CudaDevice::CopyToHost(void* target, const void* source, size_t size) {
   staging_->Download(target, source, size, Stream());
 }
 
+uint64_t CudaDevice::CreateTexture(const float* pixels,
+                                   int width,
+                                   int height,
+                                   int pitch) {
+  Activate();
+  cudaResourceDesc resource = {};
+  resource.resType = cudaResourceTypePitch2D;
+  resource.res.pitch2D.devPtr = const_cast<float*>(pixels);
+  resource.res.pitch2D.desc = cudaCreateChannelDesc<float>();
+  resource.res.pitch2D.width = static_cast<size_t>(width);
+  resource.res.pitch2D.height = static_cast<size_t>(height);
+  resource.res.pitch2D.pitchInBytes = sizeof(float) * pitch;
+  cudaTextureDesc sampling = {};
+  sampling.addressMode[0] = cudaAddressModeClamp;
+  sampling.addressMode[1] = cudaAddressModeClamp;
+  sampling.filterMode = cudaFilterModeLinear;
+  sampling.readMode = cudaReadModeElementType;
+  cudaTextureObject_t texture = 0;
+  const std::string what = "a texture of " + std::to_string(width) + " x " +
+                           std::to_string(height) + " pixels";
+  CheckCuda(cudaCreateTextureObject(&texture, &resource, &sampling, nullptr),
+            what.c_str());
+  return texture;
+}
+
+void CudaDevice::FreeTexture(uint64_t texture) noexcept {
+  const std::lock_guard lock(mutex_);
+  freed_textures_.push_back(texture);
+}
+
+void CudaDevice::DestroyFreedTextures() noexcept {
+  const std::lock_guard lock(mutex_);
+  for (const uint64_t texture : freed_textures_) {
+    cudaDestroyTextureObject(texture);
+  }
+  freed_textures_.clear();
+}
+
 void CudaDevice::Synchronize() {
   Activate();
   CheckCuda(cudaStreamSynchronize(Stream()), "a computation");
+  DestroyFreedTextures();
 }
 
 std::unique_ptr<Device> Device::CreateCuda(int gpu_index) {

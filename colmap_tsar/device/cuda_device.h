@@ -9,9 +9,12 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <cuda_runtime.h>
 
@@ -100,6 +103,11 @@ class CudaDevice : public Device {
   size_t PeakMemory() override;
   void CopyToDevice(void* target, const void* source, size_t size) override;
   void CopyToHost(void* target, const void* source, size_t size) override;
+  uint64_t CreateTexture(const float* pixels,
+                         int width,
+                         int height,
+                         int pitch) override;
+  void FreeTexture(uint64_t texture) noexcept override;
   void Synchronize() override;
 
  private:
@@ -109,6 +117,7 @@ class CudaDevice : public Device {
     }
   };
 
+  void DestroyFreedTextures() noexcept;
   // An attribute of the pool in bytes; 0 if the GPU does not respond.
   size_t PoolBytes(cudaMemPoolAttr attribute) const noexcept;
 
@@ -117,6 +126,9 @@ class CudaDevice : public Device {
   std::unique_ptr<CUstream_st, StreamDeleter> stream_;
   cudaMemPool_t pool_ = nullptr;
   std::optional<CudaStaging> staging_;
+  std::mutex mutex_;
+  // Destroyed when no kernel uses them any more.
+  std::vector<uint64_t> freed_textures_;
 };
 
 }  // namespace tsar

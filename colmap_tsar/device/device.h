@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/thread_pool.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -65,6 +66,19 @@ class Device {
   // host memory may be changed or read.
   virtual void CopyToDevice(void* target, const void* source, size_t size) = 0;
   virtual void CopyToHost(void* target, const void* source, size_t size) = 0;
+
+  // A texture by which this GPU interpolates a raster in its memory linearly,
+  // with its border repeated outside; 0 for CPUs. pixels: aligned to 512 bytes.
+  // pitch: from a row to the next, in pixels, a multiple of 8. Throws kDevice
+  // if the GPU has no textures of this size.
+  virtual uint64_t CreateTexture(const float* /*pixels*/,
+                                 int /*width*/,
+                                 int /*height*/,
+                                 int /*pitch*/) {
+    return 0;
+  }
+  // As Free().
+  virtual void FreeTexture(uint64_t /*texture*/) noexcept {}
 
   // Waits for all queued work. Throws kDevice if any of it failed.
   virtual void Synchronize() = 0;

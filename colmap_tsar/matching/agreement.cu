@@ -48,14 +48,13 @@ struct AgreementKernel {
 }  // namespace
 
 DeviceImage<uint8_t> CountAgreeingSources(const ReferenceView& reference,
-                                          const Buffer<SourceView>& sources,
+                                          const SourceViews& sources,
                                           Device& device) {
   return MapPixels<uint8_t>(
       device,
       reference.depth.width,
       reference.depth.height,
-      AgreementKernel{
-          reference, sources.Data(), static_cast<int>(sources.Size())});
+      AgreementKernel{reference, sources.Data(), sources.Size()});
 }
 
 }  // namespace tsar

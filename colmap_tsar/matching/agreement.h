@@ -13,7 +13,7 @@ namespace tsar {
 // For each pixel, the number of sources whose depth maps agree with its depth
 // by forward and backward reprojection; at most 255.
 DeviceImage<uint8_t> CountAgreeingSources(const ReferenceView& reference,
-                                          const Buffer<SourceView>& sources,
+                                          const SourceViews& sources,
                                           Device& device);
 
 }  // namespace tsar

@@ -8,8 +8,8 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/plane.h"
-#include "colmap_tsar/matching/bilinear.cuh"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/matching/sample_gray.cuh"
 
 #include <cmath>
 #include <cstdint>
@@ -40,8 +40,7 @@ class ReferencePatch {
   // The unit of values, in gray levels.
   static constexpr float kValueUnit = 1.f / 64.f;
 
-  template <typename Element>
-  TSAR_HD ReferencePatch(const ImageView<const Element>& gray,
+  TSAR_HD ReferencePatch(const GrayView& gray,
                          float x,
                          float y,
                          float window_radius = kPatchRadius)
@@ -50,31 +49,34 @@ class ReferencePatch {
         radius(window_radius),
         half_step(window_radius / (kPatchSide - 1)) {
     const float spatial_sigma = kPatchSpatialSigma * radius / kPatchRadius;
-    const float center = SampleBilinear(gray, x, y);
+    // In texture coordinates.
+    const float texture_x = x + 0.5f;
+    const float texture_y = y + 0.5f;
+    const float center = SampleGray(gray, texture_x, texture_y);
     // On a CPU each step is a separate loop, as in AddUpBySteps.
 #ifdef __CUDA_ARCH__
     for (int i = 0; i < kPatchSize; ++i) {
       const float value =
-          SampleBilinear(gray, x + OffsetX(i), y + OffsetY(i)) - center;
-      samples_[i] = Pack(InUnits<Element>(value),
-                         Weight<Element>(i, value, spatial_sigma));
+          SampleGray(gray, texture_x + OffsetX(i), texture_y + OffsetY(i)) -
+          center;
+      samples_[i] = Pack(InUnits(value), Weight(i, value, spatial_sigma));
     }
 #else
     float sample_x[kPatchSize];
     float sample_y[kPatchSize];
     for (int i = 0; i < kPatchSize; ++i) {
-      sample_x[i] = x + OffsetX(i);
-      sample_y[i] = y + OffsetY(i);
+      sample_x[i] = texture_x + OffsetX(i);
+      sample_y[i] = texture_y + OffsetY(i);
     }
-    SampleAboutBySteps(gray, sample_x, sample_y, 0.f, values_);
+    SampleGrayBySteps(gray, sample_x, sample_y, values_);
     for (int i = 0; i < kPatchSize; ++i) {
       values_[i] -= center;
     }
     for (int i = 0; i < kPatchSize; ++i) {
-      weights_[i] = Weight<Element>(i, values_[i], spatial_sigma);
+      weights_[i] = Weight(i, values_[i], spatial_sigma);
     }
     for (int i = 0; i < kPatchSize; ++i) {
-      values_[i] = InUnits<Element>(values_[i]);
+      values_[i] = InUnits(values_[i]);
     }
 #endif
     float sum_weights = 0.f;
@@ -105,9 +107,14 @@ class ReferencePatch {
   };
   TSAR_HD Sample At(int i) const {
 #ifdef __CUDA_ARCH__
-    const RaisedHalves halves(samples_[i]);
-    return {halves.low - (RaisedHalves::kRaise + kValueOffset),
-            halves.high - RaisedHalves::kRaise};
+    // The halves become the last bits of 2^23: a permutation and a subtraction
+    // are faster than a conversion.
+    constexpr float kRaise = 8388608.f;
+    constexpr uint32_t kRaiseBits = 0x4B000000u;
+    return {
+        __uint_as_float(__byte_perm(samples_[i], kRaiseBits, 0x7410)) -
+            (kRaise + kValueOffset),
+        __uint_as_float(__byte_perm(samples_[i], kRaiseBits, 0x7432)) - kRaise};
 #else
     return {values_[i], weights_[i]};
 #endif
@@ -132,25 +139,20 @@ class ReferencePatch {
   static constexpr float kMaxValue = 32767.f;
   static constexpr float kValueOffset = 32768.f;
 
-  template <typename Element>
   TSAR_HD static float InUnits(float value) {
-    const float rounded =
-        RoundToNearest(value * (kGrayUnit<Element> / kValueUnit));
+    const float rounded = RoundToNearest(value * (1.f / kValueUnit));
     return fminf(fmaxf(rounded, -kMaxValue), kMaxValue);
   }
 
   // The bilateral weight of a sample.
-  template <typename Element>
   TSAR_HD float Weight(int i, float value, float spatial_sigma) const {
     const float dx = OffsetX(i);
     const float dy = OffsetY(i);
-    const float difference = value * kGrayUnit<Element>;
     return RoundToNearest(
         kMaxWeight *
-        ExpOfNegative(-(dx * dx + dy * dy) /
-                          (2.f * spatial_sigma * spatial_sigma) -
-                      difference * difference /
-                          (2.f * kPatchColorSigma * kPatchColorSigma)));
+        ExpOfNegative(
+            -(dx * dx + dy * dy) / (2.f * spatial_sigma * spatial_sigma) -
+            value * value / (2.f * kPatchColorSigma * kPatchColorSigma)));
   }
 
 #ifdef __CUDA_ARCH__
@@ -244,6 +246,14 @@ struct WindowHomography {
     *mapped_y = MultiplyAdd(MultiplyAdd(y_dx, dx, y_dy * dy), scale, y);
   }
 
+  // The same that maps to texture coordinates, half a pixel further.
+  TSAR_HD WindowHomography InTexture() const {
+    WindowHomography shifted = *this;
+    shifted.x += 0.5f;
+    shifted.y += 0.5f;
+    return shifted;
+  }
+
   // 1 / (1 + change) by its series, with an error of 4e-4 for planes seen at up
   // to 80 degrees, and 6e-2 at the largest change.
   TSAR_HD static float Reciprocal(float change) {
@@ -275,12 +285,12 @@ struct PatchSums {
 
 // Sums sample by sample: the form for a GPU, where each thread has a patch and
 // keeps a sample in registers.
-template <typename Element>
 TSAR_HD inline PatchSums AddUpBySamples(const ReferencePatch& patch,
                                         const WindowHomography& window,
-                                        const ImageView<const Element>& other) {
+                                        const GrayView& other) {
+  const WindowHomography to_texture = window.InTexture();
   const float center =
-      RoundToNearest(SampleBilinear(other, window.x, window.y));
+      RoundToNearest(SampleGray(other, to_texture.x, to_texture.y));
   PatchSums sums;
   // Rows are not unrolled, since they would exceed a GPU's instruction cache.
 #ifdef __CUDA_ARCH__
@@ -292,8 +302,8 @@ TSAR_HD inline PatchSums AddUpBySamples(const ReferencePatch& patch,
     for (int column = 0; column < kPatchSide; ++column) {
       float x = 0.f;
       float y = 0.f;
-      window.Map(patch.Offset(column), dy, &x, &y);
-      const float difference = SampleAbout(other, x, y, center);
+      to_texture.Map(patch.Offset(column), dy, &x, &y);
+      const float difference = SampleGray(other, x, y) - center;
       const ReferencePatch::Sample sample = patch.At(row * kPatchSide + column);
       of_row.Add(difference, sample.weight * difference, sample.value);
     }
@@ -305,21 +315,22 @@ TSAR_HD inline PatchSums AddUpBySamples(const ReferencePatch& patch,
 // AddUpBySamples() step by step, each for all samples: the form for a CPU,
 // whose compiler vectorizes the loops. The arithmetic of each sample and the
 // order of the sums are the same, so that results are bit-identical.
-template <typename Element>
-PatchSums AddUpBySteps(const ReferencePatch& patch,
-                       const WindowHomography& window,
-                       const ImageView<const Element>& other) {
+inline PatchSums AddUpBySteps(const ReferencePatch& patch,
+                              const WindowHomography& window,
+                              const GrayView& other) {
+  const WindowHomography to_texture = window.InTexture();
   const float center =
-      RoundToNearest(SampleBilinear(other, window.x, window.y));
+      RoundToNearest(SampleGray(other, to_texture.x, to_texture.y));
   float x[kPatchSize];
   float y[kPatchSize];
   for (int i = 0; i < kPatchSize; ++i) {
-    window.Map(patch.OffsetX(i), patch.OffsetY(i), &x[i], &y[i]);
+    to_texture.Map(patch.OffsetX(i), patch.OffsetY(i), &x[i], &y[i]);
   }
   float difference[kPatchSize];
-  SampleAboutBySteps(other, x, y, center, difference);
+  SampleGrayBySteps(other, x, y, difference);
   float weighted[kPatchSize];
   for (int i = 0; i < kPatchSize; ++i) {
+    difference[i] -= center;
     weighted[i] = patch.At(i).weight * difference[i];
   }
   PatchSums sums;
@@ -334,19 +345,17 @@ PatchSums AddUpBySteps(const ReferencePatch& patch,
 }
 
 // AddUpBySteps() for AVX2; must be called only if HasAvx2().
-template <typename Element>
-TSAR_FOR_AVX2 PatchSums
-AddUpByStepsForAvx2(const ReferencePatch& patch,
-                    const WindowHomography& window,
-                    const ImageView<const Element>& other) {
+TSAR_FOR_AVX2 inline PatchSums AddUpByStepsForAvx2(
+    const ReferencePatch& patch,
+    const WindowHomography& window,
+    const GrayView& other) {
   return AddUpBySteps(patch, window, other);
 }
 
 // The form for this machine.
-template <typename Element>
-TSAR_HD PatchSums AddUp(const ReferencePatch& patch,
-                        const WindowHomography& window,
-                        const ImageView<const Element>& other) {
+TSAR_HD inline PatchSums AddUp(const ReferencePatch& patch,
+                               const WindowHomography& window,
+                               const GrayView& other) {
 // The sanitizer checks each access to the steps' arrays, which would dominate
 // the time of all tests.
 #if defined(__CUDA_ARCH__) || defined(__SANITIZE_ADDRESS__)
@@ -359,10 +368,9 @@ TSAR_HD PatchSums AddUp(const ReferencePatch& patch,
 
 // 1 - NCC of the patch and its image under the homography, in [0, 2], or
 // kUndefinedCost.
-template <typename Element>
 TSAR_HD inline float PatchCost(const ReferencePatch& patch,
                                const PlaneHomography& homography,
-                               const ImageView<const Element>& other) {
+                               const GrayView& other) {
   if (!patch.HasTexture()) {
     return kUndefinedCost;
   }
@@ -377,8 +385,7 @@ TSAR_HD inline float PatchCost(const ReferencePatch& patch,
   const PatchSums sums = AddUp(patch, window, other);
   const float mean = sums.values * patch.inverse_sum_weights;
   const float variance = sums.squares * patch.inverse_sum_weights - mean * mean;
-  if (!(variance * (kGrayUnit<Element> * kGrayUnit<Element>) >=
-        kMinPatchVariance)) {
+  if (!(variance >= kMinPatchVariance)) {
     return kUndefinedCost;
   }
   const float covariance =

@@ -67,19 +67,17 @@ struct FilterKernel {
 }  // namespace
 
 DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
-                                    const Buffer<SourceView>& sources,
+                                    const SourceViews& sources,
                                     const HypothesisFilterOptions& options,
                                     Device& device) {
   const float max_cos_angle =
       std::cos(options.min_triangulation_angle * 3.14159265f / 180.f);
-  return MapPixels<float>(device,
-                          reference.depth.width,
-                          reference.depth.height,
-                          FilterKernel{reference,
-                                       sources.Data(),
-                                       static_cast<int>(sources.Size()),
-                                       options,
-                                       max_cos_angle});
+  return MapPixels<float>(
+      device,
+      reference.depth.width,
+      reference.depth.height,
+      FilterKernel{
+          reference, sources.Data(), sources.Size(), options, max_cos_angle});
 }
 
 }  // namespace tsar

@@ -22,7 +22,7 @@ struct HypothesisFilterOptions {
 // triangulation angle suffices. The others become 0. The reference itself and
 // sources without depth do not confirm any.
 DeviceImage<float> FilterHypotheses(const ReferenceView& reference,
-                                    const Buffer<SourceView>& sources,
+                                    const SourceViews& sources,
                                     const HypothesisFilterOptions& options,
                                     Device& device);
 

@@ -88,7 +88,7 @@ struct MatchingCostKernel {
 }  // namespace
 
 MatchingCosts ComputeMatchingCosts(const ReferenceView& reference,
-                                   const Buffer<SourceView>& sources,
+                                   const SourceViews& sources,
                                    Device& device) {
   const int width = reference.depth.width;
   const int height = reference.depth.height;
@@ -100,7 +100,7 @@ MatchingCosts ComputeMatchingCosts(const ReferenceView& reference,
               height,
               MatchingCostKernel{reference,
                                  sources.Data(),
-                                 static_cast<int>(sources.Size()),
+                                 sources.Size(),
                                  costs.min_cost.View(),
                                  costs.second_cost.View(),
                                  costs.left_right_difference.View()});

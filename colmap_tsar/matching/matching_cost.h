@@ -28,7 +28,7 @@ struct MatchingCosts {
 // (an 11 x 11 window, every second row and column, weights of the reference).
 // Without sources everything is undefined.
 MatchingCosts ComputeMatchingCosts(const ReferenceView& reference,
-                                   const Buffer<SourceView>& sources,
+                                   const SourceViews& sources,
                                    Device& device);
 
 }  // namespace tsar

@@ -53,12 +53,35 @@ struct DrawKernel {
   }
 };
 
+// The sources' textures as a parameter of kernels: only if it is plain to the
+// compiler that all threads take the same texture does it load samples side by
+// side.
+struct SourceTextures {
+  explicit SourceTextures(const SourceViews& sources) {
+    for (int s = 0; s < sources.Size(); ++s) {
+      of[s] = sources.Host()[s].gray.texture;
+    }
+  }
+
+  uint64_t of[kMaxSources] = {};
+};
+
 // What the kernels have in common.
 struct PlaneSearch {
   ReferenceView reference;
   const SourceView* sources;
   int num_sources;
   PatchMatchOptions options;
+  SourceTextures textures;
+
+  // 1 - NCC of a plane in a source. All threads must take the same source.
+  TSAR_HD float Photometric(const PixelCosts& pixel,
+                            int source,
+                            const Plane& plane) const {
+    GrayView gray = sources[source].gray;
+    gray.texture = textures.of[source];
+    return pixel.Photometric(sources[source], gray, plane);
+  }
 
   TSAR_HD ReferencePatch PatchAt(int x, int y) const {
     return ReferencePatch(reference.gray, x, y, options.window_radius);
@@ -82,10 +105,13 @@ struct FirstCostKernel : PlaneSearch {
     float first = worst;
     float second = worst;
     const Plane plane = planes(x, y);
-    const bool is_usable = IsUsable(plane, pixel.ray, options);
-    for (int s = 0; s < num_sources && is_usable; ++s) {
-      const float cost = pixel.Photometric(sources[s], plane) +
-                         pixel.Geometric(sources[s], plane);
+    if (!IsUsable(plane, pixel.ray, options)) {
+      costs(x, y) = worst;
+      return;
+    }
+    for (int s = 0; s < num_sources; ++s) {
+      const float cost =
+          Photometric(pixel, s, plane) + pixel.Geometric(sources[s], plane);
       if (cost < first) {
         second = first;
         first = cost;
@@ -188,7 +214,7 @@ struct SweepKernel : PlaneSearch {
       float cost[kNumCandidates];
       ViewWeight view(iteration);
       for (int c = 0; c < num_candidates; ++c) {
-        cost[c] = pixel.Photometric(sources[s], candidates[c]);
+        cost[c] = Photometric(pixel, s, candidates[c]);
         view.Add(cost[c]);
         cost[c] += pixel.Geometric(sources[s], candidates[c]);
       }
@@ -233,11 +259,11 @@ struct SweepKernel : PlaneSearch {
       // The sum is computed as in PropagateAndSelectViews: planes of equal
       // costs in every view, as without texture, must not win by rounding.
       float sum = 0.f;
-      for (int s = 0; s < sweep.num_sources && scale * sum < *best_cost; ++s) {
+      for (int s = 0; s < sweep.num_sources; ++s) {
         const int weight = sweep.Weight(s, x, y);
-        if (weight > 0) {
+        if (weight > 0 && scale * sum < *best_cost) {
           sum += static_cast<float>(weight) *
-                 (pixel.Photometric(sweep.sources[s], plane) +
+                 (sweep.Photometric(pixel, s, plane) +
                   pixel.Geometric(sweep.sources[s], plane));
         }
       }
@@ -331,8 +357,11 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
   const int num_sources = static_cast<int>(inputs.sources.Size());
   PlaneHypotheses hypotheses{std::move(planes),
                              DeviceImage<float>(device, width, height)};
-  const PlaneSearch search{
-      inputs.reference, inputs.sources.Data(), num_sources, options};
+  const PlaneSearch search{inputs.reference,
+                           inputs.sources.Data(),
+                           num_sources,
+                           options,
+                           SourceTextures(inputs.sources)};
   ParallelFor(device,
               width,
               height,

@@ -16,6 +16,8 @@
 
 namespace tsar {
 
+constexpr int kMaxSources = 256;
+
 struct PatchMatchOptions {
   // Each iteration updates all pixels, one color after the other.
   int num_iterations = 4;
@@ -44,7 +46,7 @@ struct PlaneHypotheses {
 // If the sources have depth, costs have the geometric term.
 struct PatchMatchInputs {
   ReferenceView reference;
-  const Buffer<SourceView>& sources;
+  const SourceViews& sources;  // At most kMaxSources.
   // Key of the random numbers: the same stream gives the same result.
   uint32_t stream = 0;
   // 1 for pixels that keep their planes, which others may adopt; may be empty.

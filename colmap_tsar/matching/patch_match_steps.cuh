@@ -175,13 +175,16 @@ struct PixelCosts {
   const ReferencePatch& patch;
   Vec3f ray;
 
-  // 1 - NCC in one view.
+  // 1 - NCC in one view. gray: that of the source.
   TSAR_HD float Photometric(const SourceView& source,
+                            const GrayView& gray,
                             const Plane& plane) const {
     if (!patch.HasTexture()) {
       return kMaxCost;
     }
-    const float cost = PatchCost(patch, reference.intrinsics, source, plane);
+    const PlaneHomography homography(
+        reference.intrinsics, source.intrinsics, source.from_reference, plane);
+    const float cost = PatchCost(patch, homography, gray);
     return cost == kUndefinedCost ? kMaxCost : cost;
   }
 

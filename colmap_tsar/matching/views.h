@@ -7,7 +7,10 @@
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/vector.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
+
+#include <utility>
+#include <vector>
 
 namespace tsar {
 
@@ -15,7 +18,7 @@ namespace tsar {
 // and are in the device's memory.
 struct ReferenceView {
   Intrinsics intrinsics;
-  ImageView<const float> gray;    // 0-255
+  GrayView gray;
   ImageView<const float> depth;   // z in the camera frame, 0 = invalid
   ImageView<const Vec3f> normal;  // unit, camera frame, towards the camera
 };
@@ -25,8 +28,24 @@ struct ReferenceView {
 struct SourceView {
   Intrinsics intrinsics;
   RelativePose from_reference;
-  ImageView<const GrayPair> gray;
+  GrayView gray;
   ImageView<const float> depth;  // z in the source's frame; may be empty
+};
+
+// The sources of a reference: in the device's memory, and a copy in the host's.
+class SourceViews {
+ public:
+  SourceViews() = default;
+  SourceViews(Device& device, std::vector<SourceView> views)
+      : on_device_(device, views), host_(std::move(views)) {}
+
+  int Size() const { return static_cast<int>(host_.size()); }
+  const SourceView* Data() const { return on_device_.Data(); }
+  const std::vector<SourceView>& Host() const { return host_; }
+
+ private:
+  Buffer<SourceView> on_device_;
+  std::vector<SourceView> host_;
 };
 
 // A depth map with its normals: z = 0 and a zero normal where there is none.

@@ -4,7 +4,7 @@
 #include "colmap_tsar/view/device_views.h"
 
 #include "colmap_tsar/device/device.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/view/denoise/denoise.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
 #include "colmap_tsar/view/superpixels/samples.h"
@@ -36,7 +36,7 @@ DeviceViews::DeviceViews(
       device_(device),
       raster_(MakeRaster(reference.depth.Width(), reference.depth.Height())),
       raster_color_(MakeRasterColor(Color(), raster_, denoise, device)),
-      gray_(ComputeGray(Color(), device)),
+      gray_(ComputeGrayTexture(Color(), device)),
       uploaded_sources_(std::move(sources)) {
   std::vector<SourceView> views;
   std::vector<Camera> cameras;
@@ -48,7 +48,7 @@ DeviceViews::DeviceViews(
     cameras.push_back(source->camera);
     num_sources_with_depth_ += source->has_depth ? 1 : 0;
   }
-  sources_ = Buffer<SourceView>(device, views);
+  sources_ = SourceViews(device, std::move(views));
   scale_ = ComputeDisparityScale(reference.camera, cameras);
 }
 

@@ -62,7 +62,7 @@ class DeviceViews : public DeviceReference {
             std::as_const(hypotheses.depth).View(),
             std::as_const(hypotheses.normal).View()};
   }
-  const Buffer<SourceView>& Sources() const { return sources_; }
+  const SourceViews& Sources() const { return sources_; }
   DepthNormalViews Hypotheses() const { return hypotheses.Views(); }
   // The number of sources with any depth, which bounds the agreement of a
   // pixel.
@@ -85,9 +85,9 @@ class DeviceViews : public DeviceReference {
   DisparityScale scale_;
   ReducedRaster raster_;
   DeviceImage<Rgb> raster_color_;
-  DeviceImage<float> gray_;
+  GrayTexture gray_;
   std::vector<std::shared_ptr<const UploadedView>> uploaded_sources_;
-  Buffer<SourceView> sources_;
+  SourceViews sources_;
   int num_sources_with_depth_ = 0;
 };
 

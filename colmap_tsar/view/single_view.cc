@@ -4,6 +4,7 @@
 #include "colmap_tsar/view/single_view.h"
 
 #include "colmap_tsar/matching/agreement.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/view/correlation.h"
 #include "colmap_tsar/view/denoise/estimate_noise.h"
@@ -69,14 +70,14 @@ struct SingleViewStages {
       agreement =
           CountAgreeingSources(views.Reference(), views.Sources(), device);
       if (options.confirmed_depths) {
-        const ImageView<const float> gray = views.Reference().gray;
+        const DeviceImage<float> gray = ComputeGray(views.Color(), device);
         // Depths that COLMAP's consistency check rejected are no candidates:
         // chance could confirm them.
         const DeviceImage<uint8_t> is_to_refine(device, reference.is_to_refine);
-        result.confirmations = ConfirmDepths(gray,
+        result.confirmations = ConfirmDepths(gray.View(),
                                              agreement.View(),
                                              is_to_refine.View(),
-                                             EstimateNoise(gray, device),
+                                             EstimateNoise(gray.View(), device),
                                              device);
       }
     }

@@ -4,7 +4,7 @@
 #include "colmap_tsar/view/view_data.h"
 
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 
 #include <algorithm>
 
@@ -24,14 +24,14 @@ std::shared_ptr<const UploadedView> UploadView(
       spare->depth.Width() != view.depth.Width() ||
       spare->depth.Height() != view.depth.Height()) {
     spare = std::make_shared<UploadedView>();
-    spare->gray = DeviceImage<GrayPair>(device, width, height);
+    spare->gray = GrayTexture(device, width, height);
     spare->depth =
         DeviceImage<float>(device, view.depth.Width(), view.depth.Height());
   }
   spare->camera = view.camera;
   spare->has_depth = HasDepth(view.depth);
   const DeviceImage<Rgb> color(device, view.color);
-  ComputeGrayPairs(color.View(), spare->gray.View(), device);
+  ComputeGrayTexture(color.View(), &spare->gray, device);
   if (!view.depth.Empty()) {
     // Upload() cannot be used, since another device may have allocated the
     // memory.

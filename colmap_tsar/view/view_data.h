@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/device/buffer.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/priors/depth_prior.h"
 
 #include <cstdint>
@@ -40,7 +40,7 @@ struct ViewData {
 struct UploadedView {
   Camera camera;
   bool has_depth = false;  // Whether any pixel has a depth.
-  DeviceImage<GrayPair> gray;
+  GrayTexture gray;
   DeviceImage<float> depth;  // Empty where the view has no depth map.
 };
 

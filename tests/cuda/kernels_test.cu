@@ -10,6 +10,8 @@
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_teams.h"
 #include "colmap_tsar/device/scan_and_sort.h"
+#include "colmap_tsar/matching/gray_texture.h"
+#include "colmap_tsar/matching/sample_gray.cuh"
 
 #include <algorithm>
 #include <climits>
@@ -323,6 +325,56 @@ TEST(ComponentsTest, ThatWindThroughTheRaster) {
     LabelAndCount(DrawSnake(5, 65539, along_rows));
   }
   LabelAndCount(DrawSpiral(301, 207));
+}
+
+struct SampleKernel {
+  GrayView image;
+  const float* x;
+  const float* y;
+  float* values;
+  TSAR_HD void operator()(int64_t i) const {
+    values[i] = SampleGray(image, x[i], y[i]);
+  }
+};
+
+// Texture units are emulated on the CPU: all their weights must be known.
+TEST_F(KernelsTest, TexturesInterpolateAsOnTheCpu) {
+  for (const auto& [width, height] :
+       {std::pair(1, 1), {1, 9}, {9, 1}, {2, 2}, {3, 3}, {641, 37}}) {
+    const auto device = CreateTestDevice();
+    Image<float> gray(width, height);
+    Philox random(7, 0, 0);
+    for (float& value : gray) {
+      value = 255.f * random.NextFloat();
+    }
+    const DeviceImage<float> on_device(*device, gray);
+    const GrayTexture texture = ComputeGrayTexture(on_device.View(), *device);
+    std::vector<float> x;
+    std::vector<float> y;
+    // All weights, positions between the steps of 1/256, and any others.
+    constexpr int kNumSteps = 3 * 256;
+    for (int i = 0; i < kNumSteps * kNumSteps; ++i) {
+      x.push_back(-0.5f + (i % kNumSteps) / 256.f);
+      y.push_back(-0.5f + (i / kNumSteps) / 256.f);
+    }
+    for (int i = 0; i < 8 * kNumSteps; ++i) {
+      x.push_back(-0.5f + i / 2048.f);
+      y.push_back(1.f);
+    }
+    for (int i = 0; i < 1000000; ++i) {
+      x.push_back((width + 4) * random.NextFloat() - 2.f);
+      y.push_back((height + 4) * random.NextFloat() - 2.f);
+    }
+    const Buffer<float> device_x(*device, x);
+    const Buffer<float> device_y(*device, y);
+    Buffer<float> values(*device, x.size());
+    ParallelFor(
+        *device,
+        static_cast<int64_t>(x.size()),
+        SampleKernel{
+            texture.View(), device_x.Data(), device_y.Data(), values.Data()});
+    values.ToHost();
+  }
 }
 
 }  // namespace

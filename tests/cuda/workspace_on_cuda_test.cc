@@ -8,7 +8,7 @@
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/device/cuda_device.h"
 #include "colmap_tsar/fusion/fuse_workspace.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/run/memory_plan.h"
 #include "colmap_tsar/run/refine_devices.h"
 #include "colmap_tsar/run/refine_workspace.h"

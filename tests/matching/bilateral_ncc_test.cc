@@ -7,8 +7,9 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 
-#include "tests/matching/gray_pairs.h"
+#include "tests/matching/gray_textures.h"
 #include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include <gtest/gtest.h>
@@ -17,6 +18,11 @@ namespace tsar {
 namespace {
 
 constexpr int kSize = 32;
+
+GrayTexture Texture(const Image<float>& gray) {
+  static const std::unique_ptr<Device> device = Device::CreateCpu(1);
+  return TextureOf(gray, *device);
+}
 
 Image<float> DrawNoise(uint32_t seed) {
   Image<float> gray(kSize, kSize);
@@ -42,8 +48,9 @@ float CostAt(const Image<float>& first,
              int x,
              int y,
              float shift = 0.f) {
-  const ReferencePatch patch(first.View(), x, y);
-  return PatchCost(patch, Shift(shift), second.View());
+  const GrayTexture texture = Texture(second);
+  const ReferencePatch patch(Texture(first).View(), x, y);
+  return PatchCost(patch, Shift(shift), texture.View());
 }
 
 TEST(PatchCost, IsZeroForTheSameWindow) {
@@ -111,10 +118,9 @@ void ExpectSame(const PatchSums& sums, const PatchSums& expected) {
 
 // All forms of the sum must be bit-identical; that for AVX2 only if the
 // processor has it.
-template <typename Element>
 void ExpectSameSums(const ReferencePatch& patch,
                     const PlaneHomography& homography,
-                    const ImageView<const Element>& other,
+                    const GrayView& other,
                     Met* met) {
   const WindowHomography window(
       homography, patch.center_x, patch.center_y, patch.radius);
@@ -177,15 +183,13 @@ void ForHomographies(int count, const Function& function) {
 }
 
 TEST(AddUpBySteps, GivesTheSumsOfAddUpBySamples) {
-  const Image<float> gray = DrawNoise(1);
-  const Image<float> other = DrawNoise(2);
-  const Image<GrayPair> pairs = PairsOf(other);
+  const GrayTexture gray = Texture(DrawNoise(1));
+  const GrayTexture other = Texture(DrawNoise(2));
   Met met;
   ForHomographies(
       3000, [&](int x, int y, float radius, const PlaneHomography& homography) {
         const ReferencePatch patch(gray.View(), x, y, radius);
         ExpectSameSums(patch, homography, other.View(), &met);
-        ExpectSameSums(patch, homography, pairs.View(), &met);
       });
   EXPECT_GT(met.num_inside, 100);
   EXPECT_GT(met.num_on_border, 1000);
@@ -213,10 +217,10 @@ TEST(WindowHomography, SeesNoPlaneAlongItsSurfaceNorBehindTheCamera) {
 }
 
 TEST(PatchCost, TakesAnyNumbersForAHomography) {
-  const Image<float> gray = DrawNoise(1);
-  const Image<float> other = DrawNoise(2);
-  const Image<float> small(1, 1, 70.f);
-  const Image<float> column(1, kSize, 70.f);
+  const GrayTexture gray = Texture(DrawNoise(1));
+  const GrayTexture other = Texture(DrawNoise(2));
+  const GrayTexture small = Texture(Image<float>(1, 1, 70.f));
+  const GrayTexture column = Texture(Image<float>(1, kSize, 70.f));
   const float infinity = std::numeric_limits<float>::infinity();
   const float hostile[] = {0.f,
                            1e-42f,
@@ -232,13 +236,9 @@ TEST(PatchCost, TakesAnyNumbersForAHomography) {
       for (const float value : hostile) {
         PlaneHomography homography = Shift(1.f);
         homography.h[element] = value;
-        for (const Image<float>* image : {&other, &small, &column}) {
-          const Image<GrayPair> pairs = PairsOf(*image);
+        for (const GrayTexture* image : {&other, &small, &column}) {
           ASSERT_NO_FATAL_FAILURE(
               ExpectSameSums(patch, homography, image->View(), &met))
-              << element << ", " << value;
-          ASSERT_NO_FATAL_FAILURE(
-              ExpectSameSums(patch, homography, pairs.View(), &met))
               << element << ", " << value;
         }
       }
@@ -247,20 +247,6 @@ TEST(PatchCost, TakesAnyNumbersForAHomography) {
   EXPECT_GT(met.num_inside, 0);
   EXPECT_GT(met.num_on_border, 0);
   EXPECT_GT(met.num_unseen, 0);
-}
-
-// A source is kept in steps of 1/256 of a gray level.
-TEST(PatchCost, IsTheSameForPairsButForTheirSteps) {
-  const Image<float> gray = DrawNoise(1);
-  const Image<float> other = DrawNoise(2);
-  const Image<GrayPair> pairs = PairsOf(other);
-  ForHomographies(
-      500, [&](int x, int y, float radius, const PlaneHomography& homography) {
-        const ReferencePatch patch(gray.View(), x, y, radius);
-        ASSERT_NEAR(PatchCost(patch, homography, other.View()),
-                    PatchCost(patch, homography, pairs.View()),
-                    1e-3f);
-      });
 }
 
 }  // namespace

@@ -64,10 +64,8 @@ class FilterHypothesesTest : public testing::TestWithParam<float> {
       reference.normal = on_device(normal_);
     }
     Image<float> filtered =
-        FilterHypotheses(reference,
-                         Buffer<SourceView>(*device_, sources),
-                         options_,
-                         *device_)
+        FilterHypotheses(
+            reference, SourceViews(*device_, sources), options_, *device_)
             .ToHost();
     for (size_t i = 0; i < filtered.NumPixels(); ++i) {
       // Kept depths do not change.

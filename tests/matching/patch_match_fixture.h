@@ -66,14 +66,14 @@ class PatchMatchTest : public testing::Test {
     }
   }
   // The sources of a scene without their depth maps, with all lengths scaled.
-  Buffer<SourceView> Images(TexturedPlane& scene, float scale = 1.f) {
+  SourceViews Images(TexturedPlane& scene, float scale = 1.f) {
     std::vector<SourceView> sources = scene.HostSources();
     for (SourceView& source : sources) {
       source.depth = {};
       source.from_reference.translation =
           source.from_reference.translation * scale;
     }
-    return Buffer<SourceView>(*device_, sources);
+    return SourceViews(*device_, sources);
   }
 
   DeviceImage<Plane> Draw(uint32_t stream = 1) {
@@ -85,7 +85,7 @@ class PatchMatchTest : public testing::Test {
         intrinsics_, reference.depth, reference.normal, *device_);
   }
   HostHypotheses Run(const TexturedPlane& scene,
-                     const Buffer<SourceView>& sources,
+                     const SourceViews& sources,
                      DeviceImage<Plane> planes,
                      uint32_t stream = 1,
                      ImageView<const uint8_t> keeps_plane = {}) {

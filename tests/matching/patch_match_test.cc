@@ -59,15 +59,15 @@ TEST_F(PatchMatchTest, TakesMoreThan32Sources) {
     scene.AddSource(SourceCamera(camera_, {0.01 * i, 0.0, 0.0}, 3.14159265));
   }
   AddSources(&scene);
-  const Buffer<SourceView> sources = Images(scene);
-  ASSERT_EQ(sources.Size(), 40u);
+  const SourceViews sources = Images(scene);
+  ASSERT_EQ(sources.Size(), 40);
   EXPECT_GT(Compare(scene, Run(scene, sources, Draw()).planes).share, 0.9f);
 }
 
 TEST_F(PatchMatchTest, DependsOnTheStreamAlone) {
   TexturedPlane scene = Scene(kTilt);
   options_.num_iterations = 2;
-  const Buffer<SourceView> sources = Images(scene);
+  const SourceViews sources = Images(scene);
   const HostHypotheses first = Run(scene, sources, Draw(), 1);
   const HostHypotheses again = Run(scene, sources, Draw(), 1);
   const HostHypotheses other = Run(scene, sources, Draw(), 2);

@@ -4,14 +4,16 @@
 #include "colmap_tsar/matching/reprojection.cuh"
 
 #include "colmap_tsar/base/random.h"
-#include "colmap_tsar/matching/bilinear.cuh"
 #include "colmap_tsar/matching/plane_maps.h"
+#include "colmap_tsar/matching/sample_gray.cuh"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <utility>
 
-#include "tests/matching/gray_pairs.h"
+#include "tests/matching/gray_textures.h"
 #include "tests/matching/patch_match_fixture.h"
 #include "tests/matching/textured_plane.h"
 #include "tests/support/for_each_pixel.h"
@@ -21,147 +23,132 @@
 namespace tsar {
 namespace {
 
-TEST(SampleBilinear, InterpolatesAndRepeatsTheBorder) {
+class SampleGrayTest : public testing::Test {
+ protected:
+  GrayTexture Texture(const Image<float>& gray) {
+    return TextureOf(gray, *device_);
+  }
+
+  const std::unique_ptr<Device> device_ = Device::CreateCpu(2);
+};
+
+Image<float> DrawLevels(int width, int height) {
+  Image<float> gray(width, height);
+  Philox random(7, 0, 0);
+  for (float& value : gray) {
+    value = 255.f * random.NextFloat();
+  }
+  return gray;
+}
+
+TEST_F(SampleGrayTest, InterpolatesAndRepeatsTheBorder) {
   Image<float> gray(2, 2);
   gray(1, 0) = 10.f;
   gray(0, 1) = 20.f;
   gray(1, 1) = 30.f;
-  const ImageView<const float> view = std::as_const(gray).View();
-  EXPECT_FLOAT_EQ(SampleBilinear(view, 0.5f, 0.f), 5.f);
-  EXPECT_FLOAT_EQ(SampleBilinear(view, 0.5f, 0.5f), 15.f);
-  EXPECT_FLOAT_EQ(SampleBilinear(view, 1.f, 1.f), 30.f);
-  EXPECT_FLOAT_EQ(SampleBilinear(view, -3.f, 9.f), 20.f);
+  const GrayTexture texture = Texture(gray);
+  const GrayView view = texture.View();
+  EXPECT_EQ(SampleGray(view, 1.f, 0.5f), 5.f);
+  EXPECT_EQ(SampleGray(view, 1.f, 1.f), 15.f);
+  EXPECT_EQ(SampleGray(view, 1.5f, 1.5f), 30.f);
+  EXPECT_EQ(SampleGray(view, -3.f, 9.f), 20.f);
 }
 
-float SamplePairs(const Image<GrayPair>& pairs, float x, float y) {
-  return SampleBilinear(pairs.View(), x, y) * kGrayUnit<GrayPair>;
+TEST_F(SampleGrayTest, RoundsPositionsAndWeightsTo256ths) {
+  Image<float> gray(2, 2);
+  gray(1, 1) = 255.f;
+  const GrayTexture texture = Texture(gray);
+  const auto sample = [&](float x, float y) {
+    return SampleGray(texture.View(), 0.5f + x / 256.f, 0.5f + y / 256.f);
+  };
+  // Halves are rounded up.
+  EXPECT_EQ(sample(99.5f, 256.f), 255.f * 100.f / 256.f);
+  EXPECT_EQ(sample(99.375f, 256.f), 255.f * 99.f / 256.f);
+  EXPECT_EQ(sample(57.f, 18.f), 255.f * 4.f / 256.f);    // 4.008
+  EXPECT_EQ(sample(185.f, 88.f), 255.f * 64.f / 256.f);  // 63.594
+  EXPECT_EQ(sample(64.f, 2.f), 255.f * 1.f / 256.f);     // 0.5
 }
 
-TEST(SampleBilinear, OfPairsIsThatOfTheirGrayLevels) {
+TEST_F(SampleGrayTest, IsNearTheExactInterpolation) {
   Philox random(7, 0, 0);
   for (const auto& [width, height] :
        {std::pair(1, 1), {1, 7}, {7, 1}, {2, 2}, {40, 30}}) {
-    Image<float> drawn(width, height);
-    for (float& value : drawn) {
-      value = 255.f * random.NextFloat();
-    }
-    const Image<GrayPair> pairs = PairsOf(drawn);
-    const Image<float> gray = LevelsOf(pairs);
-    for (size_t i = 0; i < gray.NumPixels(); ++i) {
-      ASSERT_NEAR(gray.Data()[i], drawn.Data()[i], 0.002f);
-    }
-    ForEachPixel(width, height, [&](int x, int y) {
-      // The last row is sampled from just above.
-      ASSERT_NEAR(SamplePairs(pairs, x, y), gray(x, y), 1e-3f)
-          << x << ", " << y;
-    });
+    const Image<float> gray = DrawLevels(width, height);
+    const GrayTexture texture = Texture(gray);
+    const auto level = [&](int x, int y) {
+      return gray(std::clamp(x, 0, gray.Width() - 1),
+                  std::clamp(y, 0, gray.Height() - 1));
+    };
     for (int i = 0; i < 300; ++i) {
       const float x = random.NextFloat() * (width + 2.f) - 1.5f;
       const float y = random.NextFloat() * (height + 2.f) - 1.5f;
-      ASSERT_NEAR(
-          SamplePairs(pairs, x, y), SampleBilinear(gray.View(), x, y), 1e-3f)
+      const int left = static_cast<int>(std::floor(x));
+      const int top = static_cast<int>(std::floor(y));
+      const float upper =
+          std::lerp(level(left, top), level(left + 1, top), x - std::floor(x));
+      const float lower = std::lerp(
+          level(left, top + 1), level(left + 1, top + 1), x - std::floor(x));
+      // Two positions and a weight are rounded by half a 256th.
+      ASSERT_NEAR(SampleGray(texture.View(), x + 0.5f, y + 0.5f),
+                  std::lerp(upper, lower, y - std::floor(y)),
+                  255.f * 2.f / 256.f)
           << x << ", " << y << " in " << width << " x " << height;
     }
   }
 }
 
-TEST(PairGray, PairsEachPixelWithItsRightNeighbor) {
-  const auto device = Device::CreateCpu(2);
-  Image<float> gray(5, 3);
-  for (size_t i = 0; i < gray.NumPixels(); ++i) {
-    gray.Data()[i] = 17.1f * static_cast<float>(i);
+TEST_F(SampleGrayTest, TakesAnyNumbers) {
+  const GrayTexture texture = Texture(DrawLevels(6, 5));
+  const float infinity = std::numeric_limits<float>::infinity();
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float hostile :
+       {nan, -nan, infinity, -infinity, 1e30f, -1e30f, -0.f, 1e-42f}) {
+    // The first or the last pixel.
+    const float nearest = hostile > 1.f ? 100.f : 0.f;
+    EXPECT_EQ(SampleGray(texture.View(), hostile, 3.2f),
+              SampleGray(texture.View(), nearest, 3.2f))
+        << hostile;
+    EXPECT_EQ(SampleGray(texture.View(), 3.2f, hostile),
+              SampleGray(texture.View(), 3.2f, nearest))
+        << hostile;
   }
-  const DeviceImage<float> on_device(*device, gray);
-  const Image<GrayPair> pairs = PairGray(on_device.View(), *device).ToHost();
-  const Image<GrayPair> expected = PairsOf(gray);
-  EXPECT_TRUE(SameBytes(pairs, expected));
 }
 
-TEST(HalveGray, GivesPairsTheLevelsOfTheHalvedImage) {
-  const auto device = Device::CreateCpu(2);
+TEST_F(SampleGrayTest, LevelsAreClampedAndRounded) {
+  Image<float> gray(4, 1);
+  gray(0, 0) = -3.f;
+  gray(1, 0) = 300.f;
+  gray(2, 0) = 17.003f;
+  gray(3, 0) = std::numeric_limits<float>::quiet_NaN();
+  const GrayTexture texture = Texture(gray);
+  const auto level = [&](int x) {
+    return SampleGray(texture.View(), 0.5f + x, 0.5f);
+  };
+  EXPECT_EQ(level(0), 0.f);
+  EXPECT_EQ(level(1), 255.f);
+  EXPECT_EQ(level(2), 17.f + 1.f / 256.f);
+  EXPECT_EQ(level(3), 0.f);
+}
+
+TEST_F(SampleGrayTest, HalvedPixelsAreMeansOfFour) {
   Image<float> gray(7, 5);
   for (size_t i = 0; i < gray.NumPixels(); ++i) {
     gray.Data()[i] = 7.3f * static_cast<float>(i);
   }
-  const DeviceImage<float> on_device(*device, gray);
-  const Image<float> halved = HalveGray(on_device.View(), *device).ToHost();
-  const DeviceImage<GrayPair> pairs = PairGray(on_device.View(), *device);
-  const Image<GrayPair> halved_pairs =
-      HalveGray(pairs.View(), *device).ToHost();
-  ASSERT_EQ(halved_pairs.Width(), 3);
-  ASSERT_EQ(halved_pairs.Height(), 2);
-  for (int y = 0; y < 2; ++y) {
-    for (int x = 0; x < 3; ++x) {
-      const Halves levels = SplitWord(halved_pairs(x, y).word);
-      EXPECT_NEAR(levels.low, 256.f * halved(x, y), 1.f);
-      EXPECT_NEAR(levels.low + levels.high_minus_low,
-                  256.f * halved(std::min(x + 1, 2), y),
-                  1.f);
-    }
-  }
-}
-
-constexpr int kCount = 10;
-
-// Every one of kCount positions must get what it gets alone.
-template <typename Element>
-void ExpectSameValues(const Image<Element>& gray,
-                      const float (&x)[kCount],
-                      const float (&y)[kCount]) {
-  float values[kCount];
-  constexpr float kOrigin = 7.f;
-  SampleAboutBySteps(gray.View(), x, y, kOrigin, values);
-  for (int i = 0; i < kCount; ++i) {
-    ASSERT_EQ(values[i], SampleAbout(gray.View(), x[i], y[i], kOrigin))
-        << x[i] << ", " << y[i] << " in " << gray.Width() << " x "
-        << gray.Height();
-  }
-}
-
-TEST(SampleAboutBySteps, GivesTheSameBitsAsOneByOne) {
-  Philox random(1, 0, 0);
-  for (const auto& [width, height] :
-       {std::pair(1, 1), {1, 7}, {7, 1}, {2, 2}, {40, 30}}) {
-    Image<float> gray(width, height);
-    for (float& value : gray) {
-      value = 255.f * random.NextFloat();
-    }
-    // Inside, as far as the last pixels, and all around.
-    for (const float margin : {-1.5f, 0.f, 1.f, 100.f}) {
-      for (int repetition = 0; repetition < 20; ++repetition) {
-        float x[kCount];
-        float y[kCount];
-        for (int i = 0; i < kCount; ++i) {
-          x[i] = random.NextFloat() * (width - 1 + 2.f * margin) - margin;
-          y[i] = random.NextFloat() * (height - 1 + 2.f * margin) - margin;
-        }
-        ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, x, y));
-        ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), x, y));
-      }
-    }
-  }
-}
-
-TEST(SampleAboutBySteps, TakesAnyNumbers) {
-  Image<float> gray(6, 5);
-  Philox random(1, 0, 0);
-  for (float& value : gray) {
-    value = 255.f * random.NextFloat();
-  }
-  const float infinity = std::numeric_limits<float>::infinity();
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  const float all[kCount] = {
-      nan, -nan, infinity, -infinity, 1e30f, -1e30f, -0.f, 1e-42f, 5.f, 4.f};
-  for (const float other : all) {
-    float others[kCount];
-    for (float& value : others) {
-      value = other;
-    }
-    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, all, others));
-    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(gray, others, all));
-    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), all, others));
-    ASSERT_NO_FATAL_FAILURE(ExpectSameValues(PairsOf(gray), others, all));
-  }
+  const GrayTexture halved = HalveGray(Texture(gray).View(), *device_);
+  ASSERT_EQ(halved.Width(), 3);
+  ASSERT_EQ(halved.Height(), 2);
+  ForEachPixel(3, 2, [&](int x, int y) {
+    const float mean =
+        0.25f * (gray(2 * x, 2 * y) + gray(2 * x + 1, 2 * y) +
+                 gray(2 * x, 2 * y + 1) + gray(2 * x + 1, 2 * y + 1));
+    EXPECT_NEAR(SampleGray(halved.View(), x + 0.5f, y + 0.5f), mean, 0.005f);
+  });
+  // The only row and column is its own neighbor.
+  const GrayTexture pixel =
+      HalveGray(Texture(Image<float>(1, 1, 9.f)).View(), *device_);
+  ASSERT_EQ(pixel.Width(), 1);
+  EXPECT_EQ(SampleGray(pixel.View(), 0.5f, 0.5f), 9.f);
 }
 
 constexpr int kWidth = 64;
@@ -198,7 +185,7 @@ TEST_F(LookThroughSourceTest, ComesBackToThePixelAtTheTruth) {
   TexturedPlane scene(plane, camera_, *device);
   scene.AddSource(SourceCamera(camera_, {0.4, 0.05, 0.1}, -0.12));
   const Intrinsics intrinsics = camera_.GetIntrinsics();
-  const Buffer<SourceView> sources = scene.Sources();
+  const SourceViews sources = scene.Sources();
   int num_seen = 0;
   ForEachPixel(kWidth, kHeight, [&](int x, int y) {
     const Vec3f ray = intrinsics.Ray(static_cast<float>(x), y);

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/matching/gray_pairs.h"
+#include "tests/matching/gray_textures.h"
 #include "tests/support/for_each_pixel.h"
 #include "tests/support/synthetic_scene.h"
 #include "tests/support/test_device.h"
@@ -46,12 +46,12 @@ class TexturedPlane {
 
   ReferenceView Reference() const {
     return {camera_.GetIntrinsics(),
-            on_device_(gray_),
+            InTexture(gray_),
             on_device_(depth_),
             on_device_(normal_)};
   }
-  Buffer<SourceView> Sources() {
-    Buffer<SourceView> sources(device_, HostSources());
+  SourceViews Sources() {
+    SourceViews sources(device_, HostSources());
     // Other devices may read them.
     device_.Synchronize();
     return sources;
@@ -59,7 +59,7 @@ class TexturedPlane {
   // The same, in the host's memory; their rasters are in the device's.
   const std::vector<SourceView>& HostSources() {
     for (size_t i = 0; i < views_.size(); ++i) {
-      views_[i].gray = on_device_(PairsOf(rasters_[i].gray));
+      views_[i].gray = InTexture(rasters_[i].gray);
       views_[i].depth = on_device_(rasters_[i].depth);
     }
     return views_;
@@ -76,6 +76,11 @@ class TexturedPlane {
     Image<float> gray;
     Image<float> depth;
   };
+
+  GrayView InTexture(const Image<float>& gray) const {
+    textures_.push_back(TextureOf(gray, device_));
+    return textures_.back().View();
+  }
 
   // Waves of about six to fifteen pixels in three directions.
   static float Texture(const Eigen::Vector3d& point) {
@@ -109,6 +114,7 @@ class TexturedPlane {
   Camera camera_;
   Device& device_;
   mutable DeviceCopies on_device_;
+  mutable std::vector<GrayTexture> textures_;
   Image<float> depth_;
   Image<Vec3f> normal_;
   Image<float> gray_;

@@ -6,7 +6,7 @@
 #include "colmap_tsar/base/camera.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/matching/filter_hypotheses.h"
-#include "colmap_tsar/matching/gray_pair.h"
+#include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/matching/matching_cost.h"
 #include "colmap_tsar/matching/patch_match.h"
 #include "colmap_tsar/matching/plane_maps.h"
@@ -40,13 +40,12 @@ Intrinsics LevelIntrinsics(const Camera& camera, int level) {
 }
 
 // The image at levels of half the previous size each, from half of `image` on.
-template <typename Pixel>
-std::vector<DeviceImage<Pixel>> HalvedLevels(const DeviceImage<Pixel>& image,
-                                             int num_levels,
-                                             Device& device) {
-  std::vector<DeviceImage<Pixel>> levels;
+std::vector<GrayTexture> HalvedLevels(const GrayTexture& image,
+                                      int num_levels,
+                                      Device& device) {
+  std::vector<GrayTexture> levels;
   for (int level = 1; level < num_levels; ++level) {
-    const DeviceImage<Pixel>& last = levels.empty() ? image : levels.back();
+    const GrayTexture& last = levels.empty() ? image : levels.back();
     levels.push_back(HalveGray(last.View(), device));
   }
   return levels;
@@ -63,8 +62,8 @@ class StereoViews {
               Device& device)
       : device_(device),
         camera_(reference.camera),
-        gray_(ComputeGray(DeviceImage<Rgb>(device, reference.color).View(),
-                          device)),
+        gray_(ComputeGrayTexture(
+            DeviceImage<Rgb>(device, reference.color).View(), device)),
         halved_(HalvedLevels(gray_, num_levels, device)),
         sources_(sources),
         synchronization_(device) {
@@ -75,12 +74,12 @@ class StereoViews {
 
   // The reference without depth and normal.
   ReferenceView Reference(int level) const {
-    const DeviceImage<float>& gray = level == 0 ? gray_ : halved_[level - 1];
+    const GrayTexture& gray = level == 0 ? gray_ : halved_[level - 1];
     return {LevelIntrinsics(camera_, level), gray.View(), {}, {}};
   }
 
   // The sources, with depth at level 0 if the views have it.
-  Buffer<SourceView> Sources(int level) const {
+  SourceViews Sources(int level) const {
     std::vector<SourceView> views;
     for (size_t i = 0; i < sources_.size(); ++i) {
       const UploadedView& source = *sources_[i];
@@ -91,16 +90,16 @@ class StereoViews {
                       : halved_sources_[i][level - 1].View(),
            level == 0 ? source.depth.View() : ImageView<const float>{}});
     }
-    return Buffer<SourceView>(device_, views);
+    return SourceViews(device_, std::move(views));
   }
 
  private:
   Device& device_;
   const Camera camera_;
-  const DeviceImage<float> gray_;
-  const std::vector<DeviceImage<float>> halved_;  // From level 1 on.
+  const GrayTexture gray_;
+  const std::vector<GrayTexture> halved_;  // From level 1 on.
   const UploadedSources& sources_;
-  std::vector<std::vector<DeviceImage<GrayPair>>> halved_sources_;
+  std::vector<std::vector<GrayTexture>> halved_sources_;
   // Waits for work that may read the sources, see UploadedViews.
   const ScopedSynchronization synchronization_;
 };
@@ -193,7 +192,7 @@ StereoMaps ToHost(const DepthNormalImages& maps) {
 }
 
 StereoMaps ToHostWithCosts(ReferenceView reference,
-                           const Buffer<SourceView>& sources,
+                           const SourceViews& sources,
                            const DepthNormalImages& maps,
                            Device& device) {
   reference.depth = maps.depth.View();
@@ -238,7 +237,7 @@ StereoMaps MatchImage(const ViewData& reference,
   DeviceImage<Plane> planes;
   for (int level = num_levels - 1; level >= 0; --level) {
     const ReferenceView view = views.Reference(level);
-    const Buffer<SourceView> level_sources = views.Sources(level);
+    const SourceViews level_sources = views.Sources(level);
     const int width = view.gray.width;
     const int height = view.gray.height;
     planes =
@@ -272,7 +271,7 @@ StereoMaps MatchImageGeometrically(const ViewData& reference,
                                    const StereoOptions& options,
                                    Device& device) {
   const StereoViews views(reference, sources, 1, device);
-  const Buffer<SourceView> level_sources = views.Sources(0);
+  const SourceViews level_sources = views.Sources(0);
   const ReferenceView view = views.Reference(0);
   PatchMatchOptions search = SearchOptions(options, range);
   search.num_past_iterations =
@@ -302,7 +301,7 @@ StereoMaps FilterImage(const ViewData& reference,
                        const StereoOptions& options,
                        Device& device) {
   const StereoViews views(reference, sources, 1, device);
-  const Buffer<SourceView> level_sources = views.Sources(0);
+  const SourceViews level_sources = views.Sources(0);
   DepthNormalImages maps;
   maps.depth = DeviceImage<float>(device, reference.depth);
   maps.normal = DeviceImage<Vec3f>(device, reference.normal);
