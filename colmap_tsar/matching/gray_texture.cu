@@ -86,6 +86,10 @@ GrayTexture::GrayTexture(Device& device, int width, int height) {
   const auto address = reinterpret_cast<uintptr_t>(pixels_.Data());
   first_ = pixels_.Data() + (kTextureAlignment - address % kTextureAlignment) %
                                 kTextureAlignment / sizeof(float);
+  if (width == 1) {
+    // The second column is read with weights of zero, and must be finite.
+    Fill(device, pixels_.Data(), pixels_.Size(), 0.f);
+  }
   view_.data = first_;
   view_.pitch = pitch;
   view_.texture = device.CreateTexture(first_, width, height, pitch);

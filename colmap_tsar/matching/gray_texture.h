@@ -34,7 +34,7 @@ class GrayTexture {
   int Width() const { return view_.width; }
   int Height() const { return view_.height; }
   GrayView View() const { return view_; }
-  // The pixels to be written. Columns from Width() on are not read.
+  // The pixels to be written. Columns from Width() on do not count.
   ImageView<float> Pixels() { return {first_, view_.pitch, view_.height}; }
 
  private:

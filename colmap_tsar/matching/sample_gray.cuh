@@ -24,55 +24,51 @@ void SampleGrayBySteps(const GrayView& image,
                        const float (&x)[kCount],
                        const float (&y)[kCount],
                        float (&values)[kCount]) {
-  // The left and upper neighbors, and the distance from them in 1/256 pixel;
-  // the last pixel is only ever a right or lower neighbor.
-  const int to_right = image.width > 1 ? 1 : 0;
-  const int to_bottom = image.height > 1 ? 1 : 0;
-  const int last_x = image.width - 1 - to_right;
-  const int last_y = image.height - 1 - to_bottom;
-  const auto max_x = static_cast<float>(image.width);
-  const auto max_y = static_cast<float>(image.height);
+  struct Neighbors {
+    float left;
+    float right;
+  };
+  // Positions in 1/256 pixel from the middle of the first one; halves are
+  // rounded up.
+  const auto fixed = [](float position, float last) {
+    const float positive = position > 0.5f ? position : 0.5f;
+    const float inside = positive < last ? positive : last;
+    return ((static_cast<int>(inside * 512.f) + 1) >> 1) - 128;
+  };
+  const auto max_x = static_cast<float>(image.width) - 0.5f;
+  const auto max_y = static_cast<float>(image.height) - 0.5f;
+  // The last pixel is only ever a right or lower neighbor.
+  const int last_left = image.width > 1 ? image.width - 2 : 0;
+  const int last_top = image.height > 1 ? image.height - 2 : 0;
   int index[kCount];
   int from_left[kCount];
   int from_top[kCount];
-  const auto fixed = [](float position, float max, int size) {
-    const float positive = position > 0.f ? position : 0.f;
-    const float inside = positive < max ? positive : max;
-    // Halves are rounded up.
-    const int rounded = ((static_cast<int>(inside * 512.f) + 1) >> 1) - 128;
-    const int last = 256 * (size - 1);
-    return rounded < 0 ? 0 : rounded < last ? rounded : last;
-  };
   for (int i = 0; i < kCount; ++i) {
-    const int fixed_x = fixed(x[i], max_x, image.width);
-    const int fixed_y = fixed(y[i], max_y, image.height);
-    const int left = fixed_x >> 8 < last_x ? fixed_x >> 8 : last_x;
-    const int top = fixed_y >> 8 < last_y ? fixed_y >> 8 : last_y;
+    const int fixed_x = fixed(x[i], max_x);
+    const int fixed_y = fixed(y[i], max_y);
+    const int left = fixed_x >> 8 < last_left ? fixed_x >> 8 : last_left;
+    const int top = fixed_y >> 8 < last_top ? fixed_y >> 8 : last_top;
     from_left[i] = fixed_x - 256 * left;
     from_top[i] = fixed_y - 256 * top;
     index[i] = top * image.pitch + left;
   }
-  float top_left[kCount];
-  float top_right[kCount];
-  float bottom_left[kCount];
-  float bottom_right[kCount];
-  const int below = to_bottom * image.pitch;
+  Neighbors top[kCount];
+  Neighbors bottom[kCount];
+  const int below = image.height > 1 ? image.pitch : 0;
   for (int i = 0; i < kCount; ++i) {
     const float* pixel = image.data + index[i];
-    top_left[i] = pixel[0];
-    top_right[i] = pixel[to_right];
-    bottom_left[i] = pixel[below];
-    bottom_right[i] = pixel[below + to_right];
+    std::memcpy(&top[i], pixel, sizeof(Neighbors));
+    std::memcpy(&bottom[i], pixel + below, sizeof(Neighbors));
   }
   for (int i = 0; i < kCount; ++i) {
     const int w11 = (from_left[i] * from_top[i] + 128) >> 8;
     const int w10 = from_left[i] - w11;
     const int w01 = from_top[i] - w11;
     const int w00 = 256 - from_left[i] - w01;
-    values[i] = (static_cast<float>(w00) * top_left[i] +
-                 static_cast<float>(w10) * top_right[i] +
-                 static_cast<float>(w01) * bottom_left[i] +
-                 static_cast<float>(w11) * bottom_right[i]) *
+    values[i] = (static_cast<float>(w00) * top[i].left +
+                 static_cast<float>(w10) * top[i].right +
+                 static_cast<float>(w01) * bottom[i].left +
+                 static_cast<float>(w11) * bottom[i].right) *
                 (1.f / 256.f);
   }
 }

@@ -29,12 +29,16 @@ constexpr double kMaxThrough = 0.03;
 // on this side, in pixels.
 constexpr double kMinArea = 200.0;
 constexpr double kMinMeasured = 100.0;
-// This many parallel lines with this share of the measurements on either side
-// are a pattern, as of tiles and boards: none of the plane's lines is a
-// crease. Only lines with this share of the crease's step count.
+// This many lines are a pattern, as of tiles and boards, and no crease: of
+// those parallel to it, with this share of the measurements on either side and
+// this share of the crease's step,
 constexpr int kMinPatternLines = 2;
 constexpr double kMinPatternShare = 0.05;
 constexpr float kMinPatternStep = 0.7f;
+// or of those across, which go on beyond it with this share of their own step,
+// over this many pixels of all views.
+constexpr float kMinStepBeyond = 0.5f;
+constexpr float kMinPixelsBeyond = 100.f;
 // A fall and a rise of brightness that are this close, in pixels, are one
 // dark crease between them.
 constexpr float kMaxCreaseWidth = 14.f;
@@ -91,7 +95,7 @@ class CreaseFinder {
       const PlaneLine& line = lines_[i];
       for (const int beyond : {0, 1}) {
         // Unmeasured planes do not begin at edges that few views see.
-        if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line) &&
+        if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line, beyond) &&
             (2 * line.num_views >= evidence_[i].sides[beyond].num_views ||
              FindPlane(line, PlaneAtLine(*model_, line, beyond)) >= 0)) {
           ends[{line.plane, line.axis, beyond}].push_back(line);
@@ -101,7 +105,35 @@ class CreaseFinder {
     return ends;
   }
 
-  bool IsPattern(const PlaneLine& crease) const {
+  bool IsPattern(const PlaneLine& crease, int beyond) const {
+    return CountParallel(crease) >= kMinPatternLines ||
+           CountGoingOn(crease, beyond) >= kMinPatternLines;
+  }
+
+  // The lines across that go on beyond the crease.
+  int CountGoingOn(const PlaneLine& crease, int beyond) const {
+    const int axis = 3 - crease.axis - model_->planes[crease.plane].axis;
+    const auto across = on_axis_.find({crease.plane, axis});
+    if (across == on_axis_.end()) {
+      return 0;
+    }
+    return static_cast<int>(
+        std::ranges::count_if(across->second, [&](size_t i) {
+          float rise = 0.f;
+          float num_pixels = 0.f;
+          for (const LinePiece& piece : lines_[i].pieces) {
+            if ((piece.along > crease.position) == (beyond == 1)) {
+              rise += piece.rise;
+              num_pixels += piece.num_pixels;
+            }
+          }
+          return num_pixels >= kMinPixelsBeyond &&
+                 rise / lines_[i].step > kMinStepBeyond * num_pixels;
+        }));
+  }
+
+  // The lines of its kind amid the measurements.
+  int CountParallel(const PlaneLine& crease) const {
     int count = 0;
     const PlaneLine* last = nullptr;
     for (const size_t i : on_axis_.at({crease.plane, crease.axis})) {
@@ -118,7 +150,7 @@ class CreaseFinder {
         last = is_same ? nullptr : &line;
       }
     }
-    return count >= kMinPatternLines;
+    return count;
   }
 
   // The outermost of the ends of a plane on one side; if it is one of a fall

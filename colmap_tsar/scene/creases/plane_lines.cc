@@ -57,7 +57,7 @@ struct Rise {
   float rise;  // In gray levels.
 };
 
-using Pieces = std::vector<PlaneProfile::Piece>;
+using Pieces = std::vector<LinePiece>;
 
 // Adds a pixel to its piece. Neighbors come one after the other.
 void AddToPiece(const Rise& rise, float piece_length, Pieces* pieces) {
@@ -67,8 +67,7 @@ void AddToPiece(const Rise& rise, float piece_length, Pieces* pieces) {
       pieces->rbegin(), pieces->rend(), [along](const auto& piece) {
         return piece.along == along;
       });
-  PlaneProfile::Piece& piece =
-      found != pieces->rend() ? *found : pieces->emplace_back();
+  LinePiece& piece = found != pieces->rend() ? *found : pieces->emplace_back();
   piece.along = along;
   piece.rise += rise.rise;
   ++piece.num_pixels;
@@ -112,7 +111,7 @@ void AddBins(const std::vector<Rise>& rises,
   profile->bins.resize(pieces.size());
   for (size_t i = 0; i < pieces.size(); ++i) {
     PlaneProfile::Bin& bin = profile->bins[i];
-    for (const PlaneProfile::Piece& piece : pieces[i]) {
+    for (const LinePiece& piece : pieces[i]) {
       bin.step += piece.rise;
       bin.num_pixels += piece.num_pixels;
     }
@@ -129,7 +128,7 @@ void AddBins(const std::vector<Rise>& rises,
     }
     bin.step = *means[i] - *level;
     if (std::abs(bin.step) >= 0.5f * kMinLineStep) {
-      for (PlaneProfile::Piece& piece : pieces[i]) {
+      for (LinePiece& piece : pieces[i]) {
         piece.rise -= *level * piece.num_pixels;
       }
       bin.pieces.assign(pieces[i].begin(), pieces[i].end());

@@ -50,6 +50,13 @@ inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
   return model.frames[model.planes[plane].frame].col(axis);
 }
 
+// Part of a line on a plane.
+struct LinePiece {
+  float along = 0.f;  // Where its middle is along the line.
+  float rise = 0.f;   // Sum over its pixels, beyond the level around the line.
+  float num_pixels = 0.f;
+};
+
 // A straight line along an axis of the Manhattan frame, across the whole part
 // of a plane that views show.
 struct PlaneLine {
@@ -63,6 +70,8 @@ struct PlaneLine {
   // around the line; negative where brightness falls.
   float step = 0.f;
   int num_views = 0;  // That show it.
+  // Summed over these views; positions are from the plane's center.
+  std::vector<LinePiece> pieces;
 };
 
 // A point on the line, in the world.
@@ -99,17 +108,11 @@ std::vector<int> FindPlaneCopies(
 // The steps of brightness along an axis of a plane's Manhattan frame that one
 // view shows, by position on the axis. Noise is averaged out along the lines.
 struct PlaneProfile {
-  // Part of a line.
-  struct Piece {
-    float along = 0.f;  // Where its middle is along the line.
-    float rise = 0.f;  // Sum over its pixels, beyond the level around the line.
-    float num_pixels = 0.f;
-  };
   struct Bin {
     float step = 0.f;        // The mean over its pixels, in gray levels.
     float num_pixels = 0.f;  // 0: the view shows too little of it.
     // Only where the step is large enough to be part of a line.
-    std::vector<Piece> pieces;
+    std::vector<LinePiece> pieces;
   };
   int plane = -1;            // Index in the model.
   int axis = -1;             // Of the frame.

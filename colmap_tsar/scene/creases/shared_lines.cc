@@ -84,23 +84,38 @@ class RiseSums {
   float count_ = 0.f;
 };
 
+// The pieces of the line, each summed over the views. length: of a piece.
+std::vector<LinePiece> SumPieces(const Bins& bins, float length) {
+  std::map<float, LinePiece> pieces;
+  for (const PlaneProfile::Bin* bin : bins) {
+    for (const LinePiece& piece : bin->pieces) {
+      const float index = std::floor(piece.along / length);
+      LinePiece& sum = pieces[index];
+      sum.along = (index + 0.5f) * length;
+      sum.rise += piece.rise;
+      sum.num_pixels += piece.num_pixels;
+    }
+  }
+  std::vector<LinePiece> sums;
+  for (const auto& [index, sum] : pieces) {
+    sums.push_back(sum);
+  }
+  return sums;
+}
+
 // Whether the step is no noise, and the same all along the line, in the views
-// that see it. piece_length: of the pieces of the line.
-bool IsLine(const Bins& bins, float piece_length) {
+// that see it. pieces: their sums.
+bool IsLine(const Bins& bins, const std::vector<LinePiece>& pieces) {
   const float step = MeanStep(bins);
   RiseSums by_view(step);
-  std::map<float, std::pair<float, float>> pieces;  // Rises and pixels.
   for (const PlaneProfile::Bin* bin : bins) {
-    for (const PlaneProfile::Piece& piece : bin->pieces) {
+    for (const LinePiece& piece : bin->pieces) {
       by_view.Add(piece.rise, piece.num_pixels);
-      auto& [rise, num_pixels] = pieces[std::floor(piece.along / piece_length)];
-      rise += piece.rise;
-      num_pixels += piece.num_pixels;
     }
   }
   RiseSums by_piece(step);
-  for (const auto& [index, piece] : pieces) {
-    by_piece.Add(piece.first, piece.second);
+  for (const LinePiece& piece : pieces) {
+    by_piece.Add(piece.rise, piece.num_pixels);
   }
   return by_view.Ratio() >= kMinSignificance &&
          by_piece.Ratio() >= kMinConsistency;
@@ -176,13 +191,15 @@ std::vector<PlaneLine> FindLines(
       continue;
     }
     const Bins showing = Showing(bins.at(bin), step);
-    if (showing.size() >= kMinViews && IsLine(showing, piece_length)) {
+    std::vector<LinePiece> pieces = SumPieces(showing, piece_length);
+    if (showing.size() >= kMinViews && IsLine(showing, pieces)) {
       lines.push_back({profiles[0]->plane,
                        profiles[0]->axis,
                        Middle(steps, bin) * pixel,
                        pixel,
                        MeanStep(showing),
-                       static_cast<int>(showing.size())});
+                       static_cast<int>(showing.size()),
+                       std::move(pieces)});
     }
   }
   return lines;

@@ -48,7 +48,7 @@ class BoundingCreasesTest : public testing::Test {
                const LineEvidence& evidence = EndEvidence(),
                float step = 3.f,
                int plane = 0) {
-    lines_.push_back({plane, 1, place, kPixel, step, 3});
+    lines_.push_back({plane, 1, place, kPixel, step, 3, {}});
     evidence_.push_back(evidence);
   }
 
@@ -141,6 +141,32 @@ TEST_F(BoundingCreasesTest, TilesHaveNone) {
   EXPECT_TRUE(Find().empty());
   // Fainter ones are not of the same kind as the crease.
   lines_.back().step = 2.f;
+  EXPECT_EQ(Find().size(), 1u);
+}
+
+TEST_F(BoundingCreasesTest, LinesAcrossThatGoOnShowThatTheSurfaceDoes) {
+  AddLine(-1.f);
+  const auto add_across = [&](float step_beyond) {
+    AddLine(0.f, MeasuredOnBothSides(), -4.f);
+    lines_.back().axis = 0;
+    lines_.back().pieces = {{-1.5f, step_beyond * 120.f, 120.f},
+                            {0.5f, -4.f * 500.f, 500.f}};
+  };
+  add_across(-2.1f);
+  EXPECT_EQ(Find().size(), 1u);
+  model_.planes.resize(1);
+  add_across(-2.1f);
+  EXPECT_TRUE(Find().empty());
+  // A line of less than half of its step, or of another sign, ends there,
+  for (const float step_beyond : {0.f, -1.9f, 4.f}) {
+    lines_.pop_back();
+    evidence_.pop_back();
+    add_across(step_beyond);
+    EXPECT_EQ(Find().size(), 1u) << step_beyond;
+    model_.planes.resize(1);
+  }
+  // and a few pixels show nothing.
+  lines_.back().pieces[0] = {-1.5f, -4.f * 90.f, 90.f};
   EXPECT_EQ(Find().size(), 1u);
 }
 
