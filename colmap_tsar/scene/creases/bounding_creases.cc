@@ -29,15 +29,12 @@ constexpr double kMaxThrough = 0.03;
 // on this side, in pixels.
 constexpr double kMinArea = 200.0;
 constexpr double kMinMeasured = 100.0;
-// This many lines are a pattern, as of tiles and boards, and no crease: of
-// those parallel to it, with this share of the measurements on either side and
-// this share of the crease's step,
+// This many lines of this share of the crease's step are a pattern, as of tiles
+// and boards: parallel ones with this share of the measurements on either side,
+// or ones across it, over this many pixels beyond it in all views.
 constexpr int kMinPatternLines = 2;
-constexpr double kMinPatternShare = 0.05;
 constexpr float kMinPatternStep = 0.7f;
-// or of those across, which go on beyond it with this share of their own step,
-// over this many pixels of all views.
-constexpr float kMinStepBeyond = 0.5f;
+constexpr double kMinPatternShare = 0.05;
 constexpr float kMinPixelsBeyond = 100.f;
 // A fall and a rise of brightness that are this close, in pixels, are one
 // dark crease between them.
@@ -110,7 +107,25 @@ class CreaseFinder {
            CountGoingOn(crease, beyond) >= kMinPatternLines;
   }
 
-  // The lines across that go on beyond the crease.
+  int CountParallel(const PlaneLine& crease) const {
+    int count = 0;
+    float last = -INFINITY;
+    for (const size_t i : on_axis_.at({crease.plane, crease.axis})) {
+      const PlaneLine& line = lines_[i];
+      const double below = evidence_[i].sides[0].measured;
+      const double above = evidence_[i].sides[1].measured;
+      // Lines side by side are one, as of a skirting board.
+      if (std::min(below, above) > kMinPatternShare * (below + above) &&
+          std::abs(line.step) > kMinPatternStep * std::abs(crease.step) &&
+          line.position - last > kMaxCreaseWidth * line.pixel) {
+        ++count;
+        last = line.position;
+      }
+    }
+    return count;
+  }
+
+  // The lines across that go on beyond the crease: there the surface does, too.
   int CountGoingOn(const PlaneLine& crease, int beyond) const {
     const int axis = 3 - crease.axis - model_->planes[crease.plane].axis;
     const auto across = on_axis_.find({crease.plane, axis});
@@ -123,34 +138,13 @@ class CreaseFinder {
           float num_pixels = 0.f;
           for (const LinePiece& piece : lines_[i].pieces) {
             if ((piece.along > crease.position) == (beyond == 1)) {
-              rise += piece.rise;
+              rise += std::copysign(1.f, lines_[i].step) * piece.rise;
               num_pixels += piece.num_pixels;
             }
           }
           return num_pixels >= kMinPixelsBeyond &&
-                 rise / lines_[i].step > kMinStepBeyond * num_pixels;
+                 rise > kMinPatternStep * std::abs(crease.step) * num_pixels;
         }));
-  }
-
-  // The lines of its kind amid the measurements.
-  int CountParallel(const PlaneLine& crease) const {
-    int count = 0;
-    const PlaneLine* last = nullptr;
-    for (const size_t i : on_axis_.at({crease.plane, crease.axis})) {
-      const PlaneLine& line = lines_[i];
-      const double below = evidence_[i].sides[0].measured;
-      const double above = evidence_[i].sides[1].measured;
-      if (std::min(below, above) > kMinPatternShare * (below + above) &&
-          std::abs(line.step) > kMinPatternStep * std::abs(crease.step)) {
-        // A fall and a rise side by side are one line, as of a skirting board.
-        const bool is_same =
-            last != nullptr && last->step * line.step < 0.f &&
-            line.position - last->position < kMaxCreaseWidth * line.pixel;
-        count += !is_same;
-        last = is_same ? nullptr : &line;
-      }
-    }
-    return count;
   }
 
   // The outermost of the ends of a plane on one side; if it is one of a fall

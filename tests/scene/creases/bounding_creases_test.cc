@@ -137,37 +137,47 @@ TEST_F(BoundingCreasesTest, TilesHaveNone) {
   AddLine(-0.5f, MeasuredOnBothSides());
   EXPECT_EQ(Find().size(), 1u);
   model_.planes.resize(1);
-  AddLine(0.f, MeasuredOnBothSides(), 2.2f);
+  AddLine(0.1f, MeasuredOnBothSides(), 2.2f);
   EXPECT_TRUE(Find().empty());
-  // Fainter ones are not of the same kind as the crease.
+  // Fainter ones are not of the same kind as the crease,
   lines_.back().step = 2.f;
   EXPECT_EQ(Find().size(), 1u);
+  model_.planes.resize(1);
+  // and lines side by side, at most 14 pixels apart, are one.
+  lines_.back().step = 2.2f;
+  lines_.back().position = -0.5f + 13.9f * kPixel;
+  EXPECT_EQ(Find().size(), 1u);
+  model_.planes.resize(1);
+  lines_.back().position = -0.5f + 14.1f * kPixel;
+  EXPECT_TRUE(Find().empty());
 }
 
 TEST_F(BoundingCreasesTest, LinesAcrossThatGoOnShowThatTheSurfaceDoes) {
   AddLine(-1.f);
-  const auto add_across = [&](float step_beyond) {
+  const auto add_across = [&](float step_beyond, float num_pixels = 120.f) {
     AddLine(0.f, MeasuredOnBothSides(), -4.f);
     lines_.back().axis = 0;
-    lines_.back().pieces = {{-1.5f, step_beyond * 120.f, 120.f},
+    lines_.back().pieces = {{-1.5f, step_beyond * num_pixels, num_pixels},
                             {0.5f, -4.f * 500.f, 500.f}};
   };
-  add_across(-2.1f);
+  add_across(-2.2f);
   EXPECT_EQ(Find().size(), 1u);
   model_.planes.resize(1);
-  add_across(-2.1f);
+  add_across(-2.2f);
   EXPECT_TRUE(Find().empty());
-  // A line of less than half of its step, or of another sign, ends there,
-  for (const float step_beyond : {0.f, -1.9f, 4.f}) {
+  // A line that is fainter than the crease there, or another one, has ended,
+  const auto count_with = [&](float step_beyond, float num_pixels) {
     lines_.pop_back();
     evidence_.pop_back();
-    add_across(step_beyond);
-    EXPECT_EQ(Find().size(), 1u) << step_beyond;
     model_.planes.resize(1);
-  }
+    add_across(step_beyond, num_pixels);
+    return Find().size();
+  };
+  EXPECT_EQ(count_with(-2.f, 120.f), 1u);
+  EXPECT_EQ(count_with(2.2f, 120.f), 1u);
   // and a few pixels show nothing.
-  lines_.back().pieces[0] = {-1.5f, -4.f * 90.f, 90.f};
-  EXPECT_EQ(Find().size(), 1u);
+  EXPECT_EQ(count_with(-2.2f, 90.f), 1u);
+  EXPECT_EQ(count_with(-2.2f, 110.f), 0u);
 }
 
 TEST_F(BoundingCreasesTest, ASurfaceGoesOnAsLongAsItsLinesDo) {
