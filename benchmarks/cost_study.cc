@@ -15,6 +15,7 @@
 #include "colmap_tsar/cli/commands.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/matching/sample_gray.cuh"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/view/device_views.h"
 #include "colmap_tsar/view/view_data.h"

@@ -72,7 +72,7 @@ void AddStereoOptions(StereoOptions* stereo, OptionSet* options) {
       &stereo->num_sources,
       "Source images of each image at most: the first of those that "
       "stereo/patch-match.cfg gives.",
-      {1, kMaxSources});
+      {1, kMaxMatchedSources});
   add("window_radius",
       &stereo->window_radius,
       "Half the width of the matching window, in pixels.",

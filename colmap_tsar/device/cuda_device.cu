@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <new>
 #include <thread>
 
 namespace tsar {
@@ -237,13 +238,19 @@ uint64_t CudaDevice::CreateTexture(const float* pixels,
 
 void CudaDevice::FreeTexture(uint64_t texture) noexcept {
   const std::lock_guard lock(mutex_);
-  freed_textures_.push_back(texture);
+  try {
+    freed_textures_.push_back(texture);
+  } catch (const std::bad_alloc&) {
+    // It stays until the program ends.
+  }
 }
 
 void CudaDevice::DestroyFreedTextures() noexcept {
   const std::lock_guard lock(mutex_);
   for (const uint64_t texture : freed_textures_) {
-    cudaDestroyTextureObject(texture);
+    if (cudaDestroyTextureObject(texture) != cudaSuccess) {
+      ForgetCudaError();
+    }
   }
   freed_textures_.clear();
 }

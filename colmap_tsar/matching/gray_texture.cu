@@ -7,6 +7,7 @@
 #include "colmap_tsar/device/parallel_for_pixels.h"
 
 #include <cmath>
+#include <cstddef>
 
 namespace tsar {
 namespace {
@@ -92,10 +93,10 @@ GrayTexture::GrayTexture(Device& device, int width, int height) {
   }
   view_.data = first_;
   view_.pitch = pitch;
-  view_.texture = device.CreateTexture(first_, width, height, pitch);
-  if (view_.texture != 0) {
-    texture_ = {new uint64_t(view_.texture), {&device}};
-  }
+  auto texture = std::make_unique<uint64_t>(0);
+  *texture = device.CreateTexture(first_, width, height, pitch);
+  view_.texture = *texture;
+  texture_ = {texture.release(), {&device}};
 }
 
 void GrayTexture::FreeTexture::operator()(const uint64_t* texture) const {

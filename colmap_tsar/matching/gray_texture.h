@@ -4,10 +4,8 @@
 #pragma once
 
 #include "colmap_tsar/base/image.h"
-#include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/device/buffer.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -34,7 +32,8 @@ class GrayTexture {
   int Width() const { return view_.width; }
   int Height() const { return view_.height; }
   GrayView View() const { return view_; }
-  // The pixels to be written. Columns from Width() on do not count.
+  // The pixels to be written. Its width is the pitch; columns from Width() on
+  // do not count.
   ImageView<float> Pixels() { return {first_, view_.pitch, view_.height}; }
 
  private:

@@ -4,12 +4,15 @@
 #include "colmap_tsar/matching/patch_match.h"
 
 #include "colmap_tsar/base/arithmetic.h"
+#include "colmap_tsar/base/error.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/device/parallel_for.h"
 #include "colmap_tsar/device/parallel_for_pixels.h"
 #include "colmap_tsar/matching/bilateral_ncc.cuh"
 #include "colmap_tsar/matching/patch_match_steps.cuh"
 
 #include <cmath>
+#include <string>
 
 namespace tsar {
 namespace {
@@ -53,9 +56,9 @@ struct DrawKernel {
   }
 };
 
-// The sources' textures as a parameter of kernels: only if it is plain to the
-// compiler that all threads take the same texture does it load samples side by
-// side.
+// The sources' textures as a parameter of kernels. A texture must be the same
+// in all threads of a warp; unless the compiler can tell, it has them take
+// turns at every single sample.
 struct SourceTextures {
   explicit SourceTextures(const SourceViews& sources) {
     for (int s = 0; s < sources.Size(); ++s) {
@@ -63,7 +66,7 @@ struct SourceTextures {
     }
   }
 
-  uint64_t of[kMaxSources] = {};
+  uint64_t of[kMaxMatchedSources] = {};
 };
 
 // What the kernels have in common.
@@ -354,7 +357,12 @@ PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               Device& device) {
   const int width = planes.Width();
   const int height = planes.Height();
-  const int num_sources = static_cast<int>(inputs.sources.Size());
+  const int num_sources = inputs.sources.Size();
+  if (num_sources > kMaxMatchedSources) {
+    throw Error(ErrorCode::kBadOption,
+                OptionName("num_sources") + ": give at most " +
+                    std::to_string(kMaxMatchedSources));
+  }
   PlaneHypotheses hypotheses{std::move(planes),
                              DeviceImage<float>(device, width, height)};
   const PlaneSearch search{inputs.reference,

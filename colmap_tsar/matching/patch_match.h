@@ -16,7 +16,8 @@
 
 namespace tsar {
 
-constexpr int kMaxSources = 256;
+// The most sources of one image.
+constexpr int kMaxMatchedSources = 256;
 
 struct PatchMatchOptions {
   // Each iteration updates all pixels, one color after the other.
@@ -46,7 +47,7 @@ struct PlaneHypotheses {
 // If the sources have depth, costs have the geometric term.
 struct PatchMatchInputs {
   ReferenceView reference;
-  const SourceViews& sources;  // At most kMaxSources.
+  const SourceViews& sources;  // At most kMaxMatchedSources.
   // Key of the random numbers: the same stream gives the same result.
   uint32_t stream = 0;
   // 1 for pixels that keep their planes, which others may adopt; may be empty.
@@ -62,7 +63,7 @@ DeviceImage<Plane> DrawPlanes(const Intrinsics& intrinsics,
                               const PatchMatchOptions& options,
                               Device& device);
 
-// Optimizes the planes.
+// Optimizes the planes. Throws kBadOption for too many sources.
 PlaneHypotheses RunPatchMatch(const PatchMatchInputs& inputs,
                               DeviceImage<Plane> planes,
                               const PatchMatchOptions& options,

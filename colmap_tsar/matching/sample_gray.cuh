@@ -3,9 +3,10 @@
 
 #pragma once
 
-// Bilinear interpolation by the texture units of a GPU: in NVIDIA's, positions
-// are rounded to 1/256 of a pixel and the weights of the four pixels to 1/256,
-// and the weighted mean is exact. A CPU computes the same bits.
+// Bilinear interpolation by the texture units of a GPU. In NVIDIA's positions
+// are rounded to 1/256 of a pixel (CUDA C++ Programming Guide, "Linear
+// Filtering"); on an H200 the weights of the four pixels are multiples of
+// 1/256, too, and their mean is exact. A CPU computes the same bits.
 
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/matching/gray_texture.h"

@@ -27,7 +27,7 @@ OF_ANY_TYPE = re.compile(
     r"\b__(?:exp|exp10|log|log2|log10|pow|sin|cos|tan|sincos|saturate|fdivide)f\s*\(|"
     r"\b__[fd](?:ma|maf|add|sub|mul|div|rcp|sqrt|rsqrt)f?_(?:rn|rz|ru|rd)\s*\(")
 # Where a CPU computes the same in another way.
-EXACT = {("base/arithmetic.h", "__fmaf_rn("), ("base/arithmetic.h", "__fadd_rd(")}
+EXACT = {("base/arithmetic.h", "__fmaf_rn(")}
 MARK = re.compile(r"\bTSAR_HD\b|\b__device__|\b__global__")
 
 

@@ -31,13 +31,13 @@ constexpr double kMinArea = 200.0;
 constexpr double kMinMeasured = 100.0;
 // This many lines of this share of the crease's step are a pattern, as of tiles
 // and boards: parallel ones with this share of the measurements on either side,
-// or ones across it, over this many pixels beyond it in all views.
+// or ones across it, over this many pixels beyond it in all views together.
 constexpr int kMinPatternLines = 2;
 constexpr float kMinPatternStep = 0.7f;
 constexpr double kMinPatternShare = 0.05;
 constexpr float kMinPixelsBeyond = 100.f;
-// A fall and a rise of brightness that are this close, in pixels, are one
-// dark crease between them.
+// Lines that are this close, in pixels, are one of a pattern. A fall and a rise
+// of brightness are one dark crease between them.
 constexpr float kMaxCreaseWidth = 14.f;
 // A plane of the model that passes within this many pixels of the crease,
 // almost parallel to the plane that would begin there, replaces it: the one
@@ -103,21 +103,33 @@ class CreaseFinder {
   }
 
   bool IsPattern(const PlaneLine& crease, int beyond) const {
-    return CountParallel(crease) >= kMinPatternLines ||
-           CountGoingOn(crease, beyond) >= kMinPatternLines;
-  }
-
-  int CountParallel(const PlaneLine& crease) const {
-    int count = 0;
-    float last = -INFINITY;
-    for (const size_t i : on_axis_.at({crease.plane, crease.axis})) {
-      const PlaneLine& line = lines_[i];
+    const auto is_parallel = [&](size_t i) {
       const double below = evidence_[i].sides[0].measured;
       const double above = evidence_[i].sides[1].measured;
-      // Lines side by side are one, as of a skirting board.
-      if (std::min(below, above) > kMinPatternShare * (below + above) &&
-          std::abs(line.step) > kMinPatternStep * std::abs(crease.step) &&
-          line.position - last > kMaxCreaseWidth * line.pixel) {
+      return std::min(below, above) > kMinPatternShare * (below + above) &&
+             std::abs(lines_[i].step) > kMinPatternStep * std::abs(crease.step);
+    };
+    const int across = 3 - crease.axis - model_->planes[crease.plane].axis;
+    return CountLines(crease.plane, crease.axis, is_parallel) >=
+               kMinPatternLines ||
+           CountLines(crease.plane, across, [&](size_t i) {
+             return GoesOn(lines_[i], crease, beyond);
+           }) >= kMinPatternLines;
+  }
+
+  // The number of such lines; those side by side are one, as of a skirting
+  // board.
+  template <typename Predicate>
+  int CountLines(int plane, int axis, const Predicate& predicate) const {
+    const auto lines = on_axis_.find({plane, axis});
+    if (lines == on_axis_.end()) {
+      return 0;
+    }
+    int count = 0;
+    float last = -INFINITY;
+    for (const size_t i : lines->second) {
+      const PlaneLine& line = lines_[i];
+      if (line.position - last > kMaxCreaseWidth * line.pixel && predicate(i)) {
         ++count;
         last = line.position;
       }
@@ -125,26 +137,24 @@ class CreaseFinder {
     return count;
   }
 
-  // The lines across that go on beyond the crease: there the surface does, too.
-  int CountGoingOn(const PlaneLine& crease, int beyond) const {
-    const int axis = 3 - crease.axis - model_->planes[crease.plane].axis;
-    const auto across = on_axis_.find({crease.plane, axis});
-    if (across == on_axis_.end()) {
-      return 0;
+  // Whether a line across the crease is as strong beyond it: there the surface
+  // goes on.
+  static bool GoesOn(const PlaneLine& line,
+                     const PlaneLine& crease,
+                     int beyond) {
+    float rise = 0.f;
+    float num_pixels = 0.f;
+    for (const LinePiece& piece : line.pieces) {
+      const float distance =
+          (beyond == 1 ? 1.f : -1.f) * (piece.along - crease.position);
+      // Others have pixels on this side.
+      if (distance >= 0.5f * line.piece_length) {
+        rise += std::copysign(1.f, line.step) * piece.rise;
+        num_pixels += piece.num_pixels;
+      }
     }
-    return static_cast<int>(
-        std::ranges::count_if(across->second, [&](size_t i) {
-          float rise = 0.f;
-          float num_pixels = 0.f;
-          for (const LinePiece& piece : lines_[i].pieces) {
-            if ((piece.along > crease.position) == (beyond == 1)) {
-              rise += std::copysign(1.f, lines_[i].step) * piece.rise;
-              num_pixels += piece.num_pixels;
-            }
-          }
-          return num_pixels >= kMinPixelsBeyond &&
-                 rise > kMinPatternStep * std::abs(crease.step) * num_pixels;
-        }));
+    return num_pixels >= kMinPixelsBeyond &&
+           rise > kMinPatternStep * std::abs(crease.step) * num_pixels;
   }
 
   // The outermost of the ends of a plane on one side; if it is one of a fall

@@ -52,8 +52,9 @@ inline Eigen::Vector3d AxisOf(const SceneModel& model, int plane, int axis) {
 
 // Part of a line on a plane.
 struct LinePiece {
-  float along = 0.f;  // Where its middle is along the line.
-  float rise = 0.f;   // Sum over its pixels, beyond the level around the line.
+  // Where its middle is along the line, from the plane's center.
+  float along = 0.f;
+  float rise = 0.f;  // Sum over its pixels, beyond the level around the line.
   float num_pixels = 0.f;
 };
 
@@ -70,8 +71,9 @@ struct PlaneLine {
   // around the line; negative where brightness falls.
   float step = 0.f;
   int num_views = 0;  // That show it.
-  // Summed over these views; positions are from the plane's center.
+  // Summed over these views, in the order of their places.
   std::vector<LinePiece> pieces;
+  float piece_length = 0.f;
 };
 
 // A point on the line, in the world.

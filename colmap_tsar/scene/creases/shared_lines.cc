@@ -199,7 +199,8 @@ std::vector<PlaneLine> FindLines(
                        pixel,
                        MeanStep(showing),
                        static_cast<int>(showing.size()),
-                       std::move(pieces)});
+                       std::move(pieces),
+                       piece_length});
     }
   }
   return lines;

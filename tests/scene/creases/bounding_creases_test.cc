@@ -48,7 +48,7 @@ class BoundingCreasesTest : public testing::Test {
                const LineEvidence& evidence = EndEvidence(),
                float step = 3.f,
                int plane = 0) {
-    lines_.push_back({plane, 1, place, kPixel, step, 3, {}});
+    lines_.push_back({plane, 1, place, kPixel, step, 3, {}, 0.f});
     evidence_.push_back(evidence);
   }
 
@@ -153,31 +153,40 @@ TEST_F(BoundingCreasesTest, TilesHaveNone) {
 }
 
 TEST_F(BoundingCreasesTest, LinesAcrossThatGoOnShowThatTheSurfaceDoes) {
-  AddLine(-1.f);
-  const auto add_across = [&](float step_beyond, float num_pixels = 120.f) {
-    AddLine(0.f, MeasuredOnBothSides(), -4.f);
-    lines_.back().axis = 0;
-    lines_.back().pieces = {{-1.5f, step_beyond * num_pixels, num_pixels},
-                            {0.5f, -4.f * 500.f, 500.f}};
-  };
-  add_across(-2.2f);
-  EXPECT_EQ(Find().size(), 1u);
-  model_.planes.resize(1);
-  add_across(-2.2f);
-  EXPECT_TRUE(Find().empty());
-  // A line that is fainter than the crease there, or another one, has ended,
-  const auto count_with = [&](float step_beyond, float num_pixels) {
-    lines_.pop_back();
-    evidence_.pop_back();
-    model_.planes.resize(1);
-    add_across(step_beyond, num_pixels);
-    return Find().size();
-  };
-  EXPECT_EQ(count_with(-2.f, 120.f), 1u);
-  EXPECT_EQ(count_with(2.2f, 120.f), 1u);
-  // and a few pixels show nothing.
-  EXPECT_EQ(count_with(-2.2f, 90.f), 1u);
-  EXPECT_EQ(count_with(-2.2f, 110.f), 0u);
+  // Two lines across, the second with this piece, on either side.
+  const auto count_with =
+      [&](const LinePiece& piece, float place = 1.f, float side = -1.f) {
+        lines_.clear();
+        evidence_.clear();
+        model_.planes.resize(1);
+        LineEvidence end = EndEvidence();
+        if (side > 0.f) {
+          std::swap(end.sides[0], end.sides[1]);
+        }
+        AddLine(side, end);
+        for (const bool is_second : {false, true}) {
+          AddLine(is_second ? place : 0.f, MeasuredOnBothSides(), -4.f);
+          const LinePiece& there =
+              is_second ? piece : LinePiece{-1.6f, -2.2f * 120.f, 120.f};
+          lines_.back().axis = 0;
+          lines_.back().piece_length = 0.5f;
+          lines_.back().pieces = {
+              {-0.5f * side, -4.f * 500.f, 500.f},
+              {-side * there.along, there.rise, there.num_pixels}};
+        }
+        return Find().size();
+      };
+  EXPECT_EQ(count_with({-1.6f, -2.2f * 120.f, 120.f}), 0u);
+  EXPECT_EQ(count_with({-1.6f, -2.2f * 120.f, 120.f}, 1.f, 1.f), 0u);
+  // Side by side they are one.
+  EXPECT_EQ(count_with({-1.6f, -2.2f * 120.f, 120.f}, 0.5f), 1u);
+  // A line that is fainter than the crease there, or another one, has ended.
+  EXPECT_EQ(count_with({-1.6f, -2.f * 120.f, 120.f}), 1u);
+  EXPECT_EQ(count_with({-1.6f, 2.2f * 120.f, 120.f}), 1u);
+  EXPECT_EQ(count_with({-1.6f, 2.2f * 120.f, 120.f}, 1.f, 1.f), 1u);
+  // A piece that lies on both sides shows nothing, nor do a few pixels.
+  EXPECT_EQ(count_with({-1.2f, -4.f * 120.f, 120.f}), 1u);
+  EXPECT_EQ(count_with({-1.6f, -2.2f * 90.f, 90.f}), 1u);
 }
 
 TEST_F(BoundingCreasesTest, ASurfaceGoesOnAsLongAsItsLinesDo) {
