@@ -43,8 +43,8 @@ void AddWorkspaceOptions(RefineCommand* command, OptionSet* options) {
                        "patch_match_stereo fills it.");
   AddInputType(
       &command->workspace.input_type,
-      "The maps to refine; the others serve as evidence. If not given: "
-      "geometric, or photometric where there are no others.",
+      "The maps to refine. If not given: geometric, or photometric where "
+      "there are no others.",
       options);
   options->Add("image_list_path",
                &command->workspace.image_list_path,

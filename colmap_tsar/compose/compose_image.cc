@@ -77,8 +77,7 @@ RefineResult ComposeImage(const ViewData& reference,
   const ViewEvidence& evidence = *views[0].evidence;
   result.prior = evidence.prior.assessment;
   DeviceReference view(reference, device);
-  const DeviceImage<uint8_t> flags =
-      UpsampleDepthFlags(evidence, reference, view, device);
+  const DeviceImage<uint8_t> flags = UpsampleDepthFlags(evidence, view, device);
   const DeviceImage<uint16_t> superpixels(device, evidence.superpixels);
   const DeviceImage<Plane> scene_planes =
       PlanesOfLabels(superpixels.View(),

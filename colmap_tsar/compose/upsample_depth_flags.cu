@@ -111,7 +111,6 @@ struct ReduceKernel {
 }  // namespace
 
 DeviceImage<uint8_t> UpsampleDepthFlags(const ViewEvidence& evidence,
-                                        const ViewData& reference,
                                         const DeviceReference& view,
                                         Device& device) {
   const int factor = FactorBetween(view.Width(),
@@ -132,8 +131,7 @@ DeviceImage<uint8_t> UpsampleDepthFlags(const ViewEvidence& evidence,
   if (factor == 1) {
     return flags;
   }
-  const DepthNormalImages reduced =
-      ReduceHypotheses(view, reference.is_to_refine, factor, device);
+  const DepthNormalImages reduced = ReduceHypotheses(view, factor, device);
   return MapPixels<uint8_t>(
       device,
       view.Width(),
@@ -158,18 +156,15 @@ DeviceImage<uint8_t> PackFlags(ImageView<const uint8_t> trusted,
 }
 
 DepthNormalImages ReduceHypotheses(const DeviceReference& view,
-                                   const Image<uint8_t>& is_to_refine,
                                    int factor,
                                    Device& device) {
   const Camera camera = ReduceCamera(view.camera, factor);
-  const DeviceImage<uint8_t> to_refine(device, is_to_refine);
   DepthNormalImages reduced(device, camera.width, camera.height);
   ParallelFor(device,
               camera.width,
               camera.height,
               ReduceKernel{{view.hypotheses.depth.View(),
                             view.hypotheses.normal.View(),
-                            to_refine.View(),
                             view.MapIntrinsics(),
                             factor},
                            camera.GetIntrinsics(),

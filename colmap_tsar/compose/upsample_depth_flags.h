@@ -7,7 +7,6 @@
 #include "colmap_tsar/device/device.h"
 #include "colmap_tsar/scene/evidence/view_evidence.h"
 #include "colmap_tsar/view/device_views.h"
-#include "colmap_tsar/view/view_data.h"
 
 #include <cstdint>
 
@@ -22,7 +21,6 @@ namespace tsar {
 // % of the depth. A factor of 1 leaves the flags unchanged. view: the reference
 // in the device's memory. Throws kMismatch if it is of another map.
 DeviceImage<uint8_t> UpsampleDepthFlags(const ViewEvidence& evidence,
-                                        const ViewData& reference,
                                         const DeviceReference& view,
                                         Device& device);
 
@@ -33,10 +31,7 @@ DeviceImage<uint8_t> PackFlags(ImageView<const uint8_t> trusted,
                                Device& device);
 
 // The hypotheses of ReduceView(), of a view in the device's memory.
-// is_to_refine: ViewData::is_to_refine, in host memory. In addition to the
-// result, it uses a byte of the device's memory per pixel of the view.
 DepthNormalImages ReduceHypotheses(const DeviceReference& view,
-                                   const Image<uint8_t>& is_to_refine,
                                    int factor,
                                    Device& device);
 

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <new>
+#include <numeric>
 #include <thread>
 
 namespace tsar {
@@ -271,9 +272,14 @@ int Device::NumCudaDevices() {
 }
 
 void Device::PrepareCudaDevices(const std::vector<int>& gpu_indices) {
+  std::vector<int> indices = gpu_indices;
+  if (indices.empty()) {
+    indices.resize(static_cast<size_t>(NumCudaDevices()));
+    std::iota(indices.begin(), indices.end(), 0);
+  }
   std::vector<std::jthread> threads;
-  threads.reserve(gpu_indices.size());
-  for (const int gpu_index : gpu_indices) {
+  threads.reserve(indices.size());
+  for (const int gpu_index : indices) {
     threads.push_back(StartThread([gpu_index] {
       if (cudaSetDevice(gpu_index) != cudaSuccess ||
           cudaFree(nullptr) != cudaSuccess) {

@@ -36,9 +36,9 @@ class Device {
   // The number of GPUs that the driver reports; 0 without CUDA or a driver.
   static int NumCudaDevices();
 
-  // Initializes these GPUs in parallel, which takes a good part of a second
-  // each and would delay the first CreateCuda. Ignores GPUs that fail;
-  // CreateCuda reports them.
+  // Initializes these GPUs, or all if there are none, in parallel, which takes
+  // a good part of a second each and would delay the first CreateCuda. Ignores
+  // GPUs that fail; CreateCuda reports them.
   static void PrepareCudaDevices(const std::vector<int>& gpu_indices);
 
   bool IsCuda() const { return kind_ == DeviceKind::kCuda; }

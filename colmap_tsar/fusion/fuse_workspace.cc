@@ -11,6 +11,7 @@
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/fusion/fusion_run.h"
+#include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
@@ -19,6 +20,7 @@
 #include <cstddef>
 #include <sstream>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace tsar {
@@ -58,6 +60,7 @@ FuseSummary FuseWorkspace(Workspace workspace,
                           Progress& progress) {
   const Stopwatch stopwatch;
   options.fusion.Check();
+  const std::jthread preparing_gpus = BeginPreparingGpus(options.devices);
   workspace.UseMasks(options.mask_path);
   workspace.WarnOfStrayFiles();
   // The lock keeps the maps of an image consistent.

@@ -8,6 +8,7 @@
 #include "colmap_tsar/base/warning.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace tsar {
 namespace {
@@ -299,6 +300,12 @@ void ImageRemarks::Add(const std::vector<std::string>& remarks,
                        const std::string& image) {
   for (const std::string& remark : remarks) {
     images[remark].push_back(image);
+  }
+}
+
+void ImageRemarks::Add(const ImageRemarks& others) {
+  for (const auto& [remark, names] : others.images) {
+    std::ranges::copy(names, std::back_inserter(images[remark]));
   }
 }
 

@@ -130,6 +130,7 @@ struct ImageRemarks {
   std::map<std::string, std::vector<std::string>> images;
 
   void Add(const std::vector<std::string>& remarks, const std::string& image);
+  void Add(const ImageRemarks& others);
   // Such as "a.jpg and 2 more: the normals ...".
   std::vector<std::string> Lines() const;
 };

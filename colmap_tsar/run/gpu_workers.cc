@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
+#include "colmap_tsar/base/start_thread.h"
 #include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
 
@@ -124,22 +125,27 @@ std::vector<GpuWorkers> OpenWithOneDevice(const std::vector<int>& wanted,
   return opened;
 }
 
-// Gives GPUs with enough memory a second device, as long as images are left.
-void AddSecondDevices(int64_t image_bytes,
-                      int num_images,
-                      const GpuSystem& gpus,
-                      std::vector<GpuWorkers>* opened) {
+// Gives each GPU as many further devices as its memory allows, as long as
+// images are left.
+void AddDevices(int64_t image_bytes,
+                int num_images,
+                const GpuSystem& gpus,
+                std::vector<GpuWorkers>* opened) {
   int num_left = num_images - static_cast<int>(opened->size());
-  for (GpuWorkers& gpu : *opened) {
-    if (num_left <= 0 ||
-        NeededBytes(kMaxGpuWorkers, image_bytes) > gpu.bytes_per_device) {
-      continue;
-    }
-    try {
-      gpu.devices.push_back(gpus.create(gpu.index));
-      --num_left;
-    } catch (const Error& error) {
-      Warn(error.what() + ("; " + gpu.name) + " works on 1 image at a time");
+  for (int count = 2; count <= kMaxGpuWorkers; ++count) {
+    for (GpuWorkers& gpu : *opened) {
+      if (num_left <= 0 || static_cast<int>(gpu.devices.size()) < count - 1 ||
+          NeededBytes(count, image_bytes) > gpu.bytes_per_device) {
+        continue;
+      }
+      try {
+        gpu.devices.push_back(gpus.create(gpu.index));
+        --num_left;
+      } catch (const Error& error) {
+        Warn(error.what() + ("; " + gpu.name) + " works on " +
+             std::to_string(count - 1) +
+             (count == 2 ? " image at a time" : " images at a time"));
+      }
     }
   }
 }
@@ -147,9 +153,20 @@ void AddSecondDevices(int64_t image_bytes,
 }  // namespace
 
 GpuSystem GpuSystem::Cuda() {
-  return {&Device::NumCudaDevices,
-          &Device::CreateCuda,
-          &Device::PrepareCudaDevices};
+  return {&Device::NumCudaDevices, &Device::CreateCuda};
+}
+
+std::jthread BeginPreparingGpus(const DeviceOptions& options) {
+  if (options.choice == DeviceChoice::kCpu) {
+    return {};
+  }
+  return StartThread([indices = options.gpu_indices] {
+    try {
+      Device::PrepareCudaDevices(indices);
+    } catch (...) {
+      // No memory or no thread for a GPU: it is initialized when it is opened.
+    }
+  });
 }
 
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
@@ -169,9 +186,6 @@ std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
   std::vector<GpuWorkers> opened;
   if (num_gpus > 0) {
     const std::vector<int> wanted = WantedGpus(named, num_gpus);
-    if (static_cast<int>(wanted.size()) <= num_images) {
-      gpus.prepare(wanted);
-    }
     opened = OpenWithOneDevice(
         wanted, !named.empty(), is_auto, image_bytes, num_images, gpus);
   }
@@ -179,7 +193,7 @@ std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
     Warn((named.empty() ? "" : OptionName("gpu_index") + ": ") +
          "there is no GPU that can be used; going on with the CPU");
   }
-  AddSecondDevices(image_bytes, num_images, gpus, &opened);
+  AddDevices(image_bytes, num_images, gpus, &opened);
   for (GpuWorkers& gpu : opened) {
     gpu.bytes_per_device =
         gpu.bytes_per_device / static_cast<int64_t>(gpu.devices.size()) -

@@ -10,13 +10,14 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 namespace tsar {
 
-// The number of images that a GPU works on at a time: one is copied while
+// The number of images that a GPU works on at a time: some are copied while
 // another is computed.
-constexpr int kMaxGpuWorkers = 2;
+constexpr int kMaxGpuWorkers = 4;
 
 // The GPUs of the machine, for tests to replace.
 struct GpuSystem {
@@ -24,10 +25,6 @@ struct GpuSystem {
   // which costs time, address space and threads.
   std::function<int()> count;
   std::function<std::unique_ptr<Device>(int gpu_index)> create;
-  // Called once before the devices of these GPUs are created.
-  std::function<void(const std::vector<int>& gpu_indices)> prepare =
-      [](const std::vector<int>&) {};
-
   static GpuSystem Cuda();
 };
 
@@ -39,6 +36,11 @@ struct GpuWorkers {
   // The share of each device in the memory that was free.
   int64_t bytes_per_device = 0;
 };
+
+// Begins to initialize the GPUs of a run, which takes a good part of a second,
+// in a thread: start it before inputs are read. Does nothing for the CPU.
+// OpenGpus reports GPUs that fail.
+[[nodiscard]] std::jthread BeginPreparingGpus(const DeviceOptions& options);
 
 // The GPUs to work with, each of which gets at least one image; none where the
 // CPU is to be used. image_bytes: the GPU memory that an image at work takes.

@@ -57,20 +57,15 @@ void InputFingerprints::AddView(const Workspace& workspace, int image) {
   const auto add = [&](const std::string& what, const std::string& state) {
     states_["the " + what + " of " + workspace.Name(image)] = state;
   };
-  const OriginalMaps to_refine =
-      FindOriginals(workspace.Paths(image, workspace.Type()));
-  if (to_refine.depth.path.empty() || to_refine.normal.path.empty()) {
+  const MapPaths paths = workspace.Paths(image, workspace.Type());
+  const OriginalMaps originals = FindOriginals(paths);
+  if (originals.depth.path.empty() || originals.normal.path.empty()) {
     return;  // Nobody reads what else there is.
   }
-  for (const MapType type : kMapTypes) {
-    const OriginalMaps originals =
-        type == workspace.Type() ? to_refine
-                                 : FindOriginals(workspace.Paths(image, type));
-    const std::string name = ToString(type);
-    add(name + " depth map", FileState(originals.depth.path));
-    add(name + " normal map", FileState(originals.normal.path));
-    add(name + " cost map", FileState(workspace.Paths(image, type).cost));
-  }
+  const std::string type = ToString(workspace.Type());
+  add(type + " depth map", FileState(originals.depth.path));
+  add(type + " normal map", FileState(originals.normal.path));
+  add(type + " cost map", FileState(paths.cost));
   add("camera", FingerprintOf(workspace.CameraOf(image)));
   add("photo", FileState(workspace.ImagePath(image)));
   if (workspace.HasMask(image)) {

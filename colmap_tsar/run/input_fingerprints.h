@@ -17,7 +17,7 @@ std::string FingerprintOf(const Camera& camera);
 
 // All inputs of a run besides its options: of every image that is a reference
 // or a source, the list of sources and, where there are maps to refine, the
-// original maps of both types and their costs, camera, photo, mask and depth
+// original maps and their costs, camera, photo, mask and depth
 // prior. Files are identified by their sizes and times, which links and
 // renaming keep. After any change all images of a run are refined again, since
 // they share the planes of the scene.

@@ -12,9 +12,8 @@
 
 namespace tsar {
 
-// Bytes of main memory of each pixel of a view: color, depth, normal, flag and
-// cost.
-inline constexpr int64_t kViewBytesPerPixel = 24;
+// Bytes of main memory of each pixel of a view: color, depth, normal and cost.
+inline constexpr int64_t kViewBytesPerPixel = 23;
 
 // The memory that an image at work takes, in bytes, for the largest map of the
 // workspace and the image with most sources.

@@ -12,7 +12,7 @@ namespace tsar {
 namespace {
 
 // Reading an image and finding its scene takes up to ten times as long as one
-// GPU with its two workers needs for it, and writing it four fifths of that.
+// GPU with two workers needs for it, and writing it four fifths of that.
 constexpr int kThreadsPerGpu = 38;
 // A CPU takes so long for an image that one thread reads and writes for many
 // that compute.

@@ -69,19 +69,19 @@ struct RefineDevices {
   }
 };
 
-// A GPU gets a second image at a time only once every GPU has one, and CPU
+// A GPU gets another image at a time only once every GPU has as many, and CPU
 // threads share an image only once there is no other, since images need not
 // wait for each other. There are at most num_images workers; num_images is at
 // least 1.
 //
 // With device "auto", an unnamed GPU that cannot be used is left out with a
 // warning, and the CPU is used if none is left; with "cuda", one must be left.
-// Warns if a GPU's second worker cannot be created, or one image alone needs
-// more main memory than the budget. Throws kDevice (a named GPU does not exist
-// or cannot be used; none is left; its memory is too small for the images),
-// kOutOfMemory (one image alone needs more than machine_bytes; no memory is
-// left on a named GPU or on the last one, or main memory for its copies) and
-// kBadOption (gpu_index).
+// Warns if a further worker of a GPU cannot be created, or one image alone
+// needs more main memory than the budget. Throws kDevice (a named GPU does not
+// exist or cannot be used; none is left; its memory is too small for the
+// images), kOutOfMemory (one image alone needs more than machine_bytes; no
+// memory is left on a named GPU or on the last one, or main memory for its
+// copies) and kBadOption (gpu_index).
 RefineDevices CreateRefineDevices(const DeviceOptions& options,
                                   const MemoryPlan& plan,
                                   int num_images,

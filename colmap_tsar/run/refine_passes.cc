@@ -295,7 +295,7 @@ RefineResult ComposePass::Compute(size_t index,
           : RunSingleView(
                 run_, index, run_.devices.workers[worker], views, RefineImage);
   if (result.reason_to_keep.empty()) {
-    report->counts["depth_before"] = reference.num_depths_to_refine;
+    report->counts["depth_before"] = reference.num_depths;
   }
   return result;
 }

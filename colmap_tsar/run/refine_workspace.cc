@@ -9,6 +9,7 @@
 #include "colmap_tsar/base/stopwatch.h"
 #include "colmap_tsar/base/warning.h"
 #include "colmap_tsar/io/sparse_model.h"
+#include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/model_pass.h"
 #include "colmap_tsar/run/refine_passes.h"
 #include "colmap_tsar/run/run_manifest.h"
@@ -20,6 +21,7 @@
 #include <cstdint>
 #include <exception>
 #include <optional>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -144,6 +146,7 @@ RunSummary RunOnImages(const WorkspaceRefineOptions& options,
                        Progress& progress) {
   const Stopwatch stopwatch;
   const OpenCvWithoutThreads opencv_without_threads;
+  const std::jthread preparing_gpus = BeginPreparingGpus(options.devices);
   const bool in_place = options.output_path.empty();
   const bool is_shard = options.pass == RefinePass::kObserve ||
                         options.pass == RefinePass::kCompose;
@@ -164,7 +167,8 @@ RunSummary RunOnImages(const WorkspaceRefineOptions& options,
       SplitImages(workspace, options.shard.count)[options.shard.index];
   std::vector<bool> is_listed =
       FindListedImages(workspace, options.image_list_path);
-  const WorkspaceOverview overview = CheckWorkspace(workspace);
+  const WorkspaceOverview overview =
+      CheckWorkspace(workspace, options.devices.num_threads);
   MemoryPlan memory = PlanRefinement(refine_options, overview);
   if (options.pass == RefinePass::kModel) {
     // A GPU too small for observing or composing may suffice here.
@@ -178,10 +182,7 @@ RunSummary RunOnImages(const WorkspaceRefineOptions& options,
   if (!in_place) {
     BeginOutputWorkspace(workspace, options.output_path);
     lock.emplace(options.output_path);
-    workspace =
-        CreateOutputWorkspace(workspace, options.output_path, workspace.Type());
-    workspace.UseMasks(options.mask_path);
-    workspace.UsePriors(options.prior_path, options.prior_type);
+    workspace = CreateOutputWorkspace(workspace, options.output_path);
   }
   std::vector<std::string> obstacles =
       FindFusionObstacles(workspace.Model(), workspace.ModelFolder());

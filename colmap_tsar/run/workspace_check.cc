@@ -10,10 +10,12 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
 #include "colmap_tsar/io/photo.h"
+#include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/originals.h"
 #include "colmap_tsar/run/store/result_files.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <set>
@@ -42,8 +44,8 @@ int64_t RequirePossibleSize(const std::filesystem::path& path,
 // The size of an image's original maps, or nothing where there are none.
 std::optional<RasterSize> CheckMaps(const Workspace& workspace,
                                     int image,
-                                    MapType type,
                                     ImageRemarks* remarks) {
+  const MapType type = workspace.Type();
   const MapPaths paths = workspace.Paths(image, type);
   RequireNoStrayResults(paths);
   const OriginalMaps originals = FindOriginals(paths);
@@ -76,52 +78,48 @@ void CheckTargets(const MapPaths& paths) {
   }
 }
 
-// Checks the files of an image. Returns whether it has maps to refine.
-bool CheckImage(const Workspace& workspace,
-                int image,
-                WorkspaceOverview* overview,
-                ImageRemarks* remarks) {
+// What the check of an image's files has found.
+struct ImageCheck {
+  bool has_maps = false;  // To refine.
+  bool has_prior = false;
+  int64_t num_pixels = 0;
+  int64_t num_image_pixels = 0;
+  ImageRemarks remarks;
+};
+
+ImageCheck CheckImage(const Workspace& workspace, int image) {
+  ImageCheck check;
   const MapType type = workspace.Type();
   const std::optional<RasterSize> size =
-      CheckMaps(workspace, image, type, remarks);
+      CheckMaps(workspace, image, &check.remarks);
   if (!size) {
-    return false;
+    return check;
   }
+  check.has_maps = true;
   CheckTargets(workspace.Paths(image, type));
   CheckPhotoFile(workspace.ImagePath(image));
   workspace.CheckMask(image, *size);
   const std::shared_ptr<DepthPrior> prior = workspace.ReadPrior(image);
   if (prior != nullptr && prior->no_depth != 0.f) {
-    remarks->Add({NoDepthRemark(prior->no_depth)},
-                 workspace.Priors().FilesOf(image).depth.string());
+    check.remarks.Add({NoDepthRemark(prior->no_depth)},
+                      workspace.Priors().FilesOf(image).depth.string());
   }
-  overview->has_priors =
-      overview->has_priors || workspace.Priors().HasPrior(image);
-  workspace.OpenCosts(image, type, *size);
-  const MapType other = workspace.OtherType();
-  if (workspace.HasMaps(image, other)) {
-    RequireSizeOfDepthMap(
-        workspace.Paths(image, other).depth,
-        CheckMaps(workspace, image, other, remarks).value_or(*size),
-        *size);
-    workspace.OpenCosts(image, other, *size);
-  }
+  check.has_prior = prior != nullptr;
+  workspace.OpenCosts(image, *size);
   const Camera& camera = workspace.CameraOf(image);
-  overview->max_num_pixels =
-      std::max(overview->max_num_pixels,
-               RequirePossibleSize(workspace.Paths(image, type).depth,
-                                   size->width,
-                                   size->height,
-                                   "run patch_match_stereo with a smaller "
-                                   "--PatchMatchStereo.max_image_size"));
-  overview->max_num_image_pixels =
-      std::max(overview->max_num_image_pixels,
-               RequirePossibleSize(workspace.ImagePath(image),
-                                   camera.width,
-                                   camera.height,
-                                   "run image_undistorter with a smaller "
-                                   "--max_image_size"));
-  return true;
+  check.num_pixels =
+      RequirePossibleSize(workspace.Paths(image, type).depth,
+                          size->width,
+                          size->height,
+                          "run patch_match_stereo with a smaller "
+                          "--PatchMatchStereo.max_image_size");
+  check.num_image_pixels =
+      RequirePossibleSize(workspace.ImagePath(image),
+                          camera.width,
+                          camera.height,
+                          "run image_undistorter with a smaller "
+                          "--max_image_size");
+  return check;
 }
 
 Error NoMaps(const Workspace& workspace) {
@@ -168,15 +166,26 @@ Workspace OpenMapsOf(const WorkspaceRefineOptions& options) {
 
 }  // namespace
 
-WorkspaceOverview CheckWorkspace(const Workspace& workspace) {
-  const std::set<int> images = workspace.ImagesInUse();
+WorkspaceOverview CheckWorkspace(const Workspace& workspace, int num_threads) {
+  const std::set<int> in_use = workspace.ImagesInUse();
+  const std::vector<int> images(in_use.begin(), in_use.end());
   RequireNoFolder(GetSceneModelPath(workspace.Root()).Path());
   WorkspaceOverview overview;
   overview.has_maps.resize(workspace.Model().images.size());
+  std::vector<ImageCheck> checks(images.size());
+  ForEachImage(workspace, images, num_threads, [&](size_t i) {
+    checks[i] = CheckImage(workspace, images[i]);
+  });
   ImageRemarks remarks;
-  for (const int image : images) {
-    overview.has_maps[image] =
-        CheckImage(workspace, image, &overview, &remarks);
+  for (size_t i = 0; i < images.size(); ++i) {
+    const ImageCheck& check = checks[i];
+    overview.has_maps[images[i]] = check.has_maps;
+    overview.has_priors |= check.has_prior;
+    overview.max_num_pixels =
+        std::max(overview.max_num_pixels, check.num_pixels);
+    overview.max_num_image_pixels =
+        std::max(overview.max_num_image_pixels, check.num_image_pixels);
+    remarks.Add(check.remarks);
   }
   std::ranges::for_each(remarks.Lines(), &Warn);
   bool any_reference = false;

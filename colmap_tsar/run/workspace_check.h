@@ -28,8 +28,9 @@ struct WorkspaceOverview {
 // and normal map is missing), kCorrupt (a map is cut off, an image file is
 // empty, cut off or of no known format), kMismatch (sizes differ, or a map is
 // not of its image's shape), and what FindOriginals, Workspace::CheckMask and
-// ReadPrior throw. Depth priors are read.
-WorkspaceOverview CheckWorkspace(const Workspace& workspace);
+// ReadPrior throw. Depth priors are read. num_threads: images checked at a
+// time.
+WorkspaceOverview CheckWorkspace(const Workspace& workspace, int num_threads);
 
 // Opens the workspace with the requested type of maps, or the type that it has.
 Workspace OpenWorkspace(const WorkspaceRefineOptions& options);

@@ -266,7 +266,7 @@ class SceneModeler {
         try {
           return gpus_.Run(work);
         } catch (const Error& error) {
-          // The view is too large. The CPU gives the same bits.
+          // For this view beside others. The CPU gives the same bits.
           if (error.Code() != ErrorCode::kOutOfMemory) {
             throw;
           }

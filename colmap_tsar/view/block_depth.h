@@ -11,7 +11,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 
 namespace tsar {
 
@@ -20,8 +19,6 @@ namespace tsar {
 struct BlockDepth {
   ImageView<const float> depth;
   ImageView<const Vec3f> normal;
-  // Nonzero where the hypothesis is from the map to refine; empty: everywhere.
-  ImageView<const uint8_t> is_to_refine;
   Intrinsics intrinsics;  // Those of the full map.
   int factor = 1;
   int first_row = 0;  // Row of the full map at which the rasters start.
@@ -33,8 +30,19 @@ struct BlockDepth {
                          y * factor,
                          Smaller(x * factor + factor, depth.width),
                          Smaller(y * factor + factor, depth.height)};
-    const ptrdiff_t own = FindOf(block, true);
-    return own >= 0 || is_to_refine.Empty() ? own : FindOf(block, false);
+    int count = 0;
+    block.ForEach([&](int column, int row) {
+      count += depth(column, row) > 0.f ? 1 : 0;
+    });
+    const int num_pixels = block.NumPixels();
+    const int min_count = MinCount(num_pixels);
+    if (count < min_count) {
+      return -1;
+    }
+    // Missing depths are 0, below all others.
+    const ptrdiff_t median =
+        PixelOfRank(block, num_pixels - count + (count - 1) / 2);
+    return CountOnPlane(block, median) >= min_count ? median : -1;
   }
 
   // The depth of a pixel's hypothesis, moved along its plane to another ray.
@@ -92,6 +100,10 @@ struct BlockDepth {
     int end_x;
     int end_y;
 
+    TSAR_HD int NumPixels() const {
+      return (end_x - begin_x) * (end_y - begin_y);
+    }
+
     template <typename Function>
     TSAR_HD void ForEach(const Function& visit) const {
       for (int y = begin_y; y < end_y; ++y) {
@@ -104,65 +116,31 @@ struct BlockDepth {
 
   TSAR_HD static int Smaller(int a, int b) { return a < b ? a : b; }
 
-  // Whether a pixel has a depth, from the map to refine or from the other type.
-  TSAR_HD bool Counts(size_t pixel, bool is_own) const {
-    return depth.data[pixel] > 0.f &&
-           (is_to_refine.Empty() || is_to_refine.data[pixel] != 0) == is_own;
-  }
-
-  TSAR_HD ptrdiff_t FindOf(const Block& block, bool is_own) const {
-    const int min_count =
-        MinCount((block.end_x - block.begin_x) * (block.end_y - block.begin_y));
-    int count = 0;
-    block.ForEach([&](int x, int y) {
-      count += Counts(depth.Index(x, y), is_own) ? 1 : 0;
-    });
-    if (count < min_count) {
-      return -1;
-    }
-    const ptrdiff_t median = Median(block, is_own, (count - 1) / 2);
-    return CountOnPlane(block, is_own, median) >= min_count ? median : -1;
-  }
-
-  // The first pixel with the median depth.
-  TSAR_HD ptrdiff_t Median(const Block& block, bool is_own, int rank) const {
-    ptrdiff_t median = -1;
+  // The first pixel whose depth has this rank among all, from 0 on.
+  TSAR_HD ptrdiff_t PixelOfRank(const Block& block, int rank) const {
     for (int y = block.begin_y; y < block.end_y; ++y) {
       for (int x = block.begin_x; x < block.end_x; ++x) {
-        const size_t pixel = depth.Index(x, y);
-        if (!Counts(pixel, is_own)) {
-          continue;
-        }
-        median = static_cast<ptrdiff_t>(pixel);
-        const float one = depth.data[pixel];
+        const float one = depth(x, y);
         int num_nearer = 0;
         int num_as_near = 0;
         block.ForEach([&](int u, int v) {
-          const size_t other = depth.Index(u, v);
-          const int counts = Counts(other, is_own) ? 1 : 0;
-          num_nearer += depth.data[other] < one ? counts : 0;
-          num_as_near += depth.data[other] == one ? counts : 0;
+          num_nearer += depth(u, v) < one ? 1 : 0;
+          num_as_near += depth(u, v) == one ? 1 : 0;
         });
         if (num_nearer <= rank && rank < num_nearer + num_as_near) {
-          return median;
+          return static_cast<ptrdiff_t>(depth.Index(x, y));
         }
       }
     }
-    return median;
+    return -1;
   }
 
   // How many of the block's depths lie on the plane of one of them.
-  TSAR_HD int CountOnPlane(const Block& block,
-                           bool is_own,
-                           ptrdiff_t one) const {
+  TSAR_HD int CountOnPlane(const Block& block, ptrdiff_t one) const {
     const Plane plane = PlaneOf(one);
     int count = 0;
     block.ForEach([&](int x, int y) {
-      const size_t pixel = depth.Index(x, y);
-      if (Counts(pixel, is_own) &&
-          IsOnPlane(depth.data[pixel], RayOf(x, y), plane, depth.data[one])) {
-        ++count;
-      }
+      count += IsOnPlane(depth(x, y), RayOf(x, y), plane, depth.data[one]);
     });
     return count;
   }

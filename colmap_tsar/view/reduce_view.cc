@@ -22,7 +22,6 @@ BlockDepth BlocksOf(const ViewData& rows,
                     int first_row) {
   return {rows.depth.View(),
           rows.normal.View(),
-          rows.is_to_refine.View(),
           camera.GetIntrinsics(),
           factor,
           first_row};
@@ -32,38 +31,31 @@ Image<Rgb> MeanColors(const Image<Rgb>& color,
                       int factor,
                       int width,
                       int height) {
-  struct Sum {
-    uint32_t r = 0;
-    uint32_t g = 0;
-    uint32_t b = 0;
-  };
   Image<Rgb> reduced = Image<Rgb>::Uninitialized(width, height);
-  std::vector<Sum> sums(static_cast<size_t>(width));
+  // Of the channels in a block's rows, which compilers vectorize.
+  std::vector<uint32_t> sums(3 * static_cast<size_t>(color.Width()));
   for (int y = 0; y < height; ++y) {
-    std::fill(sums.begin(), sums.end(), Sum{});
+    std::ranges::fill(sums, 0u);
     const int begin_y = y * factor;
     const int end_y = std::min(begin_y + factor, color.Height());
     for (int j = begin_y; j < end_y; ++j) {
-      const Rgb* row = &color(0, j);
-      for (int x = 0; x < width; ++x) {
-        Sum sum = sums[x];
-        const int end_x = std::min((x + 1) * factor, color.Width());
-        for (int i = x * factor; i < end_x; ++i) {
-          sum.r += row[i].r;
-          sum.g += row[i].g;
-          sum.b += row[i].b;
-        }
-        sums[x] = sum;
+      const uint8_t* row = &color(0, j).r;
+      for (size_t i = 0; i < sums.size(); ++i) {
+        sums[i] += row[i];
       }
     }
     for (int x = 0; x < width; ++x) {
-      const int num_columns = std::min(factor, color.Width() - x * factor);
-      const auto count = static_cast<uint32_t>(num_columns * (end_y - begin_y));
-      const auto mean = [count](uint32_t sum) {
-        return static_cast<uint8_t>((sum + count / 2) / count);
+      const int end_x = std::min((x + 1) * factor, color.Width());
+      const auto count =
+          static_cast<uint32_t>((end_x - x * factor) * (end_y - begin_y));
+      const auto mean = [&](int channel) {
+        uint32_t sum = count / 2;
+        for (int i = x * factor; i < end_x; ++i) {
+          sum += sums[3 * i + channel];
+        }
+        return static_cast<uint8_t>(sum / count);
       };
-      const Sum& sum = sums[x];
-      reduced(x, y) = {mean(sum.r), mean(sum.g), mean(sum.b)};
+      reduced(x, y) = {mean(0), mean(1), mean(2)};
     }
   }
   return reduced;
@@ -112,7 +104,6 @@ ViewReducer::ViewReducer(const Camera& camera, int factor, bool has_costs)
   const int height = reduced_.camera.height;
   reduced_.depth = Image<float>(width, height);
   reduced_.normal = Image<Vec3f>(width, height);
-  reduced_.is_to_refine = Image<uint8_t>(width, height);
   if (has_costs) {
     reduced_.min_cost = Image<float>(width, height, kUndefinedCost);
   }
@@ -144,10 +135,7 @@ void ViewReducer::Set(const ViewData& rows,
                         reduced_.camera.GetIntrinsics().Ray(
                             static_cast<float>(x), static_cast<float>(y)));
   reduced_.normal(x, y) = rows.normal.Data()[index];
-  const bool is_to_refine =
-      rows.is_to_refine.Empty() || rows.is_to_refine.Data()[index] != 0;
-  reduced_.is_to_refine(x, y) = is_to_refine ? 1 : 0;
-  reduced_.num_depths_to_refine += is_to_refine ? 1 : 0;
+  ++reduced_.num_depths;
   if (!reduced_.min_cost.Empty()) {
     reduced_.min_cost(x, y) = rows.min_cost.Data()[index];
   }

@@ -33,12 +33,11 @@ Camera ReduceCamera(const Camera& camera, int factor);
 // at the right and bottom border: ceil(width / factor) x ceil(height / factor)
 // pixels. Rays go through the centers of full blocks. The color is the mean.
 // The hypothesis is never an average, which would lie on no surface where a
-// block shows two. It is that of the pixel with the (lower) median depth among
-// those from the map to refine, if at least 7 of 8 pixels of the block (all of
-// four) have such depths within 0.5 % of its plane, which noise does not meet
-// by chance. Otherwise it is chosen among those from the other type under the
-// same condition; without such a pixel there is none. It is moved along its
-// plane to the new ray. The exported costs are those of that pixel.
+// block shows two. It is that of the pixel with the (lower) median depth, if at
+// least 7 of 8 pixels of the block (all of four) have depths within 0.5 % of
+// its plane, which noise does not meet by chance; otherwise there is none. It
+// is moved along its plane to the new ray. The exported costs are those of that
+// pixel.
 ViewData ReduceView(const ViewData& view, int factor);
 
 // Computes ReduceView() while only some rows of the view are in memory.

@@ -71,12 +71,8 @@ struct SingleViewStages {
           CountAgreeingSources(views.Reference(), views.Sources(), device);
       if (options.confirmed_depths) {
         const DeviceImage<float> gray = ComputeGray(views.Color(), device);
-        // Depths that COLMAP's consistency check rejected are no candidates:
-        // chance could confirm them.
-        const DeviceImage<uint8_t> is_to_refine(device, reference.is_to_refine);
         result.confirmations = ConfirmDepths(gray.View(),
                                              agreement.View(),
-                                             is_to_refine.View(),
                                              EstimateNoise(gray.View(), device),
                                              device);
       }

@@ -20,17 +20,13 @@ namespace tsar {
 struct ViewData {
   Camera camera;
   Image<Rgb> color;
-  // The hypotheses: those of the map to refine and, where it has none, of the
-  // other type.
+  // The hypotheses.
   Image<float> depth;
   Image<Vec3f> normal;
-  // 1 where the hypothesis is from the map to refine, 0 where it is from the
-  // other type or there is none. Empty if all are from one map.
-  Image<uint8_t> is_to_refine;
   // The smallest matching costs of the hypotheses as COLMAP exported them, or
   // empty.
   Image<float> min_cost;
-  int64_t num_depths_to_refine = 0;  // Valid pixels of the map to refine.
+  int64_t num_depths = 0;      // Pixels with a hypothesis.
   int64_t num_not_finite = 0;  // NaN or infinite values that were dropped.
   // The depth prior; null if there is none.
   std::shared_ptr<const DepthPrior> prior;

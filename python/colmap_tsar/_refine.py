@@ -42,9 +42,8 @@ def refine(
     Args:
         workspace_path: The dense workspace, as image_undistorter makes it and
             patch_match_stereo fills it: images/, sparse/, stereo/.
-        input_type: Which maps to refine, "geometric" or "photometric"; the
-            others serve as evidence where they exist. None: geometric, or
-            photometric where there are no geometric ones.
+        input_type: Which maps to refine, "geometric" or "photometric". None:
+            geometric, or photometric where there are no geometric ones.
         priors: Depth of single images from a network or a sensor, instead of files
             in `prior_path`: {name of the image: array}, or a function of the name
             that returns the array, or None where there is none. The array has the

@@ -52,7 +52,7 @@ class UpsampleDepthFlagsTest : public testing::Test {
     evidence.resolution = resolution;
     evidence.flags = ratings_;
     return UpsampleDepthFlags(
-               evidence, view_, DeviceReference(view_, *device_), *device_)
+               evidence, DeviceReference(view_, *device_), *device_)
         .ToHost();
   }
 
@@ -121,7 +121,7 @@ TEST_F(UpsampleDepthFlagsTest, TheTrustOfAWholeMapStaysAsItIs) {
   }
   view_.depth(3, 3) = 0.f;
   const Image<uint8_t> transferred =
-      UpsampleDepthFlags(evidence, view_, reference, *device_).ToHost();
+      UpsampleDepthFlags(evidence, reference, *device_).ToHost();
   EXPECT_TRUE(SameBytes(transferred, evidence.flags));
 }
 
@@ -130,7 +130,7 @@ TEST_F(UpsampleDepthFlagsTest, RefusesTheTrustOfAnotherMap) {
   ViewEvidence evidence;
   evidence.flags = Image<uint8_t>(12, 8);
   ExpectError(ErrorCode::kMismatch, {"12x8", "31x24", "run again"}, [&] {
-    UpsampleDepthFlags(evidence, view_, reference, *device_);
+    UpsampleDepthFlags(evidence, reference, *device_);
   });
 }
 

@@ -227,17 +227,17 @@ class WorkspaceOnCudaTest : public testing::Test {
   const std::filesystem::path root_ = folder_.Path() / "dense";
 };
 
-TEST_F(WorkspaceOnCudaTest, OneWorkerAndTwoGiveTheSameBytes) {
+TEST_F(WorkspaceOnCudaTest, OneWorkerAndSeveralGiveTheSameBytes) {
   MakeSyntheticWorkspace(root_);
   // Otherwise the evidence of images that are not refined would be missing.
   RefineOptions options;
   options.scene_planes = false;
-  const RunSummary two = Refine("0", "two", options);
-  EXPECT_EQ(two.num_workers, 2);
-  EXPECT_EQ(two.num_refined, 4);
-  ASSERT_EQ(two.peak_gpu_memory.size(), 1u);
-  EXPECT_GT(two.peak_gpu_memory[0].num_bytes, 0u);
-  const Tree expected = Maps("two");
+  const RunSummary several = Refine("0", "several", options);
+  EXPECT_EQ(several.num_workers, 4);
+  EXPECT_EQ(several.num_refined, 4);
+  ASSERT_EQ(several.peak_gpu_memory.size(), 1u);
+  EXPECT_GT(several.peak_gpu_memory[0].num_bytes, 0u);
+  const Tree expected = Maps("several");
   for (const std::string& name : SyntheticWorkspace::Names()) {
     WriteConfig({name});
     std::filesystem::remove_all(folder_.Path() / "one");

@@ -222,7 +222,6 @@ def check_files():
             *((f"stereo/{kind}/{KEY}.bin", mapped, [refine], ["half"])
               for kind in ("depth_maps", "normal_maps")),
             (f"stereo/cost_maps/{KEY}.bin", mapped, [refine], []),
-            ("stereo/depth_maps/v0.png.photometric.bin", mapped, [refine], []),
             (f"stereo/tsar/records/{KEY}.json", refined, [refine, restore, report], []),
             (f"stereo/tsar/original/depth_maps/{KEY}.bin", refined, [refine, report], []),
             ("stereo/tsar/lock", refined, [refine, restore, stereo], []),

@@ -37,82 +37,28 @@ class LoadViewTest : public testing::Test {
   const std::filesystem::path root_ = folder_.Path() / "dense";
 };
 
-TEST_F(LoadViewTest, TellsTheMapToRefineFromTheOther) {
-  const Image<float> geometric =
-      ReadDepthMap(GetMapPaths(root_, "v1.png", MapType::kGeometric).depth);
-  const ViewData view = Load(MapType::kGeometric);
-  ASSERT_TRUE(view.is_to_refine.HasSizeOf(view.depth));
-  int64_t num_to_refine = 0;
-  int64_t num_of_other = 0;
-  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
-    const bool is_to_refine = view.is_to_refine.Data()[i] != 0;
-    ASSERT_EQ(is_to_refine, geometric.Data()[i] > 0.f) << i;
-    if (is_to_refine) {
-      ASSERT_EQ(view.depth.Data()[i], geometric.Data()[i]) << i;
-    }
-    num_to_refine += is_to_refine ? 1 : 0;
-    num_of_other += !is_to_refine && view.depth.Data()[i] > 0.f ? 1 : 0;
+TEST_F(LoadViewTest, HasTheHypothesesOfItsType) {
+  for (const MapType type : kMapTypes) {
+    const Image<float> depth =
+        ReadDepthMap(GetMapPaths(root_, "v1.png", type).depth);
+    const ViewData view = Load(type);
+    EXPECT_TRUE(SameBytes(view.depth, depth));
+    EXPECT_EQ(view.num_depths,
+              std::ranges::count_if(depth, [](float z) { return z > 0.f; }));
   }
-  EXPECT_EQ(view.num_depths_to_refine, num_to_refine);
-  EXPECT_GT(num_of_other, 100);
 }
 
 // Costs of depths without evidence from any image.
-TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNotMeasured) {
+TEST_F(LoadViewTest, DepthsWithoutEvidenceAreNoHypotheses) {
   const ViewData before = Load(MapType::kGeometric);
   const size_t num_pixels = before.depth.NumPixels();
   WriteCosts(before.depth, num_pixels / 2);
   const ViewData view = Load(MapType::kGeometric);
-  int num_of_other = 0;
   for (size_t i = 0; i < num_pixels; ++i) {
-    if (i < num_pixels / 2) {
-      ASSERT_EQ(view.is_to_refine.Data()[i], 0) << i;
-      num_of_other += view.depth.Data()[i] > 0.f ? 1 : 0;
-    } else {
-      ASSERT_EQ(view.is_to_refine.Data()[i], before.is_to_refine.Data()[i]);
-      ASSERT_EQ(view.depth.Data()[i], before.depth.Data()[i]);
-    }
+    ASSERT_EQ(view.depth.Data()[i],
+              i < num_pixels / 2 ? 0.f : before.depth.Data()[i]);
   }
-  EXPECT_GT(before.num_depths_to_refine, view.num_depths_to_refine);
-  // The photometric map has all pixels.
-  EXPECT_GT(num_of_other, 100);
-}
-
-// Costs of depths about which no image says anything.
-TEST_F(LoadViewTest, DepthsWithoutEvidenceFillNoPhotometricMap) {
-  // A photometric map with a hole in its upper half.
-  const MapPaths paths = GetMapPaths(root_, "v1.png", MapType::kPhotometric);
-  Image<float> depth = ReadDepthMap(paths.depth);
-  const size_t half = depth.NumPixels() / 2;
-  std::fill_n(depth.begin(), half, 0.f);
-  WriteDepthMap(paths.depth, depth);
-  const ViewData before = Load(MapType::kPhotometric);
-  WriteCosts(depth, half / 2);
-  const ViewData view = Load(MapType::kPhotometric);
-  int num_filled_before = 0;
-  int num_filled = 0;
-  for (size_t i = 0; i < depth.NumPixels(); ++i) {
-    if (i < half / 2) {
-      ASSERT_EQ(view.depth.Data()[i], 0.f) << i;
-      num_filled_before += before.depth.Data()[i] > 0.f ? 1 : 0;
-    } else {
-      ASSERT_EQ(view.depth.Data()[i], before.depth.Data()[i]) << i;
-      num_filled += i < half && view.depth.Data()[i] > 0.f ? 1 : 0;
-    }
-  }
-  EXPECT_GT(num_filled_before, 100);
-  EXPECT_GT(num_filled, 100);
-}
-
-TEST_F(LoadViewTest, AloneAllDepthsAreToBeRefined) {
-  std::filesystem::remove(
-      GetMapPaths(root_, "v1.png", MapType::kPhotometric).depth);
-  std::filesystem::remove(
-      GetMapPaths(root_, "v1.png", MapType::kPhotometric).normal);
-  const ViewData view = Load(MapType::kGeometric);
-  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
-    ASSERT_EQ(view.is_to_refine.Data()[i] != 0, view.depth.Data()[i] > 0.f);
-  }
+  EXPECT_GT(before.num_depths, view.num_depths);
 }
 
 TEST_F(LoadViewTest, AReducedViewIsTheViewReduced) {
@@ -139,9 +85,8 @@ TEST_F(LoadViewTest, AReducedViewIsTheViewReduced) {
       EXPECT_TRUE(SameBytes(reduced.depth, expected.depth));
       EXPECT_TRUE(SameBytes(reduced.normal, expected.normal));
       EXPECT_TRUE(SameBytes(reduced.color, expected.color));
-      EXPECT_TRUE(SameBytes(reduced.is_to_refine, expected.is_to_refine));
       EXPECT_TRUE(SameBytes(reduced.min_cost, expected.min_cost));
-      EXPECT_EQ(reduced.num_depths_to_refine, expected.num_depths_to_refine);
+      EXPECT_EQ(reduced.num_depths, expected.num_depths);
       EXPECT_EQ(reduced.num_not_finite, expected.num_not_finite);
       EXPECT_EQ(reduced.camera.fx, expected.camera.fx);
       EXPECT_EQ(reduced.camera.cy, expected.camera.cy);

@@ -87,17 +87,17 @@ std::vector<std::string> Names(const RefineDevices& devices) {
   return names;
 }
 
-TEST_F(RefineDevicesTest, TakesEveryGpuWithTwoWorkers) {
+TEST_F(RefineDevicesTest, TakesEveryGpuWithSeveralWorkers) {
   const RefineDevices devices = Create(2);
-  ASSERT_EQ(devices.workers.size(), 4u);
+  ASSERT_EQ(devices.workers.size(), 8u);
   EXPECT_EQ(devices.workers[0].name, "GPU 0 (Card)");
-  EXPECT_EQ(devices.workers[1].name, "GPU 0 (Card)");
-  EXPECT_EQ(devices.workers[3].name, "GPU 1 (Card)");
-  EXPECT_EQ(devices.workers[0].views, devices.workers[1].views);
-  EXPECT_NE(devices.workers[1].views, devices.workers[2].views);
+  EXPECT_EQ(devices.workers[3].name, "GPU 0 (Card)");
+  EXPECT_EQ(devices.workers[4].name, "GPU 1 (Card)");
+  EXPECT_EQ(devices.workers[0].views, devices.workers[3].views);
+  EXPECT_NE(devices.workers[3].views, devices.workers[4].views);
   EXPECT_NE(devices.workers[0].device, devices.workers[1].device);
   EXPECT_EQ(devices.description, "GPU 0 (Card), GPU 1 (Card)");
-  EXPECT_EQ(devices.at_work.num_workers, 4);
+  EXPECT_EQ(devices.at_work.num_workers, 8);
   EXPECT_GT(devices.at_work.num_threads, options_.num_threads);
 }
 
@@ -209,6 +209,18 @@ TEST_F(RefineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {
   ExpectRefusal(ErrorCode::kDevice, texts, 2);
 }
 
+TEST_F(RefineDevicesTest, GivesGpusAsManyWorkersAsFit) {
+  size_t most = 0;
+  for (size_t tenths = 20; tenths <= 80; ++tenths) {
+    memory_[0] = static_cast<size_t>(Plan().device) * tenths / 10;
+    const size_t num_workers = Create(1).workers.size();
+    EXPECT_GE(num_workers, most);
+    EXPECT_LE(10 * num_workers, tenths);
+    most = num_workers;
+  }
+  EXPECT_EQ(most, static_cast<size_t>(kMaxGpuWorkers));
+}
+
 TEST_F(RefineDevicesTest, GoesOnWhereASecondWorkerCannotBeMade) {
   max_num_devices_ = 1;
   for (const std::vector<int>& gpu_indices :
@@ -221,6 +233,12 @@ TEST_F(RefineDevicesTest, GoesOnWhereASecondWorkerCannotBeMade) {
     EXPECT_EQ(Names(devices),
               std::vector<std::string>({"GPU 0 (Card)", "GPU 1 (Card)"}));
   }
+  max_num_devices_ = 2;
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(Create(2).workers.size(), 4u);
+  EXPECT_EQ(num_created_[0], 3);
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              testing::HasSubstr("works on 2 images at a time"));
   // Without the first there is none.
   max_num_devices_ = 0;
   ExpectRefusal(ErrorCode::kOutOfMemory, {"could not be pinned"}, 2);

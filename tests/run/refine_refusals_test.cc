@@ -94,7 +94,6 @@ TEST_F(RefineWorkspaceTest, RefusesMissingAndDamagedImageFiles) {
 TEST_F(RefineWorkspaceTest, RefusesImagesThatAreTooLargeToDecode) {
   WriteText(root_ / "sparse/cameras.txt",
             "1 PINHOLE 32768 32769 32000 32000 48 36\n");
-  RemoveMaps(0, MapType::kPhotometric);
   WriteDepthMap(Paths(0).depth, Image<float>(72, 72, 5.f));
   WriteNormalMap(Paths(0).normal, Image<Vec3f>(72, 72, Vec3f{0.f, 0.f, -1.f}));
   ExpectRefusal(ErrorCode::kUnsupported,
@@ -102,7 +101,6 @@ TEST_F(RefineWorkspaceTest, RefusesImagesThatAreTooLargeToDecode) {
 }
 
 TEST_F(RefineWorkspaceTest, RefusesMapsWithMorePixelsThanItCanNumber) {
-  RemoveMaps(1, MapType::kPhotometric);
   // Only the headers of these files take space.
   for (const auto& [path, channels] :
        {std::pair(Paths(1).depth, 1), std::pair(Paths(1).normal, 3)}) {
@@ -111,33 +109,24 @@ TEST_F(RefineWorkspaceTest, RefusesMapsWithMorePixelsThanItCanNumber) {
     std::filesystem::resize_file(
         path, head.size() + uintmax_t{4} * 40000 * 30000 * channels);
   }
-  ExpectError(ErrorCode::kUnsupported,
-              {Paths(1).depth.string(), "40000 x 30000", "max_image_size"},
-              [&] { CheckWorkspace(Workspace(root_, MapType::kGeometric)); });
+  ExpectError(
+      ErrorCode::kUnsupported,
+      {Paths(1).depth.string(), "40000 x 30000", "max_image_size"},
+      [&] { CheckWorkspace(Workspace(root_, MapType::kGeometric), 1); });
 }
 
-TEST_F(RefineWorkspaceTest, RefusesBrokenMapsOfEitherType) {
-  for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-    for (const std::filesystem::path& path :
-         {Paths(3, type).depth, Paths(3, type).normal}) {
-      const std::string bytes = ReadText(path);
-      WriteText(path, bytes.substr(0, bytes.size() / 2));
-      ExpectRefusal(ErrorCode::kCorrupt, {path.string(), "not a complete map"});
-      WriteText(path, "");
-      ExpectRefusal(ErrorCode::kCorrupt, {path.string(), "empty"});
-      WriteText(path, bytes);
-    }
+TEST_F(RefineWorkspaceTest, RefusesBrokenMaps) {
+  for (const std::filesystem::path& path : {Paths(3).depth, Paths(3).normal}) {
+    const std::string bytes = ReadText(path);
+    WriteText(path, bytes.substr(0, bytes.size() / 2));
+    ExpectRefusal(ErrorCode::kCorrupt, {path.string(), "not a complete map"});
+    WriteText(path, "");
+    ExpectRefusal(ErrorCode::kCorrupt, {path.string(), "empty"});
+    WriteText(path, bytes);
   }
 }
 
 TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
-  WriteDepthMap(UserPath(Paths(3, MapType::kPhotometric).depth),
-                Image<float>(48, 36, 5.f));
-  WriteNormalMap(UserPath(Paths(3, MapType::kPhotometric).normal),
-                 Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
-  ExpectRefusal(ErrorCode::kMismatch, {"v3.png.photometric.bin", "48 x 36"});
-  RemoveMaps(3, MapType::kPhotometric);
-
   const std::string normal = ReadText(Paths(2).normal);
   WriteNormalMap(UserPath(Paths(2).normal),
                  Image<Vec3f>(48, 36, Vec3f{0.f, 0.f, -1.f}));
@@ -153,16 +142,13 @@ TEST_F(RefineWorkspaceTest, RefusesMapsThatDoNotBelongTogether) {
                 {Paths(2).depth.string(), "no depth map"});
 }
 
-// Maps of references and sources, and of both types.
+// Maps of references and sources.
 TEST_F(RefineWorkspaceTest, RefusesMapsOfAnotherShapeThanTheirImage) {
   Refine();
   WriteText(root_ / "stereo/patch-match.cfg", "v0.png\nv1.png, v3.png\n");
   const auto geometric = Paths(3);
-  const auto photometric = Paths(3, MapType::kPhotometric);
   for (const auto& [path, num_channels] : {std::pair(geometric.depth, 1),
                                            {geometric.normal, 3},
-                                           {photometric.depth, 1},
-                                           {photometric.normal, 3},
                                            {Paths(0).depth, 1},
                                            {Paths(0).cost, 2}}) {
     const bool is_there = std::filesystem::exists(path);

@@ -95,7 +95,6 @@ inline SyntheticViews MakeSyntheticViews(const SyntheticViewsOptions& options) {
     view.color = Image<Rgb>(options.width, options.height);
     view.depth = Image<float>(options.width, options.height);
     view.normal = Image<Vec3f>(options.width, options.height);
-    view.is_to_refine = Image<uint8_t>(options.width, options.height);
     Image<float> truth(options.width, options.height);
     for (int y = 0; y < options.height; ++y) {
       for (int x = 0; x < options.width; ++x) {
@@ -131,8 +130,7 @@ inline SyntheticViews MakeSyntheticViews(const SyntheticViewsOptions& options) {
         }
         view.depth(x, y) = depth;
         view.normal(x, y) = depth > 0.f ? hit->plane.normal : Vec3f{};
-        view.is_to_refine(x, y) = depth > 0.f ? 1 : 0;
-        view.num_depths_to_refine += view.is_to_refine(x, y);
+        view.num_depths += depth > 0.f ? 1 : 0;
       }
     }
     drawn.views.push_back(std::move(view));

@@ -140,19 +140,15 @@ void MakeSyntheticWorkspace(const std::filesystem::path& root, double scale) {
 
 void WriteOtherConventions(const std::filesystem::path& root, float no_depth) {
   for (const std::string& name : SyntheticWorkspace::Names()) {
-    for (const MapType type : {MapType::kPhotometric, MapType::kGeometric}) {
-      const MapPaths paths = GetMapPaths(root, name, type);
-      Image<float> depth = ReadDepthMap(paths.depth);
-      std::fill_n(depth.Data(),
-                  type == MapType::kGeometric ? 20 * depth.Width() : 3,
-                  no_depth);
-      WriteDepthMap(paths.depth, depth);
-      Image<Vec3f> normal = ReadNormalMap(paths.normal);
-      for (Vec3f& n : normal) {
-        n = no_depth > 0.f ? -n : n;
-      }
-      WriteNormalMap(paths.normal, normal);
+    const MapPaths paths = GetMapPaths(root, name, MapType::kGeometric);
+    Image<float> depth = ReadDepthMap(paths.depth);
+    std::fill_n(depth.Data(), 20 * depth.Width(), no_depth);
+    WriteDepthMap(paths.depth, depth);
+    Image<Vec3f> normal = ReadNormalMap(paths.normal);
+    for (Vec3f& n : normal) {
+      n = no_depth > 0.f ? -n : n;
     }
+    WriteNormalMap(paths.normal, normal);
   }
 }
 

@@ -26,7 +26,6 @@ ViewData FlatView(int width, int height, float depth) {
   view.color = Image<Rgb>(width, height);
   view.depth = Image<float>(width, height, depth);
   view.normal = Image<Vec3f>(width, height, Vec3f{0.f, 0.f, -1.f});
-  view.is_to_refine = Image<uint8_t>(width, height, 1);
   return view;
 }
 
@@ -83,8 +82,7 @@ TEST(ReduceView, ASlantedPlaneStaysWhereItIs) {
       const float depth = expected.Data()[i];
       ASSERT_NEAR(reduced.depth.Data()[i], depth, 1e-5f * depth);
     }
-    EXPECT_EQ(reduced.num_depths_to_refine,
-              static_cast<int64_t>(expected.NumPixels()));
+    EXPECT_EQ(reduced.num_depths, static_cast<int64_t>(expected.NumPixels()));
   }
 }
 
@@ -115,60 +113,61 @@ TEST(ReduceView, TakesTheLowerMedianAndItsCost) {
   EXPECT_EQ(reduced.min_cost(0, 0), 0.1f);
   EXPECT_EQ(reduced.depth(1, 0), 0.f);
   EXPECT_EQ(reduced.normal(1, 0), (Vec3f{}));
-  EXPECT_EQ(reduced.is_to_refine(1, 0), 0);
   EXPECT_EQ(reduced.min_cost(1, 0), kUndefinedCost);
-  EXPECT_EQ(reduced.num_depths_to_refine, 1);
+  EXPECT_EQ(reduced.num_depths, 1);
 }
 
-TEST(ReduceView, TakesTheOtherTypeWhereTheMapToRefineHasGaps) {
-  // Three blocks of nine pixels: eight of the map to refine and one of the
-  // other type, seven and two, and one and eight.
-  ViewData view = FlatView(9, 3, 2.f);
-  for (const auto& [x, y] : {std::pair{0, 0}, {3, 0}, {4, 0}}) {
-    view.is_to_refine(x, y) = 0;
+TEST(ReduceView, OneMissingDepthOfNineDoesNotCount) {
+  ViewData view = FlatView(6, 3, 2.f);
+  const std::vector<float> depths = {
+      2.007f, 0.f, 2.003f, 2.001f, 2.006f, 2.002f, 2.005f, 2.f, 2.004f};
+  for (int i = 0; i < 9; ++i) {
+    view.depth(i % 3, i / 3) = depths[i];
   }
-  for (int i = 1; i < 9; ++i) {
-    view.is_to_refine(6 + i % 3, i / 3) = 0;
-    view.depth(6 + i % 3, i / 3) = 3.f;
-  }
+  // Two are missing in the other block.
+  view.depth(4, 1) = view.depth(5, 2) = 0.f;
   const ViewData reduced = ReduceView(view, 3);
-  ASSERT_EQ(reduced.depth.Width(), 3);
-  EXPECT_EQ(reduced.depth(0, 0), 2.f);
-  EXPECT_EQ(reduced.is_to_refine(0, 0), 1);
+  EXPECT_EQ(reduced.depth(0, 0), 2.003f);
   EXPECT_EQ(reduced.depth(1, 0), 0.f);
-  EXPECT_EQ(reduced.depth(2, 0), 3.f);
-  EXPECT_EQ(reduced.is_to_refine(2, 0), 0);
-  EXPECT_EQ(reduced.num_depths_to_refine, 1);
-  // Without the raster, all are from one map.
-  view.is_to_refine = {};
-  EXPECT_EQ(ReduceView(view, 3).depth(1, 0), 2.f);
-  EXPECT_EQ(ReduceView(view, 3).num_depths_to_refine, 3);
+  EXPECT_EQ(reduced.num_depths, 1);
+}
+
+TEST(ReduceView, ColorsAreRoundedMeans) {
+  ViewData view = FlatView(5, 3, 2.f);
+  for (int y = 0; y < 3; ++y) {
+    for (int x = 0; x < 5; ++x) {
+      const auto level = static_cast<uint8_t>(5 * y + x);
+      view.color(x, y) = {level, static_cast<uint8_t>(2 * level), 255};
+    }
+  }
+  const Image<Rgb> color = ReduceView(view, 2).color;
+  ASSERT_EQ(color.NumPixels(), 6u);
+  const auto expect = [&](int x, int y, int r, int g) {
+    EXPECT_EQ(color(x, y).r, r) << x << ", " << y;
+    EXPECT_EQ(color(x, y).g, g) << x << ", " << y;
+    EXPECT_EQ(color(x, y).b, 255);
+  };
+  // Means of 3, 6.5 and, in blocks that the border cuts, 10.5 and 14.
+  expect(0, 0, 3, 6);
+  expect(2, 0, 7, 13);
+  expect(0, 1, 11, 21);
+  expect(2, 1, 14, 28);
 }
 
 TEST(ReduceHypotheses, AreThoseOfTheReducedView) {
   const auto device = CreateTestDevice(3);
   ViewData view = MakeSyntheticViews({}).views[0];
-  // Some pixels are of the other type, and some have no depth.
-  for (size_t i = 0; i < view.depth.NumPixels(); ++i) {
-    view.is_to_refine.Data()[i] = i / 40 % 3 == 0 ? 0 : 1;
-    if (i % 23 == 0) {
-      view.depth.Data()[i] = 0.f;
-    }
+  for (size_t i = 0; i < view.depth.NumPixels(); i += 23) {
+    view.depth.Data()[i] = 0.f;
   }
-  for (const bool has_mask : {true, false}) {
-    if (!has_mask) {
-      view.is_to_refine = {};
-    }
-    const DeviceReference uploaded(view, *device);
-    for (const int factor : {2, 3, 4, 7, 1000}) {
-      const ViewData reduced = ReduceView(view, factor);
-      const DepthNormalImages hypotheses =
-          ReduceHypotheses(uploaded, view.is_to_refine, factor, *device);
-      EXPECT_TRUE(SameBytes(hypotheses.depth.ToHost(), reduced.depth))
-          << factor;
-      EXPECT_TRUE(SameBytes(hypotheses.normal.ToHost(), reduced.normal))
-          << factor;
-    }
+  const DeviceReference uploaded(view, *device);
+  for (const int factor : {2, 3, 4, 7, 1000}) {
+    const ViewData reduced = ReduceView(view, factor);
+    const DepthNormalImages hypotheses =
+        ReduceHypotheses(uploaded, factor, *device);
+    EXPECT_TRUE(SameBytes(hypotheses.depth.ToHost(), reduced.depth)) << factor;
+    EXPECT_TRUE(SameBytes(hypotheses.normal.ToHost(), reduced.normal))
+        << factor;
   }
 }
 

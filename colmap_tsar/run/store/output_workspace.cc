@@ -161,8 +161,7 @@ void BeginOutputWorkspace(const Workspace& input,
 }
 
 Workspace CreateOutputWorkspace(const Workspace& input,
-                                const std::filesystem::path& output,
-                                MapType type) {
+                                const std::filesystem::path& output) {
   BeginOutputWorkspace(input, output);
   const std::filesystem::path& root = input.Root();
   const ContainedPath stereo(output, "stereo");
@@ -178,7 +177,9 @@ Workspace CreateOutputWorkspace(const Workspace& input,
     }
   }
   LinkMaps(input, output);
-  return Workspace(output, type);
+  Workspace workspace = input;
+  workspace.MoveTo(output);
+  return workspace;
 }
 
 }  // namespace tsar

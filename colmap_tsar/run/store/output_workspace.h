@@ -16,16 +16,16 @@ void BeginOutputWorkspace(const Workspace& input,
                           const std::filesystem::path& output);
 
 // Makes a second workspace in `output` that stereo_fusion can use, and opens
-// it: images, sparse model and maps are links to the input's, the maps to its
-// originals, and the configuration files copies. The input is not changed. From
-// then on it is a workspace like any other.
+// it, with the input's masks and depth priors: images, sparse model and maps
+// are links to the input's, the maps to its originals, and the configuration
+// files copies. The input is not changed. From then on it is a workspace like
+// any other.
 //
 // A folder that an earlier call made for the same input is reused, with the
 // maps that were refined there; an original of the input that has changed since
 // replaces its former version. Throws Error: what BeginOutputWorkspace and
 // FindOriginals throw, kIo.
 Workspace CreateOutputWorkspace(const Workspace& input,
-                                const std::filesystem::path& output,
-                                MapType type);
+                                const std::filesystem::path& output);
 
 }  // namespace tsar

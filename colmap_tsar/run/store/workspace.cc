@@ -64,8 +64,7 @@ MapSample ReadSample(DepthMapReader depth, NormalMapReader normal) {
   return sample;
 }
 
-}  // namespace
-
+// Throws kMismatch where a map is not of the size of the depth map beside it.
 void RequireSizeOfDepthMap(const std::filesystem::path& map,
                            const RasterSize& size,
                            const RasterSize& depth_size) {
@@ -77,6 +76,8 @@ void RequireSizeOfDepthMap(const std::filesystem::path& map,
                       "run patch_match_stereo again for this image");
   }
 }
+
+}  // namespace
 
 Workspace::Workspace(const std::filesystem::path& root, MapType type)
     : root_(root), type_(type) {
@@ -94,6 +95,11 @@ Workspace::Workspace(const std::filesystem::path& root, MapType type)
   model_folder_ = FindModelFolder(root);
   model_ = ReadWorkspaceModel(model_folder_);
   problems_ = ReadPatchMatchConfig(root / "stereo" / "patch-match.cfg", model_);
+}
+
+void Workspace::MoveTo(const std::filesystem::path& root) {
+  root_ = root;
+  model_folder_ = FindModelFolder(root);
 }
 
 std::vector<int> Workspace::References() const {
@@ -300,16 +306,6 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
                                      NormalMapReader(originals.normal.path)),
                           model_,
                           image);
-      // Photometric maps have few pixels without a depth.
-      if (maps.conventions.no_depth == 0.f && type == MapType::kPhotometric &&
-          HasMaps(image, MapType::kGeometric)) {
-        maps.conventions.no_depth =
-            OpenOriginalMaps(image, MapType::kGeometric).conventions.no_depth;
-        if (maps.conventions.no_depth != 0.f) {
-          maps.conventions.remarks.push_back(
-              NoDepthRemark(maps.conventions.no_depth));
-        }
-      }
       return maps;
     } catch (const Error&) {
       if (is_still_there()) {
@@ -320,8 +316,8 @@ DepthNormalReader Workspace::OpenOriginalMaps(int image, MapType type) const {
 }
 
 std::optional<MapReader> Workspace::OpenCosts(
-    int image, MapType type, const RasterSize& depth_size) const {
-  const std::filesystem::path path = Paths(image, type).cost;
+    int image, const RasterSize& depth_size) const {
+  const std::filesystem::path path = Paths(image, type_).cost;
   if (!Exists(path)) {
     return std::nullopt;
   }

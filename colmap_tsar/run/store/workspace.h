@@ -60,11 +60,6 @@ struct DepthNormalReader {
   }
 };
 
-// Throws kMismatch where a map is not of the size of the depth map beside it.
-void RequireSizeOfDepthMap(const std::filesystem::path& map,
-                           const RasterSize& size,
-                           const RasterSize& depth_size);
-
 // COLMAP's dense workspace: images/, sparse/ and stereo/. Images are given by
 // their index in Model().images. All const methods may be called from several
 // threads.
@@ -78,10 +73,6 @@ class Workspace {
 
   const std::filesystem::path& Root() const { return root_; }
   MapType Type() const { return type_; }
-  MapType OtherType() const {
-    return type_ == MapType::kPhotometric ? MapType::kGeometric
-                                          : MapType::kPhotometric;
-  }
   const SparseModel& Model() const { return model_; }
   // The folder of the model: sparse, or sparse/0.
   const std::filesystem::path& ModelFolder() const { return model_folder_; }
@@ -100,6 +91,10 @@ class Workspace {
   const Camera& CameraOf(int image) const {
     return model_.images.at(static_cast<size_t>(image)).camera;
   }
+  // From now on, all files but masks and priors are those in another folder,
+  // whose sparse model and patch-match.cfg are the same.
+  void MoveTo(const std::filesystem::path& root);
+
   // Throws kMismatch where a map of this size is not of the image's shape.
   void RequireShapeOfImage(int image,
                            const std::filesystem::path& map,
@@ -151,7 +146,6 @@ class Workspace {
   // this size; nothing without. Throws Error: what MapReader throws, kCorrupt
   // (there are not two channels), kMismatch (it is of another size).
   std::optional<MapReader> OpenCosts(int image,
-                                     MapType type,
                                      const RasterSize& depth_size) const;
 
  private:

@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/io/map_io.h"
+#include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/load_view.h"
 #include "colmap_tsar/run/refine_devices.h"
@@ -13,11 +14,20 @@
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
 
 #include <memory>
+#include <thread>
 #include <utility>
 #include <vector>
 
 namespace tsar {
 namespace {
+
+// Depths from priors and chance agree with near sources more often than matched
+// ones, so that COLMAP's angle between the rays is demanded.
+StereoOptions OptionsOfFilter() {
+  StereoOptions options;
+  options.filter_min_triangulation_angle = 3.0;
+  return options;
+}
 
 class FilterPass : public ImagePass<StereoMaps> {
  public:
@@ -73,7 +83,7 @@ class FilterPass : public ImagePass<StereoMaps> {
   const Workspace& workspace_;
   const WorkspaceOverview& overview_;
   std::vector<RefineWorker>& workers_;
-  const StereoOptions options_;
+  const StereoOptions options_ = OptionsOfFilter();
 };
 
 }  // namespace
@@ -81,7 +91,9 @@ class FilterPass : public ImagePass<StereoMaps> {
 void FilterMaps(const Workspace& workspace,
                 const DeviceOptions& device_options,
                 Progress& progress) {
-  const WorkspaceOverview overview = CheckWorkspace(workspace);
+  const std::jthread preparing_gpus = BeginPreparingGpus(device_options);
+  const WorkspaceOverview overview =
+      CheckWorkspace(workspace, device_options.num_threads);
   std::vector<size_t> images;
   for (size_t i = 0; i < workspace.Problems().size(); ++i) {
     if (overview.has_maps[workspace.Problems()[i].reference]) {

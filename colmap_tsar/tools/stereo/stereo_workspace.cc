@@ -13,6 +13,7 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/photo.h"
 #include "colmap_tsar/matching/matching_cost.h"
+#include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/image_selection.h"
 #include "colmap_tsar/run/memory_plan.h"
@@ -23,6 +24,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <thread>
 
 namespace tsar {
 namespace {
@@ -330,6 +332,7 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
   device_options.Check();
   options.Check();
   const Stopwatch stopwatch;
+  const std::jthread preparing_gpus = BeginPreparingGpus(device_options);
   const Workspace workspace = OpenForStereo(workspace_path, files);
   const WorkspaceLock lock(workspace.Root());
   const std::vector<bool> is_listed =

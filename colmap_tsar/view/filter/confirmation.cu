@@ -17,7 +17,6 @@ constexpr float kMinTexture = 2.f;
 struct ConfirmationKernel {
   ImageView<const float> gray;
   ImageView<const uint8_t> agreement;
-  ImageView<const uint8_t> is_candidate;
   NoiseCurve noise;
 
   TSAR_HD uint8_t operator()(int x, int y) const {
@@ -25,8 +24,7 @@ struct ConfirmationKernel {
   }
 
   TSAR_HD Confirmation Judge(int x, int y) const {
-    const bool can_be = is_candidate.Empty() || is_candidate(x, y) != 0;
-    if (agreement(x, y) == 0 || !can_be) {
+    if (agreement(x, y) == 0) {
       return Confirmation::kNone;
     }
     const float texture = OwnTexture(gray, x, y);
@@ -42,14 +40,12 @@ struct ConfirmationKernel {
 
 DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
                                    ImageView<const uint8_t> agreement,
-                                   ImageView<const uint8_t> is_candidate,
                                    const NoiseCurve& noise,
                                    Device& device) {
-  return MapPixels<uint8_t>(
-      device,
-      gray.width,
-      gray.height,
-      ConfirmationKernel{gray, agreement, is_candidate, noise});
+  return MapPixels<uint8_t>(device,
+                            gray.width,
+                            gray.height,
+                            ConfirmationKernel{gray, agreement, noise});
 }
 
 }  // namespace tsar

@@ -20,11 +20,9 @@ enum class Confirmation : uint8_t {
 
 // The Confirmation of each pixel: other views agree with its depth, and the
 // pixel itself has texture. gray: 0-255, of the map's size. agreement: number
-// of agreeing views. is_candidate: 0 where a depth cannot be confirmed; empty:
-// all are candidates.
+// of agreeing views.
 DeviceImage<uint8_t> ConfirmDepths(ImageView<const float> gray,
                                    ImageView<const uint8_t> agreement,
-                                   ImageView<const uint8_t> is_candidate,
                                    const NoiseCurve& noise,
                                    Device& device);
 

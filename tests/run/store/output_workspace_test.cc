@@ -20,8 +20,7 @@ class OutputWorkspaceTest : public testing::Test {
   void SetUp() override { MakeTestWorkspace(root_); }
 
   Workspace Create() {
-    return CreateOutputWorkspace(
-        Workspace(root_, kGeometric), output_, kGeometric);
+    return CreateOutputWorkspace(Workspace(root_, kGeometric), output_);
   }
   ImageRecord Record() {
     ImageRecord record;
@@ -38,7 +37,7 @@ class OutputWorkspaceTest : public testing::Test {
     SCOPED_TRACE(output);
     const Workspace input(root_, kGeometric);
     ExpectError(ErrorCode::kUnsupported, {output.string()}, [&] {
-      CreateOutputWorkspace(input, output, kGeometric);
+      CreateOutputWorkspace(input, output);
     });
   }
 
@@ -50,6 +49,7 @@ class OutputWorkspaceTest : public testing::Test {
 TEST_F(OutputWorkspaceTest, HoldsEverythingThatTheInputHolds) {
   const Workspace output = Create();
   EXPECT_EQ(output.Root(), output_);
+  EXPECT_EQ(output.ModelFolder(), output_ / "sparse");
   ASSERT_EQ(output.Problems().size(), 3u);
   EXPECT_EQ(output.ReadImage(1, 8, 6)(0, 0).r, 200);
   EXPECT_EQ(ReadText(output_ / "stereo/fusion.cfg"),
@@ -153,7 +153,7 @@ TEST_F(OutputWorkspaceTest, AnOutputOfAnOutputHasTheSameOriginals) {
   WriteRefined(Create(), 0, MakeRefinedMaps(42.f), Record());
   for (int i = 0; i < 2; ++i) {
     const Workspace second = CreateOutputWorkspace(
-        Workspace(output_, kGeometric), folder_.Path() / "second", kGeometric);
+        Workspace(output_, kGeometric), folder_.Path() / "second");
     EXPECT_EQ(Depth(second, 0), 2.f);
   }
 }
@@ -192,7 +192,7 @@ TEST_F(OutputWorkspaceTest, RefusesForeignFoldersAndFiles) {
 TEST_F(OutputWorkspaceTest, RefusesTheOutputOfAnotherInput) {
   const auto other = folder_.Path() / "other";
   MakeTestWorkspace(other);
-  CreateOutputWorkspace(Workspace(other, kGeometric), output_, kGeometric);
+  CreateOutputWorkspace(Workspace(other, kGeometric), output_);
   ExpectRefused(output_);
 }
 

@@ -27,15 +27,10 @@ Image<float> HalfTextured(float contrast) {
 
 Image<uint8_t> Confirm(const Image<float>& gray,
                        const Image<uint8_t>& agreement,
-                       const Image<uint8_t>& is_candidate,
                        const NoiseCurve& noise = kNoise) {
   const std::unique_ptr<Device> device = CreateTestDevice(2);
   DeviceCopies on_device(*device);
-  return ConfirmDepths(on_device(gray),
-                       on_device(agreement),
-                       on_device(is_candidate),
-                       noise,
-                       *device)
+  return ConfirmDepths(on_device(gray), on_device(agreement), noise, *device)
       .ToHost();
 }
 
@@ -51,7 +46,7 @@ TEST(ConfirmDepths, NeedsAnotherViewAndTextureOfItsOwn) {
   Image<uint8_t> agreement(kSize, kSize, 2);
   agreement(12, 5) = 0;
   agreement(13, 5) = 1;
-  const Image<uint8_t> found = Confirm(HalfTextured(4.f), agreement, {});
+  const Image<uint8_t> found = Confirm(HalfTextured(4.f), agreement);
   Expect(found, 2, 5, Confirmation::kNone);
   // The texture begins three pixels beside it.
   Expect(found, 5, 5, Confirmation::kNone);
@@ -69,8 +64,7 @@ TEST(ConfirmDepths, MeasuresTextureInUnitsOfTheNoise) {
                           const NoiseCurve& noise,
                           Confirmation expected) {
     SCOPED_TRACE(contrast);
-    Expect(
-        Confirm(HalfTextured(contrast), agreement, {}, noise), 12, 8, expected);
+    Expect(Confirm(HalfTextured(contrast), agreement, noise), 12, 8, expected);
   };
   // Its variance is 1: that of the noise.
   expect(1.f, kNoise, Confirmation::kNone);
@@ -86,26 +80,13 @@ TEST(ConfirmDepths, TellsDistinctTextureFromWeak) {
   // Columns of +- c levels: three and two of the five have a variance of
   // 0.96 c^2.
   const Image<uint8_t> agreement(kSize, kSize, 1);
+  Expect(Confirm(HalfTextured(8.1f), agreement), 12, 8, Confirmation::kWeak);
   Expect(
-      Confirm(HalfTextured(8.1f), agreement, {}), 12, 8, Confirmation::kWeak);
-  Expect(Confirm(HalfTextured(8.2f), agreement, {}),
-         12,
-         8,
-         Confirmation::kDistinct);
-  Expect(Confirm(HalfTextured(8.2f), Image<uint8_t>(kSize, kSize), {}),
+      Confirm(HalfTextured(8.2f), agreement), 12, 8, Confirmation::kDistinct);
+  Expect(Confirm(HalfTextured(8.2f), Image<uint8_t>(kSize, kSize)),
          12,
          8,
          Confirmation::kNone);
-}
-
-TEST(ConfirmDepths, LeavesOutWhatCannotBeConfirmed) {
-  const Image<uint8_t> agreement(kSize, kSize, 3);
-  Image<uint8_t> is_candidate(kSize, kSize, 1);
-  is_candidate(12, 8) = 0;
-  const Image<uint8_t> found =
-      Confirm(HalfTextured(16.f), agreement, is_candidate);
-  Expect(found, 12, 8, Confirmation::kNone);
-  Expect(found, 13, 8, Confirmation::kDistinct);
 }
 
 }  // namespace
