@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/macros.h"
 
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -120,14 +121,21 @@ TSAR_HD inline uint16_t ToPositiveHalf(float value) {
 }
 
 inline float HalfToFloat(uint16_t bits) {
-  const int exponent = (bits >> 10) & 0x1f;
-  const int fraction = bits & 0x3ff;
+  const uint32_t exponent = (bits >> 10) & 0x1f;
+  const uint32_t fraction = bits & 0x3ff;
+  // The exponent's bias is 112 less than that of floats.
+  const uint32_t float_exponent = exponent == 0x1f ? 0xff : exponent + 112;
   const float magnitude =
-      exponent == 0 ? static_cast<float>(fraction) * kMinHalf
-      : exponent == 0x1f
-          ? (fraction == 0 ? INFINITY : NAN)
-          : std::ldexp(static_cast<float>(1024 + fraction), exponent - 25);
+      exponent == 0
+          ? static_cast<float>(fraction) * kMinHalf
+          : std::bit_cast<float>(float_exponent << 23 | fraction << 13);
   return (bits & 0x8000) != 0 ? -magnitude : magnitude;
+}
+
+// The nearest integer, halves away from 0, of numbers up to 2^22: std::lround
+// but for the last bit below a half, and inlined.
+inline int RoundToInt(float value) {
+  return static_cast<int>(value + std::copysign(0.5f, value));
 }
 
 }  // namespace tsar

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
@@ -48,8 +49,8 @@ inline void EncodeNormal(const Vec3f& normal, FusionPixel* pixel) {
     y = (1.f - std::abs(x)) * (y < 0.f ? -1.f : 1.f);
     x = folded_x;
   }
-  pixel->normal_x = static_cast<int16_t>(std::lround(32767.f * x));
-  pixel->normal_y = static_cast<int16_t>(std::lround(32767.f * y));
+  pixel->normal_x = static_cast<int16_t>(RoundToInt(32767.f * x));
+  pixel->normal_y = static_cast<int16_t>(RoundToInt(32767.f * y));
 }
 
 TSAR_HD inline Vec3f DecodeNormal(const FusionPixel& pixel) {
@@ -71,7 +72,7 @@ TSAR_HD inline Vec3f DecodeNormal(const FusionPixel& pixel) {
 inline uint16_t EncodeSigma(float relative_sigma) {
   const float level = relative_sigma / kSigmaStep;
   return level > 1.f
-             ? static_cast<uint16_t>(std::lround(std::min(level, 65535.f)))
+             ? static_cast<uint16_t>(RoundToInt(std::min(level, 65535.f)))
              : uint16_t{1};
 }
 

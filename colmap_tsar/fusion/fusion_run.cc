@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <future>
 #include <limits>
+#include <thread>
 
 namespace tsar {
 namespace {
@@ -32,7 +34,7 @@ constexpr const char* kStopped = "interrupted; nothing was written";
 FusionView LoadFusionView(const Workspace& workspace,
                           int image,
                           const std::vector<int>& sources) {
-  const ImageMaps maps = ReadImageMaps(workspace, image);
+  const ImageMaps maps = ReadImageMaps(workspace, image, /*with_labels=*/false);
   const int width = maps.depth.Width();
   const int height = maps.depth.Height();
   const Image<Rgb> color = workspace.ReadImage(image, width, height);
@@ -99,8 +101,8 @@ FusionRun::FusionRun(const Workspace& workspace,
       plan_(plan),
       fusion_(fusion),
       device_options_(devices),
-      max_cache_bytes_(
-          MainMemoryBudget(devices.cache_size, MainMemoryBytes())) {
+      max_group_bytes_(MainMemoryBudget(devices.cache_size, MainMemoryBytes()) /
+                       2) {
   MeasureImages();
   OpenDevices();
 }
@@ -109,28 +111,50 @@ void FusionRun::Run(const UsePoints& use,
                     const Finish& finish,
                     Progress& progress) {
   progress.Start(static_cast<int>(plan_.order.size()), "Fusion:");
-  for (Group group; group.end < plan_.order.size();) {
-    group = GroupFrom(group.end);
-    Load(group, progress);
-    std::atomic<size_t> next = group.begin;
-    ThreadPool threads(
-        static_cast<int>(std::min(devices_.size(), group.end - group.begin)));
-    threads.Run(static_cast<int64_t>(devices_.size()),
-                [&](int64_t begin, int64_t end) {
-                  for (int64_t d = begin; d < end; ++d) {
-                    for (size_t i = next++; i < group.end; i = next++) {
-                      progress.ThrowIfStopped(kStopped);
-                      use(i, Fuse(plan_.order[i], &devices_[d]));
-                      progress.Advance(/*was_work=*/true);
-                    }
-                  }
-                });
+  Group group = GroupFrom(0);
+  FusionViews views = Load(group, {}, progress);
+  while (group.begin < group.end) {
+    const Group next = GroupFrom(group.end);
+    std::packaged_task<FusionViews()> load_next(
+        [&] { return Load(next, views, progress); });
+    std::future<FusionViews> next_views = load_next.get_future();
+    // Reading takes the CPU longer than fusing takes the GPUs.
+    const bool is_concurrent = cpu_ == nullptr;
+    std::jthread loader;
+    if (is_concurrent) {
+      loader = StartThread([&] { load_next(); });
+    }
+    FuseGroup(group, views, use, progress);
     for (size_t i = group.begin; i < group.end; ++i) {
       finish(i);
     }
+    if (!is_concurrent) {
+      load_next();
+    }
+    views = next_views.get();
+    group = next;
   }
   progress.ThrowIfStopped(kStopped);
   progress.Finish();
+}
+
+void FusionRun::FuseGroup(const Group& group,
+                          const FusionViews& views,
+                          const UsePoints& use,
+                          Progress& progress) {
+  std::atomic<size_t> next = group.begin;
+  ThreadPool threads(
+      static_cast<int>(std::min(devices_.size(), group.end - group.begin)));
+  threads.Run(static_cast<int64_t>(devices_.size()),
+              [&](int64_t begin, int64_t end) {
+                for (int64_t d = begin; d < end; ++d) {
+                  for (size_t i = next++; i < group.end; i = next++) {
+                    progress.ThrowIfStopped(kStopped);
+                    use(i, Fuse(plan_.order[i], views, &devices_[d]));
+                    progress.Advance(/*was_work=*/true);
+                  }
+                }
+              });
 }
 
 std::vector<RunSummary::GpuMemory> FusionRun::PeakGpuMemory() const {
@@ -204,7 +228,7 @@ int64_t FusionRun::ResultBytes(int image) const {
 
 FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
   const size_t max_size =
-      2 * std::max(devices_.size(), static_cast<size_t>(NumThreads(-1)));
+      std::max(devices_.size(), static_cast<size_t>(NumThreads(-1)));
   Group group = {begin, begin, {}};
   std::vector<bool> is_needed(num_pixels_.size(), false);
   int64_t num_bytes = 0;
@@ -218,7 +242,7 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
         num_new_bytes += kPixelBytes * num_pixels_[image];
       }
     }
-    if (i > begin && num_bytes + num_new_bytes > max_cache_bytes_) {
+    if (i > begin && num_bytes + num_new_bytes > max_group_bytes_) {
       break;
     }
     for (const int image : added) {
@@ -231,26 +255,31 @@ FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
   return group;
 }
 
-void FusionRun::Load(const Group& group, Progress& progress) {
-  std::erase_if(views_, [&](const auto& view) {
-    return std::ranges::find(group.needed, view.first) == group.needed.end();
-  });
+FusionViews FusionRun::Load(const Group& group,
+                            const FusionViews& loaded,
+                            Progress& progress) const {
+  FusionViews views;
   std::vector<int> missing;
   for (const int image : group.needed) {
-    if (views_.try_emplace(image).second) {
+    const auto found = loaded.find(image);
+    if (found == loaded.end()) {
       missing.push_back(image);
     }
+    views[image] = found == loaded.end() ? nullptr : found->second;
   }
   ForEachImage(workspace_, missing, device_options_.num_threads, [&](size_t i) {
     progress.ThrowIfStopped(kStopped);
     const int image = missing[i];
-    views_.at(image) = std::make_shared<const FusionView>(
+    views.at(image) = std::make_shared<const FusionView>(
         LoadFusionView(workspace_, image, SourcesOf(image)));
   });
+  return views;
 }
 
-FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
-  const std::vector<FusionInput> inputs = device->Use(ImagesOf(image), views_);
+FusedImage FusionRun::Fuse(int image,
+                           const FusionViews& views,
+                           FusionDevice* device) const {
+  const std::vector<FusionInput> inputs = device->Use(ImagesOf(image), views);
   std::vector<FusionSourceInput> sources;
   for (size_t i = 1; i < inputs.size(); ++i) {
     const int source = SourcesOf(image)[i - 1];
@@ -263,7 +292,7 @@ FusedImage FusionRun::Fuse(int image, FusionDevice* device) {
          place});
   }
   return {image,
-          views_.at(image).get(),
+          views.at(image).get(),
           FuseView(inputs[0],
                    plan_.places[image],
                    sources,

@@ -67,7 +67,8 @@ class FusionDevice {
 
 // Fuses the images of a plan, as many concurrently as there are devices. Main
 // memory holds the images at work, up to cache_size, but at least one image
-// with its sources; those that the next ones need as well stay there.
+// with its sources and the next one with its own; what the next ones need as
+// well stays there.
 class FusionRun {
  public:
   // All references must outlive this object. Throws what OpenGpus and
@@ -108,16 +109,26 @@ class FusionRun {
   void OpenDevices();
 
   // Consecutive images of the plan that are processed together: as many as fit
-  // into memory with their sources, but no more than needed to keep all threads
-  // busy.
+  // into half of the memory with their sources, but no more than needed to keep
+  // all threads busy. While GPUs fuse them, the views of the next group are
+  // read.
   struct Group {
     size_t begin = 0;
     size_t end = 0;
     std::vector<int> needed;  // Images that are to be in memory.
   };
   Group GroupFrom(size_t begin) const;
-  void Load(const Group& group, Progress& progress);
-  FusedImage Fuse(int image, FusionDevice* device);
+  // The needed views. loaded: those of the group before, which are shared.
+  FusionViews Load(const Group& group,
+                   const FusionViews& loaded,
+                   Progress& progress) const;
+  void FuseGroup(const Group& group,
+                 const FusionViews& views,
+                 const UsePoints& use,
+                 Progress& progress);
+  FusedImage Fuse(int image,
+                  const FusionViews& views,
+                  FusionDevice* device) const;
 
   const Workspace& workspace_;
   const FusionPlan& plan_;
@@ -126,8 +137,7 @@ class FusionRun {
   std::vector<int64_t> num_pixels_;  // By image; 0 where it is not used.
   int max_width_ = 0;
   int max_height_ = 0;
-  const int64_t max_cache_bytes_;
-  FusionViews views_;  // Of the group at work.
+  const int64_t max_group_bytes_;
   std::string description_;
   std::vector<GpuWorkers> gpus_;
   std::unique_ptr<Device> cpu_;

@@ -172,11 +172,24 @@ DepthImage ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
                          shape[0],
                          channels,
                          static_cast<size_t>(type[2] - '0')));
-  for (float& value : values) {
-    value = type == "<f4"   ? reader.Read<float>()
-            : type == "<f2" ? HalfToFloat(reader.Read<uint16_t>())
-            : type == "<u2" ? static_cast<float>(reader.Read<uint16_t>())
-                            : static_cast<float>(reader.Read<double>());
+  const auto read_values = [&]<typename T>(const auto& to_float) {
+    const uint8_t* next = reader.Take(values.size() * sizeof(T)).data();
+    for (float& value : values) {
+      T stored;
+      std::memcpy(&stored, next, sizeof(T));
+      value = to_float(stored);
+      next += sizeof(T);
+    }
+  };
+  const auto cast = [](auto value) { return static_cast<float>(value); };
+  if (type == "<f2") {
+    read_values.operator()<uint16_t>(&HalfToFloat);
+  } else if (type == "<u2") {
+    read_values.operator()<uint16_t>(cast);
+  } else if (type == "<f4") {
+    read_values.operator()<float>(cast);
+  } else {
+    read_values.operator()<double>(cast);
   }
   if (is_planar && channels > 1) {
     const std::vector<float> planes = std::move(values);

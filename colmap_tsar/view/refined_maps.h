@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
@@ -55,8 +56,8 @@ struct RefinedMaps {
 // reserved for no depth; positive values below one step become 1.
 inline uint8_t ToConfidenceLevel(float confidence) {
   return confidence > 0.f
-             ? static_cast<uint8_t>(std::lround(
-                   255.f * std::clamp(confidence, 1.f / 255.f, 1.f)))
+             ? static_cast<uint8_t>(
+                   RoundToInt(255.f * std::clamp(confidence, 1.f / 255.f, 1.f)))
              : uint8_t{0};
 }
 

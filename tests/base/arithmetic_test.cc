@@ -69,6 +69,22 @@ TEST(Half, EveryNumberComesBack) {
   EXPECT_EQ(HalfToFloat(0), 0.f);
 }
 
+TEST(Half, ReadsNegativeAndSpecialNumbers) {
+  EXPECT_EQ(HalfToFloat(0xc000), -2.f);
+  EXPECT_EQ(HalfToFloat(0x8001), -kMinHalf);
+  EXPECT_EQ(HalfToFloat(0x7c00), std::numeric_limits<float>::infinity());
+  EXPECT_EQ(HalfToFloat(0xfc00), -std::numeric_limits<float>::infinity());
+  EXPECT_TRUE(std::isnan(HalfToFloat(0x7c01)));
+}
+
+TEST(RoundToInt, IsThatOfTheLibrary) {
+  for (int eighths = -400; eighths <= 400; ++eighths) {
+    const float value = static_cast<float>(eighths) / 8.f;
+    EXPECT_EQ(RoundToInt(value), std::lround(value)) << value;
+    EXPECT_EQ(RoundToInt(1000.f * value), std::lround(1000.f * value));
+  }
+}
+
 std::array<uint32_t, 4> NextBlock(Philox* random) {
   std::array<uint32_t, 4> block;
   for (uint32_t& number : block) {

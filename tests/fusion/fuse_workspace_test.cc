@@ -138,7 +138,11 @@ TEST_F(FuseWorkspaceTest, MapsOfOtherConventionsAreReadAsColmapsAre) {
 TEST_F(FuseWorkspaceTest, WithBadMapsOrNoneNothingIsWritten) {
   const fs::path map = root_ / "stereo/depth_maps/v3.png.geometric.bin";
   fs::resize_file(map, fs::file_size(map) - 1);
-  ExpectError(ErrorCode::kCorrupt, {map.string()}, [&] { Fuse(); });
+  // All images at once, and one after the other.
+  for (const double cache_size : {options_.devices.cache_size, 1e-6}) {
+    options_.devices.cache_size = cache_size;
+    ExpectError(ErrorCode::kCorrupt, {map.string()}, [&] { Fuse(); });
+  }
   fs::remove_all(root_ / "stereo/depth_maps");
   fs::create_directories(root_ / "stereo/depth_maps");
   ExpectError(ErrorCode::kNotFound,

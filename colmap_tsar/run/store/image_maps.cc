@@ -157,7 +157,9 @@ Image<Vec3f> ReadImageNormal(const Workspace& workspace,
   return normal;
 }
 
-ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
+ImageMaps ReadImageMaps(const Workspace& workspace,
+                        int image,
+                        bool with_labels) {
   const MapPaths paths = workspace.Paths(image, workspace.Type());
   const MapConventions conventions = ConventionsOf(workspace, image);
   ImageMaps maps;
@@ -165,8 +167,10 @@ ImageMaps ReadImageMaps(const Workspace& workspace, int image) {
   maps.normal = ReadWholeNormal(workspace, image, maps.depth, conventions);
   maps.confidence = ReadIfThere(maps.depth, paths.confidence, &ReadGrayPng);
   maps.sigma = ReadIfThere(maps.depth, paths.sigma, &ReadSigmaMap);
-  maps.provenance = ReadIfThere(maps.depth, paths.provenance, &ReadGrayPng);
-  maps.planes = ReadIfThere(maps.depth, paths.planes, &ReadGray16Png);
+  if (with_labels) {
+    maps.provenance = ReadIfThere(maps.depth, paths.provenance, &ReadGrayPng);
+    maps.planes = ReadIfThere(maps.depth, paths.planes, &ReadGray16Png);
+  }
   ClearMaskedPixels(MaskOf(workspace, image, maps.depth), &maps);
   return maps;
 }

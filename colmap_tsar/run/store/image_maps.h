@@ -54,7 +54,10 @@ Workspace OpenWorkspaceWithMaps(const std::filesystem::path& root,
 // Maps that were not refined are read by their conventions. Throws Error:
 // kMismatch (a map's aspect ratio is not the image's, or its size
 // not the depth map's), and those of the readers and Workspace::ReadMask.
-ImageMaps ReadImageMaps(const Workspace& workspace, int image);
+// with_labels: also the maps of provenance and planes.
+ImageMaps ReadImageMaps(const Workspace& workspace,
+                        int image,
+                        bool with_labels = true);
 
 // The depth and the normal map before refinement, 0 where the image is masked;
 // no other maps. Throws what Workspace::ReadOriginalMaps and ReadMask throw.
