@@ -9,9 +9,9 @@
 namespace tsar {
 
 struct HypothesisFilterOptions {
-  // These have the names, meanings and defaults of COLMAP's patch_match_stereo.
+  // These have the names and meanings of patch_match_stereo's options.
   float min_ncc = 0.1f;
-  float min_triangulation_angle = 3.f;    // Degrees, between the rays.
+  float min_triangulation_angle = 0.5f;   // Degrees, between the rays.
   int min_num_consistent = 2;             // Sources.
   float geom_consistency_max_cost = 1.f;  // Pixels of reprojection error.
   float window_radius = 5.f;              // Pixels.

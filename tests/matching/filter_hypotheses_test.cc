@@ -139,10 +139,18 @@ TEST_P(FilterHypothesesTest, LimitsTheReprojectionError) {
 }
 
 TEST_P(FilterHypothesesTest, NeedsAnAngleBetweenTheViews) {
+  // About 0.4 degrees.
+  AddSource(0.02, 0.0);
+  AddSource(-0.02, 0.0);
+  EXPECT_EQ(ShareKept(), 0.f);
+  options_.min_triangulation_angle = 0.3f;
+  EXPECT_EQ(ShareKept(), 1.f);
+}
+
+TEST_P(FilterHypothesesTest, NeedsTheAngleThatIsAskedFor) {
   // About 2 degrees.
   AddSource(0.1, 0.0);
   AddSource(-0.1, 0.0);
-  EXPECT_EQ(ShareKept(), 0.f);
   options_.min_triangulation_angle = 1.5f;
   EXPECT_EQ(ShareKept(), 1.f);
   options_.min_triangulation_angle = 2.5f;

@@ -21,9 +21,11 @@ struct StereoOptions {
   bool geom_consistency = true;
   int num_geometric_passes = 2;  // Passes over all images.
   bool smooth_normals = true;    // In the geometric maps.
-  // The filter of the geometric maps.
+  // The filter of the geometric maps. COLMAP demands 3 degrees; here fusion and
+  // refinement weigh depths by their precision, and the filter has to exclude
+  // only sources so near to the reference that they agree at any depth.
   double filter_min_ncc = 0.1;
-  double filter_min_triangulation_angle = 3.0;
+  double filter_min_triangulation_angle = 0.5;
   int filter_min_num_consistent = 2;
   double filter_geom_consistency_max_cost = 1.0;
 
