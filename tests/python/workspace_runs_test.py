@@ -13,7 +13,7 @@ from virtual_environment import optional, run_tests
 
 np = optional("numpy")
 
-QUICK_STEREO = {"num_sources": 2, "num_levels": 1, "num_iterations": 1, "max_image_size": 160,
+QUICK_STEREO = {"num_sources": 3, "num_levels": 2, "num_iterations": 2, "max_image_size": 160,
                 "num_geometric_passes": 1}
 
 

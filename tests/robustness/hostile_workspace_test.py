@@ -148,9 +148,9 @@ def check_linked_files():
     # An output workspace leads to its input by design; nothing is written there.
     shutil.rmtree(work)
     copy(setting.mapped, outside)
-    nothing = [2.0] * (synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT)
+    costs = [0.5] * (synthetic_workspace.WIDTH * synthetic_workspace.HEIGHT)
     synthetic_workspace.write(os.path.join(outside, "stereo", "cost_maps", KEY + ".bin"),
-                              synthetic_workspace.map_file([nothing, nothing]))
+                              synthetic_workspace.map_file([costs, costs]))
     before = read_tree(outside)
     program.run("tsar_refine", outside, "--output_path", work)
     for case in ("refine", "stereo"):
