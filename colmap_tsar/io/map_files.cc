@@ -173,13 +173,9 @@ DepthImage ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
                          channels,
                          static_cast<size_t>(type[2] - '0')));
   const auto read_values = [&]<typename T>(const auto& to_float) {
-    const uint8_t* next = reader.Take(values.size() * sizeof(T)).data();
-    for (float& value : values) {
-      T stored;
-      std::memcpy(&stored, next, sizeof(T));
-      value = to_float(stored);
-      next += sizeof(T);
-    }
+    std::vector<T> stored(values.size());
+    reader.ReadAll(std::span(stored));
+    std::ranges::transform(stored, values.begin(), to_float);
   };
   const auto cast = [](auto value) { return static_cast<float>(value); };
   if (type == "<f2") {
@@ -187,7 +183,7 @@ DepthImage ParseNpy(std::span<const uint8_t> bytes, const std::string& name) {
   } else if (type == "<u2") {
     read_values.operator()<uint16_t>(cast);
   } else if (type == "<f4") {
-    read_values.operator()<float>(cast);
+    reader.ReadAll(std::span(values));
   } else {
     read_values.operator()<double>(cast);
   }

@@ -25,6 +25,7 @@ struct GpuSystem {
   // which costs time, address space and threads.
   std::function<int()> count;
   std::function<std::unique_ptr<Device>(int gpu_index)> create;
+
   static GpuSystem Cuda();
 };
 
