@@ -17,7 +17,7 @@ namespace tsar {
 
 // The number of images that a GPU works on at a time: some are copied while
 // another is computed.
-constexpr int kMaxGpuWorkers = 4;
+constexpr int kMaxGpuWorkers = 8;
 
 // The GPUs of the machine, for tests to replace.
 struct GpuSystem {

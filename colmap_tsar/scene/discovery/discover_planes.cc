@@ -25,8 +25,7 @@ namespace {
 // small, since views have errors in common.
 constexpr double kMaxAlignmentLoss = 0.1;
 // Fits are repeated while they improve planes, so that different ways lead to
-// the same planes; these limits are hardly ever reached.
-constexpr int kMaxFirstFits = 10;
+// the same planes; this limit is hardly ever reached.
 constexpr int kMaxImprovingRounds = 20;
 
 class Discovery {
@@ -55,9 +54,18 @@ class Discovery {
   // The planes for superpixels that known planes explain poorly. best: the best
   // score of each superpixel so far.
   std::vector<ScoredPlane> Extend(const std::vector<WorldPlane>& candidates,
-                                  std::vector<float> best) {
-    ChooseCandidates(candidates, std::move(best));
-    return std::move(planes_);
+                                  const std::vector<float>& best) {
+    ChooseCandidates(candidates, best);
+    std::vector<std::vector<int>> members = AssignedSuperpixels(
+        Rank(planes_, num_superpixels_, threads_), planes_.size());
+    std::vector<WorldPlane> fits;
+    for (size_t p = 0; p < planes_.size(); ++p) {
+      const ScoredPlane& plane = planes_[p];
+      std::erase_if(members[p],
+                    [&](int k) { return plane.scores[k] <= best[k]; });
+      fits.push_back(scorer_.Fit(plane.plane, scorer_.Sample(members[p])));
+    }
+    return scorer_.Score(fits);
   }
 
   // The frame to which planes were aligned.
@@ -72,37 +80,12 @@ class Discovery {
       if (choice.candidate < 0 || choice.gain < options_.min_gain) {
         break;
       }
-      planes_.push_back(ImproveByFits(
-          {candidates[choice.candidate], selection.Scores(choice.candidate)},
-          best));
+      planes_.emplace_back(candidates[choice.candidate],
+                           selection.Scores(choice.candidate));
       for (const int k : planes_.back().superpixels) {
         best[k] = std::max(best[k], planes_.back().scores[k]);
       }
     }
-  }
-
-  // Fits a plane to the superpixels for which it has the best score.
-  ScoredPlane ImproveByFits(ScoredPlane plane,
-                            const std::vector<float>& best) const {
-    const auto best_of = [&](int k) { return best[k]; };
-    double gain = PlaneGain(plane, best_of);
-    for (int i = 0; i < kMaxFirstFits; ++i) {
-      std::vector<int> won;
-      for (const int k : plane.superpixels) {
-        if (plane.scores[k] > best[k]) {
-          won.push_back(k);
-        }
-      }
-      ScoredPlane fitted =
-          scorer_.ScoreOne(scorer_.Fit(plane.plane, scorer_.Sample(won)));
-      const double fitted_gain = PlaneGain(fitted, best_of);
-      if (!(fitted_gain > gain)) {
-        break;
-      }
-      plane = std::move(fitted);
-      gain = fitted_gain;
-    }
-    return plane;
   }
 
   // Fits the planes to their assigned superpixels and keeps the fits that raise
