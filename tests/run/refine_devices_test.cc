@@ -89,15 +89,15 @@ std::vector<std::string> Names(const RefineDevices& devices) {
 
 TEST_F(RefineDevicesTest, TakesEveryGpuWithSeveralWorkers) {
   const RefineDevices devices = Create(2);
-  ASSERT_EQ(devices.workers.size(), 8u);
-  EXPECT_EQ(devices.workers[0].name, "GPU 0 (Card)");
-  EXPECT_EQ(devices.workers[3].name, "GPU 0 (Card)");
-  EXPECT_EQ(devices.workers[4].name, "GPU 1 (Card)");
-  EXPECT_EQ(devices.workers[0].views, devices.workers[3].views);
-  EXPECT_NE(devices.workers[3].views, devices.workers[4].views);
+  ASSERT_EQ(devices.workers.size(), 2u * kMaxGpuWorkers);
+  const RefineWorker& last_of_first = devices.workers[kMaxGpuWorkers - 1];
+  const RefineWorker& first_of_second = devices.workers[kMaxGpuWorkers];
+  EXPECT_EQ(last_of_first.name, "GPU 0 (Card)");
+  EXPECT_EQ(first_of_second.name, "GPU 1 (Card)");
+  EXPECT_EQ(devices.workers[0].views, last_of_first.views);
+  EXPECT_NE(last_of_first.views, first_of_second.views);
   EXPECT_NE(devices.workers[0].device, devices.workers[1].device);
-  EXPECT_EQ(devices.description, "GPU 0 (Card), GPU 1 (Card)");
-  EXPECT_EQ(devices.at_work.num_workers, 8);
+  EXPECT_EQ(devices.at_work.num_workers, 2 * kMaxGpuWorkers);
   EXPECT_GT(devices.at_work.num_threads, options_.num_threads);
 }
 
@@ -211,7 +211,7 @@ TEST_F(RefineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {
 
 TEST_F(RefineDevicesTest, GivesGpusAsManyWorkersAsFit) {
   size_t most = 0;
-  for (size_t tenths = 20; tenths <= 80; ++tenths) {
+  for (size_t tenths = 20; tenths <= 20 * kMaxGpuWorkers; ++tenths) {
     memory_[0] = static_cast<size_t>(Plan().device) * tenths / 10;
     const size_t num_workers = Create(1).workers.size();
     EXPECT_GE(num_workers, most);
