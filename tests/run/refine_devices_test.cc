@@ -89,14 +89,14 @@ std::vector<std::string> Names(const RefineDevices& devices) {
 
 TEST_F(RefineDevicesTest, TakesEveryGpuWithSeveralWorkers) {
   const RefineDevices devices = Create(2);
-  ASSERT_EQ(devices.workers.size(), 2u * kMaxGpuWorkers);
-  const RefineWorker& last_of_first = devices.workers[kMaxGpuWorkers - 1];
-  const RefineWorker& first_of_second = devices.workers[kMaxGpuWorkers];
-  EXPECT_EQ(last_of_first.name, "GPU 0 (Card)");
-  EXPECT_EQ(first_of_second.name, "GPU 1 (Card)");
-  EXPECT_EQ(devices.workers[0].views, last_of_first.views);
-  EXPECT_NE(last_of_first.views, first_of_second.views);
-  EXPECT_NE(devices.workers[0].device, devices.workers[1].device);
+  const std::vector<RefineWorker>& workers = devices.workers;
+  std::vector<std::string> names(kMaxGpuWorkers, "GPU 0 (Card)");
+  names.resize(2 * kMaxGpuWorkers, "GPU 1 (Card)");
+  ASSERT_EQ(Names(devices), names);
+  EXPECT_EQ(workers[0].views, workers[kMaxGpuWorkers - 1].views);
+  EXPECT_NE(workers[kMaxGpuWorkers - 1].views, workers[kMaxGpuWorkers].views);
+  EXPECT_NE(workers[0].device, workers[1].device);
+  EXPECT_EQ(devices.description, "GPU 0 (Card), GPU 1 (Card)");
   EXPECT_EQ(devices.at_work.num_workers, 2 * kMaxGpuWorkers);
   EXPECT_GT(devices.at_work.num_threads, options_.num_threads);
 }
