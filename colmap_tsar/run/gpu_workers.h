@@ -15,10 +15,6 @@
 
 namespace tsar {
 
-// The number of images that a GPU works on at a time: some are copied while
-// another is computed.
-constexpr int kMaxGpuWorkers = 8;
-
 // The GPUs of the machine, for tests to replace.
 struct GpuSystem {
   // Not called if the user demands the CPU: the call initializes the driver,
@@ -45,11 +41,14 @@ struct GpuWorkers {
 
 // The GPUs to work with, each of which gets at least one image; none where the
 // CPU is to be used. image_bytes: the GPU memory that an image at work takes.
+// images_per_gpu: how many a GPU works on at a time where its memory allows it;
+// some are copied while another is computed.
 // CreateRefineDevices describes which GPUs are left out, the warnings and the
 // errors.
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
                                  int64_t image_bytes,
                                  int num_images,
+                                 int images_per_gpu,
                                  const GpuSystem& gpus);
 
 }  // namespace tsar

@@ -11,8 +11,8 @@
 namespace tsar {
 namespace {
 
-// Reading an image and finding its scene takes up to ten times as long as one
-// GPU with two workers needs for it, and writing it four fifths of that.
+// Reading an image takes up to ten times as long as the GPU needs for it, and
+// writing it four fifths of that.
 constexpr int kThreadsPerGpu = 38;
 // A CPU takes so long for an image that one thread reads and writes for many
 // that compute.
@@ -107,7 +107,7 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
   const int num_threads = NumThreads(options.num_threads);
   RefineDevices result;
   std::vector<GpuWorkers> opened =
-      OpenGpus(options, plan.device, num_images, gpus);
+      OpenGpus(options, plan.device, num_images, kMaxGpuWorkers, gpus);
   const bool on_cpu = opened.empty();
   ImagesAtWork wanted;
   if (on_cpu) {
