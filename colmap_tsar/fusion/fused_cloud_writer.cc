@@ -6,28 +6,15 @@
 #include "colmap_tsar/base/folder.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
-#include <cstring>
 
 namespace tsar {
 namespace {
 
 static_assert(std::endian::native == std::endian::little,
               "The files are little-endian.");
-
-template <typename T>
-void Append(const T& value, std::string* bytes) {
-  char copy[sizeof(T)];
-  std::memcpy(copy, &value, sizeof(T));
-  bytes->append(copy, sizeof(T));
-}
-
-void AppendVector(const Eigen::Vector3d& vector, std::string* bytes) {
-  for (int i = 0; i < 3; ++i) {
-    Append(static_cast<float>(vector[i]), bytes);
-  }
-}
 
 Eigen::Vector3d ToEigen(const Vec3f& vector) {
   return Eigen::Vector3d(vector.x, vector.y, vector.z);
@@ -47,9 +34,7 @@ std::string PlyHeader(int64_t num_points) {
 }
 
 std::string VisibilityHeader(int64_t num_points) {
-  std::string header;
-  Append(static_cast<uint64_t>(num_points), &header);
-  return header;
+  return {reinterpret_cast<const char*>(&num_points), sizeof(num_points)};
 }
 
 void Rewrite(const std::string& header, AtomicFile* file) {
@@ -65,33 +50,40 @@ EncodedPoints EncodePoints(const std::vector<FusedPoint>& points,
                            const std::optional<Eigen::AlignedBox3d>& box,
                            int place_in_file,
                            const std::vector<int>& source_places_in_file) {
-  constexpr size_t kPointSize = 6 * sizeof(float) + 3;
+  size_t num_images = 0;
+  for (const FusedPoint& point : points) {
+    num_images += 2 + static_cast<size_t>(std::popcount(point.sources));
+  }
+  std::array<float, 6> coordinates;
+  Eigen::Map<Eigen::Vector3f> position(&coordinates[0]);
+  Eigen::Map<Eigen::Vector3f> normal(&coordinates[3]);
   EncodedPoints encoded;
-  encoded.points.reserve(points.size() * kPointSize);
+  encoded.points.reserve(points.size() * (sizeof(coordinates) + sizeof(Rgb)));
+  encoded.visibility.reserve(num_images);
   const Eigen::Matrix3d to_world = camera.rotation.transpose();
   const Eigen::Vector3d center = camera.Center();
-  std::vector<uint32_t> images;
   for (const FusedPoint& point : points) {
-    const Eigen::Vector3d position =
+    const Eigen::Vector3d in_world =
         to_world * ToEigen(point.position) + center;
+    position = in_world.cast<float>();
     // Damaged maps give positions beyond the range of floats.
-    if (!position.cast<float>().allFinite() ||
-        (box && !box->contains(position))) {
+    if (!position.allFinite() || (box && !box->contains(in_world))) {
       continue;
     }
-    AppendVector(position, &encoded.points);
-    AppendVector(to_world * ToEigen(point.normal), &encoded.points);
-    Append(point.color, &encoded.points);
-    images.assign(1, static_cast<uint32_t>(place_in_file));
+    normal = (to_world * ToEigen(point.normal)).cast<float>();
+    encoded.points.append(reinterpret_cast<const char*>(&coordinates),
+                          sizeof(coordinates));
+    encoded.points.append(reinterpret_cast<const char*>(&point.color),
+                          sizeof(Rgb));
+    std::vector<uint32_t>& images = encoded.visibility;
+    images.push_back(1 + static_cast<uint32_t>(std::popcount(point.sources)));
+    const auto num_before = static_cast<std::ptrdiff_t>(images.size());
+    images.push_back(static_cast<uint32_t>(place_in_file));
     for (uint64_t rest = point.sources; rest != 0; rest &= rest - 1) {
       images.push_back(
           static_cast<uint32_t>(source_places_in_file[std::countr_zero(rest)]));
     }
-    std::sort(images.begin(), images.end());
-    Append(static_cast<uint32_t>(images.size()), &encoded.visibility);
-    for (const uint32_t image : images) {
-      Append(image, &encoded.visibility);
-    }
+    std::sort(images.begin() + num_before, images.end());
     ++encoded.count;
   }
   return encoded;
@@ -101,12 +93,16 @@ FusedCloudWriter::FusedCloudWriter(const ContainedPath& path)
     : visibility_path_(path.Parent() / (path.Filename().string() + ".vis")),
       points_(path),
       visibility_(visibility_path_) {
-  Add({0, PlyHeader(0), VisibilityHeader(0)});
+  points_.Stream() << PlyHeader(0);
+  visibility_.Stream() << VisibilityHeader(0);
 }
 
 void FusedCloudWriter::Add(const EncodedPoints& points) {
   points_.Stream() << points.points;
-  visibility_.Stream() << points.visibility;
+  visibility_.Stream().write(
+      reinterpret_cast<const char*>(points.visibility.data()),
+      static_cast<std::streamsize>(points.visibility.size() *
+                                   sizeof(uint32_t)));
   num_points_ += points.count;
 }
 

@@ -20,8 +20,8 @@ namespace tsar {
 // The points of one image in the file formats of COLMAP's stereo_fusion.
 struct EncodedPoints {
   int64_t count = 0;
-  std::string points;      // For the PLY file.
-  std::string visibility;  // For the .vis file.
+  std::string points;                // For the PLY file.
+  std::vector<uint32_t> visibility;  // For the .vis file.
 };
 
 // Encodes points in the world frame, in single precision like COLMAP. box: in

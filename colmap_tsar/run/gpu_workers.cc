@@ -6,8 +6,8 @@
 #include "colmap_tsar/base/error.h"
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/start_thread.h"
-#include "colmap_tsar/base/text_stream.h"
 #include "colmap_tsar/base/warning.h"
+#include "colmap_tsar/run/memory_plan.h"
 
 #include <algorithm>
 #include <numeric>
@@ -20,10 +20,6 @@ namespace {
 // Memory besides the stages' buffers: the kernels, which the driver loads when
 // they are first used.
 constexpr int64_t kDriverBytes = int64_t{64} << 20;
-
-std::string Gigabytes(int64_t num_bytes) {
-  return Formatted("%.1f GB", static_cast<double>(num_bytes) / 1e9);
-}
 
 std::string NoGpu(int index, int num_gpus) {
   return OptionName("gpu_index") + ": there is no GPU " +

@@ -25,15 +25,6 @@ constexpr double kUsableShare = 0.8;
 // Of an uploaded view: gray values and depth.
 constexpr int64_t kUploadedBytesPerPixel = 8;
 
-// Rounds up to a tenth of a gigabyte.
-std::string Gigabytes(int64_t num_bytes) {
-  TextStream text;
-  text << std::ceil(static_cast<double>(num_bytes) / kBytesPerGigabyte * 10) /
-              10
-       << " GB";
-  return text.str();
-}
-
 // A table of scores, which is never larger than max_scores.
 int64_t ScoresBytes(int64_t num_scores, size_t max_scores) {
   return static_cast<int64_t>(sizeof(float)) *
@@ -41,6 +32,11 @@ int64_t ScoresBytes(int64_t num_scores, size_t max_scores) {
 }
 
 }  // namespace
+
+std::string Gigabytes(int64_t num_bytes) {
+  return Formatted("%.1f GB",
+                   std::ceil(static_cast<double>(num_bytes) / 1e8) / 10);
+}
 
 int NumThatFit(int64_t num_bytes, int64_t bytes_each, int max) {
   return static_cast<int>(std::clamp<int64_t>(

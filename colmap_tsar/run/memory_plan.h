@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace tsar {
 
@@ -48,6 +49,9 @@ int64_t NumJudgedPixels(const WorkspaceOverview& overview);
 // The number of views whose evidence is kept in main memory: a neighborhood for
 // each of these images at work, and one for the next images.
 size_t NumEvidenceViews(const WorkspaceOverview& overview, int num_images);
+
+// "1.3 GB", rounded up.
+std::string Gigabytes(int64_t num_bytes);
 
 // How often bytes_each fit into num_bytes: at least once, at most max times.
 int NumThatFit(int64_t num_bytes, int64_t bytes_each, int max);

@@ -173,7 +173,7 @@ TEST_F(FitIntoMainMemoryTest, OneImageAloneIsWarnedOfOrRefused) {
   EXPECT_EQ(fit.num_threads, 1);
   EXPECT_THAT(warning_,
               testing::AllOf(testing::HasSubstr("with its 10 source images"),
-                             testing::HasSubstr("needs 3 GB of main memory"),
+                             testing::HasSubstr("needs 3.0 GB of main memory"),
                              testing::HasSubstr("0.3 GB"),
                              testing::HasSubstr("cache_size")));
   // If a GPU computes, less main memory is needed.
@@ -182,8 +182,8 @@ TEST_F(FitIntoMainMemoryTest, OneImageAloneIsWarnedOfOrRefused) {
   machine_bytes_ = kGigabyte;
   ExpectError(
       ErrorCode::kOutOfMemory,
-      {"needs 3 GB of main memory",
-       "this machine gives 1 GB;",
+      {"needs 3.0 GB of main memory",
+       "this machine gives 1.0 GB;",
        "fewer source images",
        "--PatchMatchStereo.max_image_size"},
       [&] { FitIntoMainMemory(plan_, wanted_, true, 32.0, machine_bytes_); });
