@@ -15,7 +15,6 @@
 #include <cstddef>
 #include <future>
 #include <limits>
-#include <set>
 #include <thread>
 
 namespace tsar {
@@ -115,10 +114,10 @@ void FusionRun::Run(const UsePoints& use,
                     const Finish& finish,
                     Progress& progress) {
   progress.Start(static_cast<int>(plan_.order.size()), "Fusion:");
-  Group group = GroupFrom(0, {});
+  Group group = GroupFrom(0);
   FusionViews views = Load(group, {}, progress);
   while (group.begin < group.end) {
-    const Group next = GroupFrom(group.end, views);
+    const Group next = GroupFrom(group.end);
     std::packaged_task<FusionViews()> load_next(
         [&] { return Load(next, views, progress); });
     std::future<FusionViews> next_views = load_next.get_future();
@@ -231,27 +230,30 @@ int64_t FusionRun::ResultBytes(int image) const {
           4 * (1 + num_sources));
 }
 
-FusionRun::Group FusionRun::GroupFrom(size_t begin,
-                                      const FusionViews& loaded) const {
-  const size_t max_read =
+FusionRun::Group FusionRun::GroupFrom(size_t begin) const {
+  const size_t max_size =
       std::max(devices_.size(), static_cast<size_t>(NumThreads(-1)));
   Group group = {begin, begin, {}};
-  std::set<int> needed;
-  int64_t result_bytes = 0;
-  for (size_t i = begin; i < plan_.order.size(); ++i) {
-    const std::vector<int> images = ImagesOf(plan_.order[i]);
-    needed.insert(images.begin(), images.end());
-    result_bytes += ResultBytes(plan_.order[i]);
-    int64_t num_bytes = result_bytes;
-    size_t num_read = 0;
-    for (const int image : needed) {
-      num_bytes += kPixelBytes * num_pixels_[image];
-      num_read += loaded.contains(image) ? 0 : 1;
+  std::vector<bool> is_needed(num_pixels_.size(), false);
+  int64_t num_bytes = 0;
+  for (size_t i = begin; i < std::min(begin + max_size, plan_.order.size());
+       ++i) {
+    std::vector<int> added;
+    int64_t num_new_bytes = ResultBytes(plan_.order[i]);
+    for (const int image : ImagesOf(plan_.order[i])) {
+      if (!is_needed[image]) {
+        added.push_back(image);
+        num_new_bytes += kPixelBytes * num_pixels_[image];
+      }
     }
-    if (i > begin && (num_bytes > max_group_bytes_ || num_read > max_read)) {
+    if (i > begin && num_bytes + num_new_bytes > max_group_bytes_) {
       break;
     }
-    group.needed.assign(needed.begin(), needed.end());
+    for (const int image : added) {
+      is_needed[image] = true;
+      group.needed.push_back(image);
+    }
+    num_bytes += num_new_bytes;
     group.end = i + 1;
   }
   return group;

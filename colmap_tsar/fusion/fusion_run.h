@@ -109,15 +109,15 @@ class FusionRun {
   void OpenDevices();
 
   // Consecutive images of the plan that are processed together: as many as fit
-  // into half of the memory with their sources, but only one view to be read
-  // for each thread. While GPUs fuse them, the views of the next group are
+  // into half of the memory with their sources, but no more than needed to keep
+  // all threads busy. While GPUs fuse them, the views of the next group are
   // read.
   struct Group {
     size_t begin = 0;
     size_t end = 0;
     std::vector<int> needed;  // Images that are to be in memory.
   };
-  Group GroupFrom(size_t begin, const FusionViews& loaded) const;
+  Group GroupFrom(size_t begin) const;
   // The needed views. loaded: those of the group before, which are shared.
   FusionViews Load(const Group& group,
                    const FusionViews& loaded,
