@@ -26,10 +26,15 @@
 #include <map>
 #include <mutex>
 #include <ranges>
+#include <set>
 #include <utility>
 
 namespace tsar {
 namespace {
+
+// The least number of views of a plane that nothing measured: color contradicts
+// it only where a view compares three others (AddColorCosts).
+constexpr int kMinViewsOfGuess = 4;
 
 // Calls function(i, device) for each i in [0, count), max_at_a_time at most in
 // parallel. device: the CPU, with an equal share of the threads.
@@ -70,6 +75,7 @@ class SceneModeler {
     if (inputs_.progress.ShouldStop()) {
       return std::nullopt;
     }
+    DropUntestedGuesses();
     for (size_t i = 0; i < inputs_.views.size(); ++i) {
       labels_[i].strengths = {};
       model_.views[inputs_.views[i].image] = std::move(labels_[i]);
@@ -323,6 +329,30 @@ class SceneModeler {
     });
     creases_ = FindBoundingCreases(lines, sum, copies, &model_);
     return !creases_.empty();
+  }
+
+  // Takes planes that begin at creases from views that are too few to test
+  // them.
+  void DropUntestedGuesses() {
+    std::vector<int> num_views(model_.planes.size(), 0);
+    for (const ViewLabels& labels : labels_) {
+      std::set<int> shown(labels.planes.begin(), labels.planes.end());
+      shown.erase(kNoPlane);
+      for (const int plane : shown) {
+        ++num_views[plane];
+      }
+    }
+    for (ViewLabels& labels : labels_) {
+      for (size_t s = 0; s < labels.planes.size(); ++s) {
+        if (labels.origins[s] == LabelOrigin::kGuessed &&
+            model_.planes[labels.planes[s]].support == 0.0 &&
+            num_views[labels.planes[s]] < kMinViewsOfGuess) {
+          labels.planes[s] = kNoPlane;
+          labels.origins[s] = LabelOrigin::kNone;
+          labels.qualities[s] = {};
+        }
+      }
+    }
   }
 
   // The result is invalid where the run is to stop.

@@ -29,7 +29,7 @@ SyntheticRoom RoomWithCeiling() {
   DrawnSurface ceiling;
   ceiling.plane = PlaneThrough({0.0, 1.0, 0.0}, {-0.5, kCeiling, 4.0});
   ceiling.middle = {-0.5, kCeiling, 4.0};
-  return SyntheticRoom({ceiling});
+  return SyntheticRoom({ceiling}, 4);
 }
 
 class ModelCreasesTest : public DrawnRoomTest {
@@ -38,8 +38,12 @@ class ModelCreasesTest : public DrawnRoomTest {
 
   ModelCreasesTest() : DrawnRoomTest(RoomWithCeiling()) {}
 
-  // Nothing is measured of the ceiling.
+  // Nothing is measured of the ceiling. It has a brightness, as walls and floor
+  // have.
   void MakeCeilingBare() {
+    Paint([](int surface, const Eigen::Vector3d&) {
+      return std::vector<double>{140.0, 130.0, 90.0, 150.0}[surface];
+    });
     for (size_t view = 0; view < views_.size(); ++view) {
       ViewEvidence& evidence = room_.evidence[view];
       Forget(
@@ -82,13 +86,6 @@ class ModelCreasesTest : public DrawnRoomTest {
     }
   }
 
-  // Walls, floor and ceiling have a brightness each.
-  void PaintSurfaces() {
-    Paint([](int surface, const Eigen::Vector3d&) {
-      return std::vector<double>{140.0, 130.0, 90.0, 150.0}[surface];
-    });
-  }
-
   // The number of the model's horizontal plane at the ceiling's height, or -1.
   static int FindCeiling(const SceneModel& model) {
     for (size_t i = 0; i < model.planes.size(); ++i) {
@@ -123,7 +120,6 @@ class ModelCreasesTest : public DrawnRoomTest {
 
 TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
   MakeCeilingBare();
-  PaintSurfaces();
   const SceneModel model = *Run();
   const int ceiling = FindCeiling(model);
   ASSERT_GE(ceiling, 0);
@@ -144,17 +140,16 @@ TEST_F(ModelCreasesTest, ACeilingOfWhichNothingWasMeasured) {
       }
     }
   }
-  EXPECT_THAT(text_.str(), testing::HasSubstr("Model, lines: [3/3]"));
-  EXPECT_THAT(text_.str(), testing::HasSubstr("Model, creases: [3/3]"));
+  EXPECT_THAT(text_.str(), testing::HasSubstr("Model, lines: [4/4]"));
+  EXPECT_THAT(text_.str(), testing::HasSubstr("Model, creases: [4/4]"));
   EXPECT_THAT(text_.str(),
-              testing::HasSubstr("Model, labels within creases: [3/3]"));
+              testing::HasSubstr("Model, labels within creases: [4/4]"));
 }
 
-// Along a line of three views, noise averages out. The denoised image shows
+// Along a line of four views, noise averages out. The denoised image shows
 // nothing.
 TEST_F(ModelCreasesTest, ACeilingInNoiseAsStrongAsItsStep) {
   MakeCeilingBare();
-  PaintSurfaces();
   for (ViewEvidence& evidence : room_.evidence) {
     std::ranges::fill(evidence.color, Rgb{100, 100, 100});
   }
@@ -175,17 +170,30 @@ TEST_F(ModelCreasesTest, ACeilingInNoiseAsStrongAsItsStep) {
 TEST_F(ModelCreasesTest, LabelsWithinCreasesBeginAnew) {
   options_.num_sweeps = 1;
   MakeCeilingBare();
-  PaintSurfaces();
   const SceneModel model = *Run();
   const int ceiling = FindCeiling(model);
   ASSERT_GE(ceiling, 0);
   EXPECT_EQ(ShareOfCeiling(model, ceiling), 1.0);
 }
 
+// Color cannot contradict them.
+TEST_F(ModelCreasesTest, ThreeViewsDoNotGuess) {
+  MakeCeilingBare();
+  views_.pop_back();
+  for (SceneView& view : views_) {
+    std::erase(view.sources, views_.size());
+  }
+  const SceneModel model = *Run();
+  EXPECT_GE(FindCeiling(model), 0);
+  for (const auto& [image, labels] : model.views) {
+    EXPECT_THAT(labels.origins,
+                testing::Not(testing::Contains(LabelOrigin::kGuessed)));
+  }
+}
+
 TEST_F(ModelCreasesTest, WithoutTheOptionThereIsNone) {
   refine_options_.bounding_creases = false;
   MakeCeilingBare();
-  PaintSurfaces();
   const SceneModel model = *Run();
   EXPECT_EQ(FindCeiling(model), -1);
   EXPECT_EQ(model.planes.size(), 3u);
@@ -194,7 +202,6 @@ TEST_F(ModelCreasesTest, WithoutTheOptionThereIsNone) {
 
 TEST_F(ModelCreasesTest, DoNotDependOnTheResources) {
   MakeCeilingBare();
-  PaintSurfaces();
   const SceneModel one = *Run();
   ASSERT_GE(FindCeiling(one), 0);
   ExpectSameWithMoreResources(one);
@@ -210,7 +217,7 @@ TEST_F(ModelCreasesTest, APaintedStripeIsNoCrease) {
     return surface == 0 && point.y() < 0.2 && point.y() > 0.05 ? 160.0 : 100.0;
   });
   const SceneModel with = *Run();
-  EXPECT_THAT(text_.str(), testing::HasSubstr("Model, creases: [3/3]"));
+  EXPECT_THAT(text_.str(), testing::HasSubstr("Model, creases: [4/4]"));
   EXPECT_EQ(with.planes.size(), room_.surfaces.size());
   refine_options_.bounding_creases = false;
   ExpectSame(with, *Run());
@@ -218,7 +225,6 @@ TEST_F(ModelCreasesTest, APaintedStripeIsNoCrease) {
 
 TEST_F(ModelCreasesTest, StopWhenAsked) {
   MakeCeilingBare();
-  PaintSurfaces();
   for (const char* name : {"lines", "creases", "within creases"}) {
     EXPECT_FALSE(Run([&] {
       return text_.str().find(name) != std::string::npos;

@@ -39,8 +39,9 @@ class SyntheticRoom {
   static constexpr double kNoise = 0.3;
 
   // A back wall, a wall on the left and a floor, and the given surfaces in
-  // front of them, seen by three cameras.
-  explicit SyntheticRoom(std::vector<DrawnSurface> others = {})
+  // front of them, seen by up to four cameras.
+  explicit SyntheticRoom(std::vector<DrawnSurface> others = {},
+                         size_t num_cameras = 3)
       : surfaces{Surface({0.1, 0.0, -1.0}, {-0.5, -0.2, 4.95}),
                  Surface({1.0, 0.0, 0.1}, {-2.0, 0.0, 4.0}),
                  Surface({0.0, -1.0, 0.0}, {-0.8, 1.4, 4.0})} {
@@ -48,7 +49,11 @@ class SyntheticRoom {
     const Eigen::Vector3d target(-0.8, 0.5, 5.0);
     for (const Eigen::Vector3d& center : {Eigen::Vector3d(0.0, 0.0, 0.0),
                                           Eigen::Vector3d(-0.6, 0.2, 0.5),
-                                          Eigen::Vector3d(0.9, -0.2, 0.2)}) {
+                                          Eigen::Vector3d(0.9, -0.2, 0.2),
+                                          Eigen::Vector3d(0.4, 0.1, 0.4)}) {
+      if (cameras.size() == num_cameras) {
+        break;
+      }
       Camera camera = CameraLookingAt(center, target);
       camera.width = kWidth;
       camera.height = kHeight;

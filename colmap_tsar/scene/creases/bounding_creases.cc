@@ -29,13 +29,11 @@ constexpr double kMaxThrough = 0.03;
 // on this side, in pixels.
 constexpr double kMinArea = 200.0;
 constexpr double kMinMeasured = 100.0;
-// This many lines of this share of the crease's step are a pattern, as of tiles
-// and boards: parallel ones with this share of the measurements on either side,
-// or ones across it, over this many pixels beyond it in all views together.
+// This many parallel lines with this share of the crease's step and of the
+// measurements on either side are a pattern, as of tiles and boards.
 constexpr int kMinPatternLines = 2;
 constexpr float kMinPatternStep = 0.7f;
 constexpr double kMinPatternShare = 0.05;
-constexpr float kMinPixelsBeyond = 100.f;
 // Lines that are this close, in pixels, are one of a pattern. A fall and a rise
 // of brightness are one dark crease between them.
 constexpr float kMaxCreaseWidth = 14.f;
@@ -92,7 +90,7 @@ class CreaseFinder {
       const PlaneLine& line = lines_[i];
       for (const int beyond : {0, 1}) {
         // Unmeasured planes do not begin at edges that few views see.
-        if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line, beyond) &&
+        if (PlaneEnds(evidence_[i], beyond) && !IsPattern(line) &&
             (2 * line.num_views >= evidence_[i].sides[beyond].num_views ||
              FindPlane(line, PlaneAtLine(*model_, line, beyond)) >= 0)) {
           ends[{line.plane, line.axis, beyond}].push_back(line);
@@ -102,59 +100,23 @@ class CreaseFinder {
     return ends;
   }
 
-  bool IsPattern(const PlaneLine& crease, int beyond) const {
-    const auto is_parallel = [&](size_t i) {
-      const double below = evidence_[i].sides[0].measured;
-      const double above = evidence_[i].sides[1].measured;
-      return std::min(below, above) > kMinPatternShare * (below + above) &&
-             std::abs(lines_[i].step) > kMinPatternStep * std::abs(crease.step);
-    };
-    const int across = 3 - crease.axis - model_->planes[crease.plane].axis;
-    return CountLines(crease.plane, crease.axis, is_parallel) >=
-               kMinPatternLines ||
-           CountLines(crease.plane, across, [&](size_t i) {
-             return GoesOn(lines_[i], crease, beyond);
-           }) >= kMinPatternLines;
-  }
-
-  // The number of such lines; those side by side are one, as of a skirting
-  // board.
-  template <typename Predicate>
-  int CountLines(int plane, int axis, const Predicate& predicate) const {
-    const auto lines = on_axis_.find({plane, axis});
-    if (lines == on_axis_.end()) {
-      return 0;
-    }
+  // The lines that amount to a pattern; those side by side are one, as of a
+  // skirting board.
+  bool IsPattern(const PlaneLine& crease) const {
     int count = 0;
     float last = -INFINITY;
-    for (const size_t i : lines->second) {
+    for (const size_t i : on_axis_.at({crease.plane, crease.axis})) {
       const PlaneLine& line = lines_[i];
-      if (line.position - last > kMaxCreaseWidth * line.pixel && predicate(i)) {
+      const double below = evidence_[i].sides[0].measured;
+      const double above = evidence_[i].sides[1].measured;
+      if (line.position - last > kMaxCreaseWidth * line.pixel &&
+          std::min(below, above) > kMinPatternShare * (below + above) &&
+          std::abs(line.step) > kMinPatternStep * std::abs(crease.step)) {
         ++count;
         last = line.position;
       }
     }
-    return count;
-  }
-
-  // Whether a line across the crease is as strong beyond it: there the surface
-  // goes on.
-  static bool GoesOn(const PlaneLine& line,
-                     const PlaneLine& crease,
-                     int beyond) {
-    float rise = 0.f;
-    float num_pixels = 0.f;
-    for (const LinePiece& piece : line.pieces) {
-      const float distance =
-          (beyond == 1 ? 1.f : -1.f) * (piece.along - crease.position);
-      // Others have pixels on this side.
-      if (distance >= 0.5f * line.piece_length) {
-        rise += std::copysign(1.f, line.step) * piece.rise;
-        num_pixels += piece.num_pixels;
-      }
-    }
-    return num_pixels >= kMinPixelsBeyond &&
-           rise > kMinPatternStep * std::abs(crease.step) * num_pixels;
+    return count >= kMinPatternLines;
   }
 
   // The outermost of the ends of a plane on one side; if it is one of a fall

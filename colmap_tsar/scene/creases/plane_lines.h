@@ -71,9 +71,6 @@ struct PlaneLine {
   // around the line; negative where brightness falls.
   float step = 0.f;
   int num_views = 0;  // That show it.
-  // Summed over these views, in the order of their places.
-  std::vector<LinePiece> pieces;
-  float piece_length = 0.f;
 };
 
 // A point on the line, in the world.

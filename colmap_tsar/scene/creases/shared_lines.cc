@@ -84,38 +84,23 @@ class RiseSums {
   float count_ = 0.f;
 };
 
-// The pieces of the line, each summed over the views. length: of a piece.
-std::vector<LinePiece> SumPieces(const Bins& bins, float length) {
+// Whether the step is no noise, and the same all along the line, in the views
+// that see it. length: of a piece.
+bool IsLine(const Bins& bins, float length) {
+  const float step = MeanStep(bins);
+  RiseSums by_view(step);
   std::map<float, LinePiece> pieces;
   for (const PlaneProfile::Bin* bin : bins) {
     for (const LinePiece& piece : bin->pieces) {
-      const float index = std::floor(piece.along / length);
-      LinePiece& sum = pieces[index];
-      sum.along = (index + 0.5f) * length;
+      by_view.Add(piece.rise, piece.num_pixels);
+      LinePiece& sum = pieces[std::floor(piece.along / length)];
       sum.rise += piece.rise;
       sum.num_pixels += piece.num_pixels;
     }
   }
-  std::vector<LinePiece> sums;
-  for (const auto& [index, sum] : pieces) {
-    sums.push_back(sum);
-  }
-  return sums;
-}
-
-// Whether the step is no noise, and the same all along the line, in the views
-// that see it. pieces: their sums.
-bool IsLine(const Bins& bins, const std::vector<LinePiece>& pieces) {
-  const float step = MeanStep(bins);
-  RiseSums by_view(step);
-  for (const PlaneProfile::Bin* bin : bins) {
-    for (const LinePiece& piece : bin->pieces) {
-      by_view.Add(piece.rise, piece.num_pixels);
-    }
-  }
   RiseSums by_piece(step);
-  for (const LinePiece& piece : pieces) {
-    by_piece.Add(piece.rise, piece.num_pixels);
+  for (const auto& [index, sum] : pieces) {
+    by_piece.Add(sum.rise, sum.num_pixels);
   }
   return by_view.Ratio() >= kMinSignificance &&
          by_piece.Ratio() >= kMinConsistency;
@@ -191,16 +176,13 @@ std::vector<PlaneLine> FindLines(
       continue;
     }
     const Bins showing = Showing(bins.at(bin), step);
-    std::vector<LinePiece> pieces = SumPieces(showing, piece_length);
-    if (showing.size() >= kMinViews && IsLine(showing, pieces)) {
+    if (showing.size() >= kMinViews && IsLine(showing, piece_length)) {
       lines.push_back({profiles[0]->plane,
                        profiles[0]->axis,
                        Middle(steps, bin) * pixel,
                        pixel,
                        MeanStep(showing),
-                       static_cast<int>(showing.size()),
-                       std::move(pieces),
-                       piece_length});
+                       static_cast<int>(showing.size())});
     }
   }
   return lines;

@@ -48,7 +48,7 @@ class BoundingCreasesTest : public testing::Test {
                const LineEvidence& evidence = EndEvidence(),
                float step = 3.f,
                int plane = 0) {
-    lines_.push_back({plane, 1, place, kPixel, step, 3, {}, 0.f});
+    lines_.push_back({plane, 1, place, kPixel, step, 3});
     evidence_.push_back(evidence);
   }
 
@@ -150,43 +150,6 @@ TEST_F(BoundingCreasesTest, TilesHaveNone) {
   model_.planes.resize(1);
   lines_.back().position = -0.5f + 14.1f * kPixel;
   EXPECT_TRUE(Find().empty());
-}
-
-TEST_F(BoundingCreasesTest, LinesAcrossThatGoOnShowThatTheSurfaceDoes) {
-  // Two lines across, the second with this piece, on either side.
-  const auto count_with =
-      [&](const LinePiece& piece, float place = 1.f, float side = -1.f) {
-        lines_.clear();
-        evidence_.clear();
-        model_.planes.resize(1);
-        LineEvidence end = EndEvidence();
-        if (side > 0.f) {
-          std::swap(end.sides[0], end.sides[1]);
-        }
-        AddLine(side, end);
-        for (const bool is_second : {false, true}) {
-          AddLine(is_second ? place : 0.f, MeasuredOnBothSides(), -4.f);
-          const LinePiece& there =
-              is_second ? piece : LinePiece{-1.6f, -2.2f * 120.f, 120.f};
-          lines_.back().axis = 0;
-          lines_.back().piece_length = 0.5f;
-          lines_.back().pieces = {
-              {-0.5f * side, -4.f * 500.f, 500.f},
-              {-side * there.along, there.rise, there.num_pixels}};
-        }
-        return Find().size();
-      };
-  EXPECT_EQ(count_with({-1.6f, -2.2f * 120.f, 120.f}), 0u);
-  EXPECT_EQ(count_with({-1.6f, -2.2f * 120.f, 120.f}, 1.f, 1.f), 0u);
-  // Side by side they are one.
-  EXPECT_EQ(count_with({-1.6f, -2.2f * 120.f, 120.f}, 0.5f), 1u);
-  // A line that is fainter than the crease there, or another one, has ended.
-  EXPECT_EQ(count_with({-1.6f, -2.f * 120.f, 120.f}), 1u);
-  EXPECT_EQ(count_with({-1.6f, 2.2f * 120.f, 120.f}), 1u);
-  EXPECT_EQ(count_with({-1.6f, 2.2f * 120.f, 120.f}, 1.f, 1.f), 1u);
-  // A piece that lies on both sides shows nothing, nor do a few pixels.
-  EXPECT_EQ(count_with({-1.2f, -4.f * 120.f, 120.f}), 1u);
-  EXPECT_EQ(count_with({-1.6f, -2.2f * 90.f, 90.f}), 1u);
 }
 
 TEST_F(BoundingCreasesTest, ASurfaceGoesOnAsLongAsItsLinesDo) {

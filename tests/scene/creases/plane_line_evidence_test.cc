@@ -21,14 +21,8 @@ class PlaneLineEvidenceTest : public DrawnWallTest {
         labels_(AllOn(0)) {}
 
   LineEvidence Test() const {
-    const PlaneLine line = {0,
-                            1,
-                            static_cast<float>(kLine),
-                            static_cast<float>(kPixel),
-                            3.f,
-                            3,
-                            {},
-                            0.f};
+    const PlaneLine line = {
+        0, 1, static_cast<float>(kLine), static_cast<float>(kPixel), 3.f, 3};
     return TestPlaneLines({&evidence_, camera_}, labels_, {line}, model_)[0];
   }
 
@@ -150,9 +144,9 @@ TEST_F(PlaneLineEvidenceTest, AViewWithoutThePlaneTellsNothing) {
 TEST_F(PlaneLineEvidenceTest, ViewsTellAboutLinesFarFromWhatTheyShow) {
   MeasureSides(1.0, 1.0);
   const auto pixel = static_cast<float>(kPixel);
-  const std::vector<PlaneLine> lines = {{0, 1, -50.f, pixel, 3.f, 3, {}, 0.f},
-                                        {0, 1, 0.f, pixel, 3.f, 3, {}, 0.f},
-                                        {0, 1, 50.f, pixel, 3.f, 3, {}, 0.f}};
+  const std::vector<PlaneLine> lines = {{0, 1, -50.f, pixel, 3.f, 3},
+                                        {0, 1, 0.f, pixel, 3.f, 3},
+                                        {0, 1, 50.f, pixel, 3.f, 3}};
   const std::vector<LineEvidence> found =
       TestPlaneLines({&evidence_, camera_}, labels_, lines, model_);
   std::vector<LineEvidence> sum = found;
