@@ -69,7 +69,8 @@ struct ModelSceneInputs {
 //   planes of several blocks together (adjust_planes);
 // - labels all views in sweeps; after the first one it looks for creases at
 //   which planes end (bounding_creases), adds the planes that begin there, and,
-//   if there are any, repeats the first sweep.
+//   if there are any, repeats the first sweep; in the end, views have those
+//   that nothing measured only where at least four views do.
 // Time grows with the number of views; memory holds the evidence of the blocks
 // and views in progress, samples of the planes, some twenty bytes per
 // superpixel of all views, and up to max_kept_bytes of the costs of labels;
