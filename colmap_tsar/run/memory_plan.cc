@@ -34,8 +34,8 @@ int64_t ScoresBytes(int64_t num_scores, size_t max_scores) {
 }  // namespace
 
 std::string Gigabytes(int64_t num_bytes) {
-  return Formatted("%.1f GB",
-                   std::ceil(static_cast<double>(num_bytes) / 1e8) / 10);
+  const double gigabytes = static_cast<double>(num_bytes) / kBytesPerGigabyte;
+  return Formatted("%.1f GB", std::ceil(10.0 * gigabytes) / 10.0);
 }
 
 int NumThatFit(int64_t num_bytes, int64_t bytes_each, int max) {
