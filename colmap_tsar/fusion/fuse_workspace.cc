@@ -8,9 +8,9 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/parse_number.h"
 #include "colmap_tsar/base/stopwatch.h"
+#include "colmap_tsar/fusion/fuse_images.h"
 #include "colmap_tsar/fusion/fused_cloud_writer.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
-#include "colmap_tsar/fusion/fusion_run.h"
 #include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/store/image_maps.h"
 #include "colmap_tsar/run/store/result_files.h"
@@ -69,33 +69,36 @@ FuseSummary FuseWorkspace(Workspace workspace,
   const FusionPlan plan = PlanFusion(
       workspace, options.image_list_path, options.fusion.check_num_images);
   WarnOfConventions(workspace, plan.order);
-  FusionRun run(workspace, plan, options.fusion, options.devices);
   FusedCloudWriter writer(UserPath(options.output_path));
-  std::vector<EncodedPoints> encoded(plan.order.size());
   const auto place_in_file = [&](int image) {
     return workspace.Model().images[image].index_in_file;
   };
-  run.Run(
+  const FusionDevices devices = FuseImages(
+      workspace,
+      plan,
+      options.fusion,
+      options.devices,
       [&](size_t place, const FusedImage& fused) {
+        const int image = plan.order[place];
         std::vector<int> sources;
-        for (const int source : plan.sources[fused.image]) {
+        for (const int source : plan.sources[image]) {
           sources.push_back(place_in_file(source));
         }
-        encoded[place] = EncodePoints(fused.points,
-                                      fused.view->camera,
-                                      options.bounding_box,
-                                      place_in_file(fused.image),
-                                      sources);
+        writer.Add(place,
+                   EncodePoints(fused.points,
+                                fused.view->camera,
+                                options.bounding_box,
+                                place_in_file(image),
+                                sources));
       },
-      [&](size_t place) { writer.Add(std::exchange(encoded[place], {})); },
       progress);
   writer.Commit();
   return {static_cast<int>(plan.order.size()),
           workspace.CountMasks(plan.order),
           writer.NumPoints(),
           stopwatch.Seconds(),
-          run.Description(),
-          run.PeakGpuMemory()};
+          devices.description,
+          devices.peak_gpu_memory};
 }
 
 }  // namespace tsar

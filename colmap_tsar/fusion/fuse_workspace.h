@@ -51,12 +51,11 @@ Eigen::AlignedBox3d ReadBoundingBox(const std::filesystem::path& path);
 // bytes, whatever the devices, threads and memory.
 //
 // Like COLMAP, leaves out images that stereo/fusion.cfg does not list, if that
-// file exists. For memory see FusionRun.
+// file exists. For memory see FuseImages.
 //
 // Throws Error: kNotFound (no image has maps), kInterrupted where the user
 // asked to stop, and what Workspace::UseMasks, ReadImageList, WorkspaceLock
-// (shared), OpenGpus, FusionOptions::Check, ReadImageMaps, ReadImage and
-// FusedCloudWriter throw.
+// (shared), FusionOptions::Check, FuseImages and FusedCloudWriter throw.
 FuseSummary FuseWorkspace(Workspace workspace,
                           const FuseWorkspaceOptions& options,
                           Progress& progress);

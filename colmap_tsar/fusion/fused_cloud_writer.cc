@@ -97,13 +97,21 @@ FusedCloudWriter::FusedCloudWriter(const ContainedPath& path)
   visibility_.Stream() << VisibilityHeader(0);
 }
 
-void FusedCloudWriter::Add(const EncodedPoints& points) {
-  points_.Stream() << points.points;
-  visibility_.Stream().write(
-      reinterpret_cast<const char*>(points.visibility.data()),
-      static_cast<std::streamsize>(points.visibility.size() *
-                                   sizeof(uint32_t)));
-  num_points_ += points.count;
+void FusedCloudWriter::Add(size_t place, EncodedPoints points) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  waiting_.emplace(place, std::move(points));
+  for (auto next = waiting_.begin();
+       next != waiting_.end() && next->first == next_place_;
+       next = waiting_.erase(next)) {
+    const EncodedPoints& encoded = next->second;
+    points_.Stream() << encoded.points;
+    visibility_.Stream().write(
+        reinterpret_cast<const char*>(encoded.visibility.data()),
+        static_cast<std::streamsize>(encoded.visibility.size() *
+                                     sizeof(uint32_t)));
+    num_points_ += encoded.count;
+    ++next_place_;
+  }
 }
 
 void FusedCloudWriter::Commit() {

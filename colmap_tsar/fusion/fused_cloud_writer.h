@@ -8,7 +8,10 @@
 #include "colmap_tsar/base/contained_path.h"
 #include "colmap_tsar/fusion/fuse_view.h"
 
+#include <cstddef>
 #include <cstdint>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,8 +45,10 @@ class FusedCloudWriter {
   // path: the PLY file. Throws what AtomicFile throws.
   explicit FusedCloudWriter(const ContainedPath& path);
 
+  // Writes the points of each image in the order of these places, which begin
+  // at 0; images that come earlier wait. Can be called from several threads.
   // Throws Error kIo, naming the file, where it cannot be written.
-  void Add(const EncodedPoints& points);
+  void Add(size_t place, EncodedPoints points);
 
   int64_t NumPoints() const { return num_points_; }
 
@@ -55,6 +60,9 @@ class FusedCloudWriter {
   ContainedPath visibility_path_;
   AtomicFile points_;
   AtomicFile visibility_;
+  std::mutex mutex_;
+  size_t next_place_ = 0;
+  std::map<size_t, EncodedPoints> waiting_;
   int64_t num_points_ = 0;
 };
 

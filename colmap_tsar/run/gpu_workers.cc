@@ -125,11 +125,10 @@ std::vector<GpuWorkers> OpenWithOneDevice(const std::vector<int>& wanted,
 // images are left.
 void AddDevices(int64_t image_bytes,
                 int num_images,
-                int images_per_gpu,
                 const GpuSystem& gpus,
                 std::vector<GpuWorkers>* opened) {
   int num_left = num_images - static_cast<int>(opened->size());
-  for (int count = 2; count <= images_per_gpu; ++count) {
+  for (int count = 2; count <= kMaxGpuWorkers; ++count) {
     for (GpuWorkers& gpu : *opened) {
       if (num_left <= 0 || static_cast<int>(gpu.devices.size()) < count - 1 ||
           NeededBytes(count, image_bytes) > gpu.bytes_per_device) {
@@ -169,7 +168,6 @@ std::jthread BeginPreparingGpus(const DeviceOptions& options) {
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
                                  int64_t image_bytes,
                                  int num_images,
-                                 int images_per_gpu,
                                  const GpuSystem& gpus) {
   if (options.choice == DeviceChoice::kCpu) {
     return {};
@@ -191,7 +189,7 @@ std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
     Warn((named.empty() ? "" : OptionName("gpu_index") + ": ") +
          "there is no GPU that can be used; going on with the CPU");
   }
-  AddDevices(image_bytes, num_images, images_per_gpu, gpus, &opened);
+  AddDevices(image_bytes, num_images, gpus, &opened);
   for (GpuWorkers& gpu : opened) {
     gpu.bytes_per_device =
         gpu.bytes_per_device / static_cast<int64_t>(gpu.devices.size()) -

@@ -34,6 +34,9 @@ struct GpuWorkers {
   int64_t bytes_per_device = 0;
 };
 
+// Images that a GPU works on at a time: some are copied while one is computed.
+constexpr int kMaxGpuWorkers = 8;
+
 // Begins to initialize the GPUs of a run, which takes a good part of a second,
 // in a thread: start it before inputs are read. Does nothing for the CPU.
 // OpenGpus reports GPUs that fail.
@@ -41,14 +44,11 @@ struct GpuWorkers {
 
 // The GPUs to work with, each of which gets at least one image; none where the
 // CPU is to be used. image_bytes: the GPU memory that an image at work takes.
-// images_per_gpu: how many a GPU works on at a time where its memory allows it;
-// some are copied while another is computed.
 // CreateRefineDevices describes which GPUs are left out, the warnings and the
 // errors.
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
                                  int64_t image_bytes,
                                  int num_images,
-                                 int images_per_gpu,
                                  const GpuSystem& gpus);
 
 }  // namespace tsar

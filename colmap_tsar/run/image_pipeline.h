@@ -28,24 +28,30 @@
 namespace tsar {
 
 // The views of an image at work, in main memory.
-class LoadedViews {
+template <typename View>
+class ViewsAtWork {
  public:
-  void Add(int image, std::shared_ptr<const ViewData> view) {
+  void Add(int image, std::shared_ptr<const View> view) {
     views_[image] = std::move(view);
   }
-  // An image that was added and has not been released.
-  const ViewData& Get(int image) const { return *views_.at(image); }
+  // Those of an image that was added and has not been released.
+  const View& Get(int image) const { return *views_.at(image); }
+  std::shared_ptr<const View> Share(int image) const {
+    return views_.at(image);
+  }
   void Release(int image) { views_.erase(image); }
 
  private:
-  std::map<int, std::shared_ptr<const ViewData>> views_;
+  std::map<int, std::shared_ptr<const View>> views_;
 };
+
+using LoadedViews = ViewsAtWork<ViewData>;
 
 // The work of one pass on each image of a run, as called by an ImagePipeline.
 // Images have indices from 0 on. Calls for one image are sequential, those for
 // different images come from several threads at once. Result: the data that
-// Compute() passes to Write().
-template <typename Result>
+// Compute() passes to Write(). View: what is read of each image.
+template <typename Result, typename View = ViewData>
 class ImagePass {
  public:
   virtual ~ImagePass() = default;
@@ -55,14 +61,14 @@ class ImagePass {
   virtual ImageReport Begin(size_t index) = 0;
   // The views that Compute() needs, as images of the sparse model.
   virtual std::vector<int> Views(size_t index) const = 0;
-  virtual std::shared_ptr<const ViewData> Load(int image) const = 0;
+  virtual std::shared_ptr<const View> Load(int image) const = 0;
   // Work on the CPU that needs no worker.
   virtual void Prepare(size_t /*index*/) {}
   // Computes with one of the workers, each of which is used by one thread at a
   // time. Releases views as early as possible.
   virtual Result Compute(size_t index,
                          size_t worker,
-                         LoadedViews* views,
+                         ViewsAtWork<View>* views,
                          ImageReport* report) = 0;
   // Whether images that a worker holds or has computed when the user asks to
   // stop are still written, since computing them took long.
@@ -74,13 +80,13 @@ class ImagePass {
 // Reads, computes and writes images, concurrently for different images: each
 // thread takes one image at a time through all steps, and waits for a free
 // worker to compute. Images are begun in their order.
-template <typename Result>
+template <typename Result, typename View = ViewData>
 class ImagePipeline {
  public:
   // All references must outlive this object. images: their indices; the outcome
   // is in their order. pass_name: for the user; empty if there is only one
   // pass. max_num_views: how many views are kept in memory.
-  ImagePipeline(ImagePass<Result>& pass,
+  ImagePipeline(ImagePass<Result, View>& pass,
                 std::vector<size_t> images,
                 std::string pass_name,
                 const ImagesAtWork& at_work,
@@ -139,16 +145,16 @@ class ImagePipeline {
   // If the outcome is still kNotDone, the user asked to stop.
   void WorkOn(size_t index, ImageReport* report);
   // Returns false if the user asked to stop.
-  bool Load(size_t index, LoadedViews* views);
+  bool Load(size_t index, ViewsAtWork<View>* views);
   // Drops the views that no later image needs.
   void DropViews(size_t index);
 
-  ImagePass<Result>& pass_;
+  ImagePass<Result, View>& pass_;
   const std::vector<size_t> images_;
   const std::string pass_name_;
   const int num_threads_;
   Progress& progress_;
-  SharedCache<ViewData> cache_;
+  SharedCache<View> cache_;
   std::mutex mutex_;
   std::condition_variable is_free_;
   std::deque<size_t> free_workers_;
@@ -160,8 +166,8 @@ class ImagePipeline {
   PipelineOutcome outcome_;
 };
 
-template <typename Result>
-PipelineOutcome ImagePipeline<Result>::Run() {
+template <typename Result, typename View>
+PipelineOutcome ImagePipeline<Result, View>::Run() {
   progress_.Start(static_cast<int>(images_.size()), pass_name_);
   {
     std::vector<std::jthread> threads;
@@ -180,8 +186,8 @@ PipelineOutcome ImagePipeline<Result>::Run() {
   return std::move(outcome_);
 }
 
-template <typename Result>
-void ImagePipeline<Result>::WorkOnImages() {
+template <typename Result, typename View>
+void ImagePipeline<Result, View>::WorkOnImages() {
   while (!has_failed_ && !progress_.ShouldStop()) {
     const size_t place = next_++;
     if (place >= images_.size()) {
@@ -204,14 +210,14 @@ void ImagePipeline<Result>::WorkOnImages() {
   }
 }
 
-template <typename Result>
-void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
+template <typename Result, typename View>
+void ImagePipeline<Result, View>::WorkOn(size_t index, ImageReport* report) {
   *report = pass_.Begin(index);
   if (report->outcome != ImageReport::Outcome::kNotDone) {
     DropViews(index);
     return;
   }
-  LoadedViews views;
+  ViewsAtWork<View> views;
   const Stopwatch reading;
   if (!Load(index, &views)) {
     return;
@@ -233,8 +239,8 @@ void ImagePipeline<Result>::WorkOn(size_t index, ImageReport* report) {
   }
 }
 
-template <typename Result>
-bool ImagePipeline<Result>::Load(size_t index, LoadedViews* views) {
+template <typename Result, typename View>
+bool ImagePipeline<Result, View>::Load(size_t index, ViewsAtWork<View>* views) {
   const std::vector<int> images = pass_.Views(index);
   auto loaded = cache_.GetAll(
       images,
@@ -249,8 +255,8 @@ bool ImagePipeline<Result>::Load(size_t index, LoadedViews* views) {
   return true;
 }
 
-template <typename Result>
-void ImagePipeline<Result>::DropViews(size_t index) {
+template <typename Result, typename View>
+void ImagePipeline<Result, View>::DropViews(size_t index) {
   for (const int image : pass_.Views(index)) {
     const bool was_last = [&] {
       const std::lock_guard<std::mutex> lock(mutex_);

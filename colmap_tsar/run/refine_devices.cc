@@ -107,7 +107,7 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
   const int num_threads = NumThreads(options.num_threads);
   RefineDevices result;
   std::vector<GpuWorkers> opened =
-      OpenGpus(options, plan.device, num_images, kMaxGpuWorkers, gpus);
+      OpenGpus(options, plan.device, num_images, gpus);
   const bool on_cpu = opened.empty();
   ImagesAtWork wanted;
   if (on_cpu) {

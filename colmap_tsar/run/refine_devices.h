@@ -21,9 +21,6 @@
 
 namespace tsar {
 
-// The number of images that a GPU refines at a time.
-constexpr int kMaxGpuWorkers = 8;
-
 // The source views in the memory of one GPU, or of the CPU, shared by all
 // devices that use this memory: an image is uploaded once for the many images
 // it is a source of.

@@ -3,8 +3,8 @@
 
 #pragma once
 
+#include "colmap_tsar/fusion/fuse_images.h"
 #include "colmap_tsar/fusion/fuse_view.h"
-#include "colmap_tsar/fusion/fusion_run.h"
 
 #include <limits>
 #include <vector>

@@ -48,10 +48,11 @@ class FusedCloudWriterTest : public testing::Test {
 
 TEST_F(FusedCloudWriterTest, PointsAreInTheWorldAndReadAsAPlyFile) {
   FusedCloudWriter writer(UserPath(path_));
+  // Written in the order of their places.
+  writer.Add(2, EncodePoints({PointAt(5.f, 0)}, TurnedCamera(), {}, 8, {}));
   writer.Add(
-      EncodePoints({PointAt(2.f, 0b101)}, TurnedCamera(), {}, 7, {9, 4, 1}));
-  writer.Add({});
-  writer.Add(EncodePoints({PointAt(5.f, 0)}, TurnedCamera(), {}, 8, {}));
+      0, EncodePoints({PointAt(2.f, 0b101)}, TurnedCamera(), {}, 7, {9, 4, 1}));
+  writer.Add(1, {});
   writer.Commit();
   EXPECT_THAT(ReadPlyPoints(path_),
               testing::ElementsAre(Eigen::Vector3d(1002.0, 20.0, 3.0),
@@ -90,7 +91,7 @@ TEST_F(FusedCloudWriterTest, HeadersOfAnyNumberHaveOneLength) {
     FusedCloudWriter writer(UserPath(path_));
     const std::vector<FusedPoint> points(static_cast<size_t>(count),
                                          PointAt(1.f, 0));
-    writer.Add(EncodePoints(points, Camera(), {}, 0, {}));
+    writer.Add(0, EncodePoints(points, Camera(), {}, 0, {}));
     writer.Commit();
     EXPECT_EQ(ReadPlyPoints(path_).size(), static_cast<size_t>(count));
     return std::filesystem::file_size(path_) - 27u * static_cast<size_t>(count);

@@ -10,9 +10,9 @@
 #include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/base/path.h"
 #include "colmap_tsar/base/resize_nearest.h"
+#include "colmap_tsar/fusion/fuse_images.h"
 #include "colmap_tsar/fusion/fusion_neighbors.h"
 #include "colmap_tsar/fusion/fusion_options.h"
-#include "colmap_tsar/fusion/fusion_run.h"
 #include "colmap_tsar/io/image_masks.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/io/map_shape.h"
@@ -314,11 +314,12 @@ FusedPixelEvaluation EvaluateFusedPixels(const Workspace& workspace,
       workspace,
       plan,
       GroundTruthFolder(workspace.Root(), options.ground_truth_path));
-  FusionRun run(workspace, plan, fusion, devices);
   std::vector<FusedPixelEvaluation> of_images(plan.order.size());
-  FusedPixelEvaluation sum;
-  sum.num_right.assign(options.tolerances.size(), 0);
-  run.Run(
+  FuseImages(
+      workspace,
+      plan,
+      fusion,
+      devices,
       [&](size_t place, const FusedImage& fused) {
         if (!truths[place].empty()) {
           of_images[place] =
@@ -327,8 +328,12 @@ FusedPixelEvaluation EvaluateFusedPixels(const Workspace& workspace,
                             options.tolerances);
         }
       },
-      [&](size_t place) { Add(of_images[place], &sum); },
       progress);
+  FusedPixelEvaluation sum;
+  sum.num_right.assign(options.tolerances.size(), 0);
+  for (const FusedPixelEvaluation& image : of_images) {
+    Add(image, &sum);
+  }
   return sum;
 }
 

@@ -75,7 +75,7 @@ struct FusedPixelEvaluation {
 //
 // Throws Error: kNotFound (no image has maps, or no fused image has ground
 // truth), kMismatch (a ground truth is not of the shape of the map), kBadOption
-// (tolerances), and what FusionRun and ReadDepthMap throw.
+// (tolerances), and what FuseImages and ReadDepthMap throw.
 FusedPixelEvaluation EvaluateFusedPixels(const Workspace& workspace,
                                          const DepthEvaluationOptions& options,
                                          const FusionOptions& fusion,
