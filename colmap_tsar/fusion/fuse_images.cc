@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/base/disparity.h"
 #include "colmap_tsar/base/main_memory.h"
+#include "colmap_tsar/base/option_name.h"
 #include "colmap_tsar/device/buffer.h"
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/image_pipeline.h"
@@ -79,16 +80,16 @@ std::vector<int> ImagesAt(const FusionPlan& plan, size_t place) {
 
 // The largest number of views that so many images in a row need together.
 size_t MaxNumViews(const FusionPlan& plan, size_t num_images) {
+  std::vector<size_t> last_row(plan.sources.size(), plan.order.size());
   size_t max = 0;
-  for (size_t begin = 0; begin < plan.order.size(); begin += num_images) {
-    std::set<int> views;
-    for (size_t place = begin;
-         place < std::min(begin + num_images, plan.order.size());
-         ++place) {
-      const std::vector<int> images = ImagesAt(plan, place);
-      views.insert(images.begin(), images.end());
+  size_t count = 0;
+  for (size_t place = 0; place < plan.order.size(); ++place) {
+    const size_t row = place / num_images;
+    count = place % num_images == 0 ? 0 : count;
+    for (const int image : ImagesAt(plan, place)) {
+      count += std::exchange(last_row[image], row) != row ? 1 : 0;
     }
-    max = std::max(max, views.size());
+    max = std::max(max, count);
   }
   return max;
 }
@@ -123,29 +124,33 @@ MemoryPlan PlanMemory(const Workspace& workspace,
                       const DeviceOptions& devices) {
   const WorkspaceOverview overview = OverviewOf(workspace, plan);
   const auto num_views = static_cast<int64_t>(MaxNumViews(plan, 1));
+  const int64_t view_bytes =
+      static_cast<int64_t>(sizeof(FusionPixel)) * overview.max_num_pixels;
   const int64_t max_num_points =
       overview.max_num_pixels / (fusion.point_spacing * fusion.point_spacing);
-  // The points with their flags and sums, then those that remain.
-  constexpr int64_t kPointBytes = 2 * sizeof(FusedPoint) + 16;
+  constexpr int64_t kPointBytes = sizeof(FusedPoint);
+  constexpr int64_t kFlagBytes = 16;  // With their sums.
   // In the files, besides the images that see the point.
   constexpr int64_t kEncodedBytes = 32;
-  const int64_t view_bytes = kViewBytesPerPixel * overview.max_num_pixels;
-  const int64_t result_bytes =
-      max_num_points * (kPointBytes + kEncodedBytes + 4 * num_views) +
-      ReadAndWriteBytes(overview);
   MemoryPlan memory;
   memory.num_sources = static_cast<int>(num_views) - 1;
-  memory.device = (1 << 22) + kPointBytes * max_num_points +
-                  num_views * static_cast<int64_t>(sizeof(FusionPixel)) *
-                      overview.max_num_pixels;
+  memory.copies = num_views * view_bytes;
+  const int64_t work =
+      (1 << 22) + max_num_points * (2 * kPointBytes + kFlagBytes);
+  memory.device = memory.copies + work;
+  memory.advice =
+      "give a smaller " + OptionName("check_num_images") + ", or smaller maps";
+  const int64_t result =
+      max_num_points * (kPointBytes + kEncodedBytes + 4 * num_views) +
+      ReadAndWriteBytes(overview);
   const int64_t budget =
       MainMemoryBudget(devices.cache_size, MainMemoryBytes());
   for (int64_t n = NumThreads(devices.num_threads); n > 0; --n) {
     memory.views =
         static_cast<int64_t>(MaxNumViews(plan, static_cast<size_t>(n))) *
         view_bytes / n;
-    memory.main = memory.views + result_bytes;
-    if (n * memory.main <= budget) {
+    memory.main = memory.views + result;
+    if (n * (memory.main + work) <= budget) {
       break;
     }
   }
@@ -156,20 +161,26 @@ class FusionPass : public ImagePass<FusedImage, FusionView> {
  public:
   using Use = std::function<void(size_t place, const FusedImage& fused)>;
 
-  // max_num_copies: of views, in the memory of each GPU.
+  // max_num_views: of the images that are at work at the same time.
   FusionPass(const Workspace& workspace,
              const FusionPlan& plan,
              const FusionOptions& fusion,
              const std::vector<RefineWorker>& workers,
-             size_t max_num_copies,
+             size_t max_num_views,
              const Use& use)
       : workspace_(workspace),
         plan_(plan),
         fusion_(fusion),
         workers_(workers),
         use_(use) {
+    std::map<std::string, size_t> num_workers;
     for (const RefineWorker& worker : workers) {
-      copies_.try_emplace(worker.name, max_num_copies);
+      ++num_workers[worker.name];
+    }
+    // As many copies as the workers' memory was planned for.
+    for (const auto& [gpu, count] : num_workers) {
+      copies_.try_emplace(
+          gpu, std::min(max_num_views, count * MaxNumViews(plan, 1)));
     }
   }
 
@@ -256,10 +267,7 @@ FusionDevices FuseImages(
   const ImagesAtWork& at_work = opened.at_work;
   const size_t max_num_views =
       MaxNumViews(plan, static_cast<size_t>(at_work.num_threads));
-  const size_t max_num_copies = std::min(
-      max_num_views,
-      opened.workers.size() / opened.view_caches.size() * MaxNumViews(plan, 1));
-  FusionPass pass(workspace, plan, fusion, opened.workers, max_num_copies, use);
+  FusionPass pass(workspace, plan, fusion, opened.workers, max_num_views, use);
   std::vector<size_t> places(plan.order.size());
   std::iota(places.begin(), places.end(), size_t{0});
   const PipelineOutcome outcome =

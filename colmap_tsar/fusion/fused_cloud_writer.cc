@@ -99,6 +99,9 @@ FusedCloudWriter::FusedCloudWriter(const ContainedPath& path)
 
 void FusedCloudWriter::Add(size_t place, EncodedPoints points) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (std::exchange(is_writing_, true)) {
+    return;
+  }
   waiting_.emplace(place, std::move(points));
   for (auto next = waiting_.begin();
        next != waiting_.end() && next->first == next_place_;
@@ -112,6 +115,7 @@ void FusedCloudWriter::Add(size_t place, EncodedPoints points) {
     num_points_ += encoded.count;
     ++next_place_;
   }
+  is_writing_ = false;
 }
 
 void FusedCloudWriter::Commit() {

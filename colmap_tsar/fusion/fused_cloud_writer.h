@@ -47,7 +47,8 @@ class FusedCloudWriter {
 
   // Writes the points of each image in the order of these places, which begin
   // at 0; images that come earlier wait. Can be called from several threads.
-  // Throws Error kIo, naming the file, where it cannot be written.
+  // Throws Error kIo, naming the file, where it cannot be written; then other
+  // calls do nothing.
   void Add(size_t place, EncodedPoints points);
 
   int64_t NumPoints() const { return num_points_; }
@@ -61,6 +62,8 @@ class FusedCloudWriter {
   AtomicFile points_;
   AtomicFile visibility_;
   std::mutex mutex_;
+  // Stays where a write fails.
+  bool is_writing_ = false;
   size_t next_place_ = 0;
   std::map<size_t, EncodedPoints> waiting_;
   int64_t num_points_ = 0;

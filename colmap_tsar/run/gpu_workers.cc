@@ -56,15 +56,15 @@ GpuWorkers OpenGpu(int index,
   GpuWorkers gpu;
   gpu.index = index;
   gpu.name = "GPU " + std::to_string(index) + " (" + device->Name() + ")";
-  gpu.bytes_per_device = static_cast<int64_t>(
+  gpu.free_bytes = static_cast<int64_t>(
       std::min(device->FreeMemory(), static_cast<size_t>(INT64_MAX)));
   gpu.devices.push_back(std::move(device));
-  if (NeededBytes(1, image_bytes) > gpu.bytes_per_device) {
+  if (NeededBytes(1, image_bytes) > gpu.free_bytes) {
     throw Error(
         ErrorCode::kDevice,
         gpu.name + ": an image of this workspace needs " +
             Gigabytes(NeededBytes(1, image_bytes)) + " of GPU memory and " +
-            Gigabytes(gpu.bytes_per_device) +
+            Gigabytes(gpu.free_bytes) +
             " are free; close other programs that use the GPU, choose another "
             "one with " +
             OptionName("gpu_index") +
@@ -131,7 +131,7 @@ void AddDevices(int64_t image_bytes,
   for (int count = 2; count <= kMaxGpuWorkers; ++count) {
     for (GpuWorkers& gpu : *opened) {
       if (num_left <= 0 || static_cast<int>(gpu.devices.size()) < count - 1 ||
-          NeededBytes(count, image_bytes) > gpu.bytes_per_device) {
+          NeededBytes(count, image_bytes) > gpu.free_bytes) {
         continue;
       }
       try {
@@ -190,11 +190,6 @@ std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
          "there is no GPU that can be used; going on with the CPU");
   }
   AddDevices(image_bytes, num_images, gpus, &opened);
-  for (GpuWorkers& gpu : opened) {
-    gpu.bytes_per_device =
-        gpu.bytes_per_device / static_cast<int64_t>(gpu.devices.size()) -
-        kDriverBytes;
-  }
   return opened;
 }
 

@@ -30,8 +30,7 @@ struct GpuWorkers {
   std::string name;  // "GPU 1 (NVIDIA H200)"
   int index = 0;
   std::vector<std::unique_ptr<Device>> devices;
-  // The share of each device in the memory that was free.
-  int64_t bytes_per_device = 0;
+  int64_t free_bytes = 0;  // Before it was used.
 };
 
 // Images that a GPU works on at a time: some are copied while one is computed.

@@ -34,7 +34,7 @@ class ViewsAtWork {
   void Add(int image, std::shared_ptr<const View> view) {
     views_[image] = std::move(view);
   }
-  // Those of an image that was added and has not been released.
+  // Of an image that was added and has not been released.
   const View& Get(int image) const { return *views_.at(image); }
   std::shared_ptr<const View> Share(int image) const {
     return views_.at(image);

@@ -107,26 +107,23 @@ ImagesAtWork FitIntoMainMemory(const MemoryPlan& plan,
                                double cache_size,
                                int64_t machine_bytes) {
   const int64_t budget = MainMemoryBudget(cache_size, machine_bytes);
-  const int64_t computing = on_cpu ? plan.device : 0;
+  const int64_t computing = on_cpu ? plan.device - plan.copies : 0;
   const int64_t needed = plan.main + computing;
   const std::string what_needs = "an image of this workspace with its " +
                                  std::to_string(plan.num_sources) +
                                  " source images needs " + Gigabytes(needed) +
                                  " of main memory at a time";
-  const std::string advice =
-      "run patch_match_stereo with fewer source images or a smaller "
-      "--PatchMatchStereo.max_image_size";
   if (needed > machine_bytes) {
     throw Error(ErrorCode::kOutOfMemory,
                 what_needs + ", and this machine gives " +
-                    Gigabytes(machine_bytes) + "; " + advice);
+                    Gigabytes(machine_bytes) + "; " + plan.advice);
   }
   if (needed > budget) {
     Warn(what_needs + ", more than the " + Gigabytes(budget) +
          " that the run may take (" + OptionName("cache_size") +
          ", and four fifths of the machine's memory); the run takes that "
          "much. If it is not there, " +
-         advice);
+         plan.advice);
   }
   ImagesAtWork fit = wanted;
   if (on_cpu) {

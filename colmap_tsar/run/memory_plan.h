@@ -23,6 +23,8 @@ struct MemoryPlan {
   // Memory of the device that computes, with the uploaded sources; main memory
   // where that is the CPU.
   int64_t device = 0;
+  // The part of `device` that only GPUs need: the CPU reads views in place.
+  int64_t copies = 0;
   // Other main memory: its views, a photo that is read, the evidence of its
   // neighborhood, the result.
   int64_t main = 0;
@@ -32,6 +34,10 @@ struct MemoryPlan {
   // unless images are refined together with their neighbors.
   int64_t model_block = 0;
   int64_t label_view = 0;
+  // What the user can do where one image needs too much main memory.
+  std::string advice =
+      "run patch_match_stereo with fewer source images or a smaller "
+      "--PatchMatchStereo.max_image_size";
 };
 
 // The factors were measured and are upper bounds; memory_plan_test.cc runs the
