@@ -23,6 +23,9 @@ constexpr float kMinCosine = 0.1f;
 // pixels become points; well above the differences of depths that agree.
 constexpr float kSizeStep = 1.5f;
 constexpr int kMaxSizeSteps = 200;
+// An image that sees through a point lowers the odds that it is right as much
+// as so many that agree raise them.
+constexpr float kWeightOfContradiction = 3.f;
 
 struct Source {
   ImageView<const FusionPixel> pixels;
@@ -242,7 +245,8 @@ struct FuseKernel {
       }
     }
     if (votes.count < thresholds.min_num_views ||
-        (thresholds.reject_contradicted != 0 && contradicting > agreeing)) {
+        (thresholds.reject_contradicted != 0 &&
+         kWeightOfContradiction * contradicting > agreeing)) {
       return;
     }
     fused->position = ray * (votes.weighted_depth / votes.weight);

@@ -21,8 +21,8 @@ struct FusionOptions {
   // The largest difference of depths, relative to that of the other image.
   double max_depth_error = 0.01;
   double max_normal_error = 30.0;  // Degrees, below 90.
-  // Leaves out points where the images that see through them have a larger sum
-  // of confidences than those that agree.
+  // Leaves out points where the images that see through them have more than a
+  // third of the confidences of those that agree.
   bool reject_contradicted = true;
   // The number of sources of an image: those that share most sparse points,
   // then those of patch-match.cfg. At most kMaxFusionSources.
