@@ -10,7 +10,7 @@
 #include "colmap_tsar/io/map_io.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/memory_plan.h"
-#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/pipeline_devices.h"
 #include "colmap_tsar/run/store/image_maps.h"
 
 #include <algorithm>
@@ -165,7 +165,7 @@ class FusionPass : public ImagePass<FusedImage, FusionView> {
   FusionPass(const Workspace& workspace,
              const FusionPlan& plan,
              const FusionOptions& fusion,
-             const std::vector<RefineWorker>& workers,
+             const std::vector<PipelineWorker>& workers,
              size_t max_num_views,
              const Use& use)
       : workspace_(workspace),
@@ -174,7 +174,7 @@ class FusionPass : public ImagePass<FusedImage, FusionView> {
         workers_(workers),
         use_(use) {
     std::map<std::string, size_t> num_workers;
-    for (const RefineWorker& worker : workers) {
+    for (const PipelineWorker& worker : workers) {
       ++num_workers[worker.name];
     }
     // As many copies as the workers' memory was planned for.
@@ -247,7 +247,7 @@ class FusionPass : public ImagePass<FusedImage, FusionView> {
   const Workspace& workspace_;
   const FusionPlan& plan_;
   const FusionOptions& fusion_;
-  const std::vector<RefineWorker>& workers_;
+  const std::vector<PipelineWorker>& workers_;
   const Use& use_;
   std::map<std::string, Copies> copies_;  // By the GPU's name.
 };
@@ -262,8 +262,8 @@ FusionDevices FuseImages(
     const std::function<void(size_t place, const FusedImage& fused)>& use,
     Progress& progress) {
   const MemoryPlan memory = PlanMemory(workspace, plan, fusion, devices);
-  const RefineDevices opened =
-      CreateRefineDevices(devices, memory, static_cast<int>(plan.order.size()));
+  const PipelineDevices opened =
+      OpenPipelineDevices(devices, memory, static_cast<int>(plan.order.size()));
   const ImagesAtWork& at_work = opened.at_work;
   const size_t max_num_views =
       MaxNumViews(plan, static_cast<size_t>(at_work.num_threads));

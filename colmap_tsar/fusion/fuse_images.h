@@ -44,7 +44,7 @@ struct FusionDevices {
 // cache_size, but at least one image; views that the next ones need stay there.
 //
 // Throws Error kInterrupted where the user asked to stop, and what
-// CreateRefineDevices, the readers of maps and photos and the function throw.
+// OpenPipelineDevices, the readers of maps and photos and the function throw.
 FusionDevices FuseImages(
     const Workspace& workspace,
     const FusionPlan& plan,

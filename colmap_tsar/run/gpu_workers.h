@@ -43,7 +43,7 @@ constexpr int kMaxGpuWorkers = 8;
 
 // The GPUs to work with, each of which gets at least one image; none where the
 // CPU is to be used. image_bytes: the GPU memory that an image at work takes.
-// CreateRefineDevices describes which GPUs are left out, the warnings and the
+// OpenPipelineDevices describes which GPUs are left out, the warnings and the
 // errors.
 std::vector<GpuWorkers> OpenGpus(const DeviceOptions& options,
                                  int64_t image_bytes,

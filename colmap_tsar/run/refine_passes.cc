@@ -115,7 +115,7 @@ using SingleViewStages =
 // Runs the stages with the sources in the worker's memory.
 RefineResult RunSingleView(const RefineRun& run,
                            size_t index,
-                           const RefineWorker& worker,
+                           const PipelineWorker& worker,
                            LoadedViews* views,
                            SingleViewStages stages) {
   const int image = run.selection.Reference(index);
@@ -338,7 +338,7 @@ void ComposePass::Keep(size_t index, ImageReport* report) const {
 }
 
 RefineResult ComposePass::Compose(size_t index,
-                                  const RefineWorker& worker,
+                                  const PipelineWorker& worker,
                                   const ViewData& reference) {
   // It may have no depth at the size at which it is judged.
   if (!run_.evidence.IsCurrent(run_.selection.Reference(index))) {

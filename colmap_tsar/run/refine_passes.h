@@ -81,7 +81,7 @@ class ComposePass : public ImagePass<RefineResult> {
 
  private:
   RefineResult Compose(size_t index,
-                       const RefineWorker& worker,
+                       const PipelineWorker& worker,
                        const ViewData& reference);
   // Keeps the original maps, and records the reason in the report.
   void Keep(size_t index, ImageReport* report) const;

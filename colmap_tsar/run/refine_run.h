@@ -7,7 +7,7 @@
 #include "colmap_tsar/run/evidence_store.h"
 #include "colmap_tsar/run/image_selection.h"
 #include "colmap_tsar/run/input_fingerprints.h"
-#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/pipeline_devices.h"
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/workspace.h"
 #include "colmap_tsar/run/workspace_check.h"
@@ -28,7 +28,7 @@ struct RefineRun {
   const Workspace& workspace;  // The one that is written.
   const WorkspaceOverview& overview;
   const std::vector<size_t>& images;  // Of the shard, as in Problems().
-  const RefineDevices& devices;
+  const PipelineDevices& devices;
   const InputFingerprints& inputs;
   const ImageSelection& selection;
   EvidenceStore& evidence;

@@ -174,9 +174,9 @@ RunSummary RunOnImages(const WorkspaceRefineOptions& options,
     // A GPU too small for observing or composing may suffice here.
     memory.device = memory.main = memory.views = 0;
   }
-  RefineDevices devices;
+  PipelineDevices devices;
   if (!images.empty()) {
-    devices = CreateRefineDevices(
+    devices = OpenPipelineDevices(
         options.devices, memory, static_cast<int>(images.size()));
   }
   if (!in_place) {

@@ -23,7 +23,7 @@ namespace {
 
 // The runtime settings of a run, by name; no result depends on them.
 std::map<std::string, std::string> RuntimeText(const DeviceOptions& options,
-                                               const RefineDevices& devices) {
+                                               const PipelineDevices& devices) {
   TextStream cache_size;
   cache_size << options.cache_size;
   std::map<std::string, std::string> text = {

@@ -10,7 +10,7 @@
 #include "colmap_tsar/fusion/fuse_workspace.h"
 #include "colmap_tsar/matching/gray_texture.h"
 #include "colmap_tsar/run/memory_plan.h"
-#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/pipeline_devices.h"
 #include "colmap_tsar/run/refine_workspace.h"
 #include "colmap_tsar/run/store/scene_model_file.h"
 #include "colmap_tsar/tools/stereo/stereo_workspace.h"
@@ -113,7 +113,7 @@ bool HaveSameBytes(const RefinedMaps& a, const RefinedMaps& b) {
 TEST(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
   const SyntheticViews drawn = MakeSyntheticViews({});
   const int num_views = static_cast<int>(drawn.views.size());
-  const auto refine = [&](int reference, const RefineWorker& worker) {
+  const auto refine = [&](int reference, const PipelineWorker& worker) {
     std::vector<UploadedViews::Pointer> sources;
     for (int i = 0; i < num_views; ++i) {
       if (i != reference) {
@@ -129,7 +129,7 @@ TEST(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
   };
   std::vector<RefinedMaps> expected;
   {
-    RefineWorker gpu = {"", Device::CreateCuda(0)};
+    PipelineWorker gpu = {"", Device::CreateCuda(0)};
     UploadedViews cache(100);
     gpu.views = &cache;
     for (int i = 0; i < num_views; ++i) {
@@ -138,8 +138,8 @@ TEST(WorkersOnCudaTest, WorkersShareViewsAndGiveTheSameBytes) {
   }
   // With room for all views, and only for those in use.
   for (const size_t max_num_views : {100, 0}) {
-    RefineWorker gpus[] = {{"", Device::CreateCuda(0)},
-                           {"", Device::CreateCuda(0)}};
+    PipelineWorker gpus[] = {{"", Device::CreateCuda(0)},
+                             {"", Device::CreateCuda(0)}};
     UploadedViews cache(max_num_views);
     gpus[0].views = gpus[1].views = &cache;
     std::vector<std::jthread> threads;
@@ -357,7 +357,7 @@ TEST_F(WorkspaceOnCudaTest, RefusesGpusAndImagesThatCannotBe) {
   ExpectError(
       ErrorCode::kDevice,
       {"GPU 0 (", "GB of GPU memory", "are free", "max_image_size"},
-      [&] { CreateRefineDevices(options, PlanRefinement({}, overview), 10); });
+      [&] { OpenPipelineDevices(options, PlanRefinement({}, overview), 10); });
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ class RefinePassesTest : public testing::Test {
            bool finds_scenes_ahead = false) {
     const CountingDevice& counter = *device;
     const Workspace workspace(root_, MapType::kGeometric);
-    RefineDevices devices;
+    PipelineDevices devices;
     devices.view_caches.push_back(std::make_unique<UploadedViews>(4));
     devices.workers.push_back(
         {"GPU 3 (Card)", std::move(device), devices.view_caches.front().get()});

@@ -8,7 +8,7 @@
 #include "colmap_tsar/run/gpu_workers.h"
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/load_view.h"
-#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/pipeline_devices.h"
 #include "colmap_tsar/run/workspace_check.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
@@ -33,7 +33,7 @@ class FilterPass : public ImagePass<StereoMaps> {
  public:
   FilterPass(const Workspace& workspace,
              const WorkspaceOverview& overview,
-             std::vector<RefineWorker>& workers)
+             std::vector<PipelineWorker>& workers)
       : workspace_(workspace), overview_(overview), workers_(workers) {}
 
   ImageReport Begin(size_t /*index*/) override { return {}; }
@@ -82,7 +82,7 @@ class FilterPass : public ImagePass<StereoMaps> {
 
   const Workspace& workspace_;
   const WorkspaceOverview& overview_;
-  std::vector<RefineWorker>& workers_;
+  std::vector<PipelineWorker>& workers_;
   const StereoOptions options_ = OptionsOfFilter();
 };
 
@@ -100,7 +100,7 @@ void FilterMaps(const Workspace& workspace,
       images.push_back(i);
     }
   }
-  RefineDevices devices = CreateRefineDevices(
+  PipelineDevices devices = OpenPipelineDevices(
       device_options, PlanStereo(overview), static_cast<int>(images.size()));
   FilterPass pass(workspace, overview, devices.workers);
   const PipelineOutcome outcome =

@@ -15,7 +15,7 @@ namespace tsar {
 // holes, and neighboring views agree on what they fill in.
 //
 // Throws kInterrupted where the user asked to stop, and the errors of
-// CheckWorkspace, CreateRefineDevices and the readers and writers of maps.
+// CheckWorkspace, OpenPipelineDevices and the readers and writers of maps.
 // workspace: of the photometric type.
 void FilterMaps(const Workspace& workspace,
                 const DeviceOptions& device_options,

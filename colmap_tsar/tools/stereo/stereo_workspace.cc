@@ -17,7 +17,7 @@
 #include "colmap_tsar/run/image_pipeline.h"
 #include "colmap_tsar/run/image_selection.h"
 #include "colmap_tsar/run/memory_plan.h"
-#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/pipeline_devices.h"
 #include "colmap_tsar/run/store/workspace_lock.h"
 #include "colmap_tsar/tools/stereo/stereo_image.h"
 #include "colmap_tsar/tools/stereo/stereo_inputs.h"
@@ -110,7 +110,7 @@ class StereoPass : public ImagePass<StereoMaps> {
              const StereoOptions& options,
              const StereoPasses& passes,
              int pass,
-             std::vector<RefineWorker>& workers)
+             std::vector<PipelineWorker>& workers)
       : workspace_(workspace),
         options_(options),
         passes_(passes),
@@ -208,7 +208,7 @@ class StereoPass : public ImagePass<StereoMaps> {
   const StereoOptions& options_;
   const StereoPasses& passes_;
   const int pass_;
-  std::vector<RefineWorker>& workers_;
+  std::vector<PipelineWorker>& workers_;
   std::vector<bool> is_matched_;  // By image of the sparse model.
 };
 
@@ -294,7 +294,7 @@ void RunPasses(const Workspace& workspace,
                const StereoPasses& passes,
                const std::vector<std::vector<size_t>>& images,
                size_t max_num_views,
-               RefineDevices& devices,
+               PipelineDevices& devices,
                Progress& progress,
                StereoSummary* summary) {
   for (int pass = 0; pass < passes.NumPasses(); ++pass) {
@@ -348,8 +348,8 @@ StereoSummary MatchWorkspace(const std::filesystem::path& workspace_path,
         "names no image with sources",
         "an image needs others that share sparse points with it");
   }
-  RefineDevices devices =
-      CreateRefineDevices(device_options,
+  PipelineDevices devices =
+      OpenPipelineDevices(device_options,
                           PlanStereo(overview),
                           static_cast<int>(images.front().size()));
   ClaimMaps(workspace, options, overwrite, is_listed);

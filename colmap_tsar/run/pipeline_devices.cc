@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/pipeline_devices.h"
 
 #include "colmap_tsar/base/start_thread.h"
 
@@ -20,7 +20,7 @@ constexpr int kCpuWorkersPerThread = 8;
 
 void AddGpuWorkers(std::vector<GpuWorkers> opened,
                    int num_sources,
-                   RefineDevices* result) {
+                   PipelineDevices* result) {
   for (GpuWorkers& gpu : opened) {
     result->description += (result->description.empty() ? "" : ", ") + gpu.name;
     result->view_caches.push_back(std::make_unique<UploadedViews>(
@@ -35,7 +35,7 @@ void AddGpuWorkers(std::vector<GpuWorkers> opened,
 void AddCpuWorkers(int num_workers,
                    int num_sources,
                    int num_threads,
-                   RefineDevices* result) {
+                   PipelineDevices* result) {
   result->description = std::to_string(num_threads) + " CPU thread" +
                         (num_threads == 1 ? "" : "s");
   result->view_caches.push_back(std::make_unique<UploadedViews>(
@@ -74,8 +74,8 @@ ModelResources PlanModelPass(const DeviceOptions& options,
 
 }  // namespace
 
-UploadedViews::Pointer RefineWorker::Upload(int image,
-                                            const ViewData& view) const {
+UploadedViews::Pointer PipelineWorker::Upload(int image,
+                                              const ViewData& view) const {
   return views->Get(image, [&](UploadedViews::Pointer spare) {
     auto uploaded = UploadView(
         view, *device, std::const_pointer_cast<UploadedView>(std::move(spare)));
@@ -84,7 +84,7 @@ UploadedViews::Pointer RefineWorker::Upload(int image,
   });
 }
 
-std::vector<UploadedViews::Pointer> RefineWorker::UploadSources(
+std::vector<UploadedViews::Pointer> PipelineWorker::UploadSources(
     const std::vector<int>& sources,
     int reference,
     LoadedViews* loaded,
@@ -99,13 +99,13 @@ std::vector<UploadedViews::Pointer> RefineWorker::UploadSources(
   return uploaded;
 }
 
-RefineDevices CreateRefineDevices(const DeviceOptions& options,
-                                  const MemoryPlan& plan,
-                                  int num_images,
-                                  const GpuSystem& gpus,
-                                  int64_t machine_bytes) {
+PipelineDevices OpenPipelineDevices(const DeviceOptions& options,
+                                    const MemoryPlan& plan,
+                                    int num_images,
+                                    const GpuSystem& gpus,
+                                    int64_t machine_bytes) {
   const int num_threads = NumThreads(options.num_threads);
-  RefineDevices result;
+  PipelineDevices result;
   std::vector<GpuWorkers> opened =
       OpenGpus(options, plan.device, num_images, gpus);
   const bool on_cpu = opened.empty();
@@ -141,9 +141,10 @@ RefineDevices CreateRefineDevices(const DeviceOptions& options,
   return result;
 }
 
-std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices) {
+std::vector<RunSummary::GpuMemory> PeakGpuMemory(
+    const PipelineDevices& devices) {
   std::vector<RunSummary::GpuMemory> peaks;
-  for (const RefineWorker& worker : devices.workers) {
+  for (const PipelineWorker& worker : devices.workers) {
     const size_t num_bytes = worker.device->PeakMemory();
     if (num_bytes > 0 && (peaks.empty() || peaks.back().gpu != worker.name)) {
       peaks.push_back({worker.name, num_bytes});

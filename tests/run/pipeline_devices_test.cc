@@ -1,7 +1,7 @@
 // Copyright (c) 2026, the TSAR for COLMAP authors.
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include "colmap_tsar/run/refine_devices.h"
+#include "colmap_tsar/run/pipeline_devices.h"
 
 #include "colmap_tsar/base/error.h"
 
@@ -25,9 +25,9 @@ constexpr size_t kGigabyte = 1000000000;
 
 // Refinement of images of one megapixel with ten sources each, on a machine
 // with these GPUs.
-class RefineDevicesTest : public testing::Test {
+class PipelineDevicesTest : public testing::Test {
  protected:
-  RefineDevicesTest() {
+  PipelineDevicesTest() {
     overview_.max_num_pixels = 1000000;
     overview_.max_num_sources = 10;
     options_.num_threads = 16;
@@ -56,9 +56,9 @@ class RefineDevicesTest : public testing::Test {
           return std::unique_ptr<Device>(new CountingDevice("Card", memory));
         }};
   }
-  RefineDevices Create(int num_gpus, int num_images = 100) {
+  PipelineDevices Create(int num_gpus, int num_images = 100) {
     num_created_.clear();
-    return CreateRefineDevices(
+    return OpenPipelineDevices(
         options_, Plan(), num_images, Gpus(num_gpus), machine_bytes_);
   }
   void ExpectRefusal(ErrorCode code,
@@ -79,17 +79,17 @@ class RefineDevicesTest : public testing::Test {
 };
 
 // The names of all workers.
-std::vector<std::string> Names(const RefineDevices& devices) {
+std::vector<std::string> Names(const PipelineDevices& devices) {
   std::vector<std::string> names;
-  for (const RefineWorker& worker : devices.workers) {
+  for (const PipelineWorker& worker : devices.workers) {
     names.push_back(worker.name);
   }
   return names;
 }
 
-TEST_F(RefineDevicesTest, TakesEveryGpuWithSeveralWorkers) {
-  const RefineDevices devices = Create(2);
-  const std::vector<RefineWorker>& workers = devices.workers;
+TEST_F(PipelineDevicesTest, TakesEveryGpuWithSeveralWorkers) {
+  const PipelineDevices devices = Create(2);
+  const std::vector<PipelineWorker>& workers = devices.workers;
   std::vector<std::string> names(kMaxGpuWorkers, "GPU 0 (Card)");
   names.resize(2 * kMaxGpuWorkers, "GPU 1 (Card)");
   ASSERT_EQ(Names(devices), names);
@@ -101,7 +101,7 @@ TEST_F(RefineDevicesTest, TakesEveryGpuWithSeveralWorkers) {
   EXPECT_GT(devices.at_work.num_threads, options_.num_threads);
 }
 
-TEST_F(RefineDevicesTest, WithoutAnyGpuAutoMeansTheCpu) {
+TEST_F(PipelineDevicesTest, WithoutAnyGpuAutoMeansTheCpu) {
   without_code_ = {0, 1};
   options_.choice = DeviceChoice::kAuto;
   EXPECT_EQ(Create(2).description, "16 CPU threads");
@@ -120,8 +120,8 @@ TEST_F(RefineDevicesTest, WithoutAnyGpuAutoMeansTheCpu) {
   ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 0);
 }
 
-TEST_F(RefineDevicesTest, TheModelPassHasTheGpusOfTheWorkers) {
-  const RefineDevices devices = Create(2);
+TEST_F(PipelineDevicesTest, TheModelPassHasTheGpusOfTheWorkers) {
+  const PipelineDevices devices = Create(2);
   ASSERT_EQ(devices.model.gpus.size(), devices.workers.size());
   for (size_t i = 0; i < devices.workers.size(); ++i) {
     EXPECT_EQ(devices.model.gpus[i].name, devices.workers[i].name);
@@ -131,7 +131,7 @@ TEST_F(RefineDevicesTest, TheModelPassHasTheGpusOfTheWorkers) {
   EXPECT_TRUE(Create(2).model.gpus.empty());
 }
 
-TEST_F(RefineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
+TEST_F(PipelineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
   options_.choice = DeviceChoice::kCpu;
   const ModelResources model = Create(0).model;
   EXPECT_EQ(model.num_views, 16);
@@ -143,10 +143,10 @@ TEST_F(RefineDevicesTest, WhatTheModelPassKeepsIsWhatIsLeftOfMainMemory) {
   EXPECT_EQ(Create(0).model.max_kept_bytes, 0);
 }
 
-TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {
+TEST_F(PipelineDevicesTest, NoMoreWorkersThanImages) {
   for (int num_gpus = 1; num_gpus <= 4; ++num_gpus) {
     for (int num_images = 1; num_images <= 10; ++num_images) {
-      const RefineDevices devices = Create(num_gpus, num_images);
+      const PipelineDevices devices = Create(num_gpus, num_images);
       EXPECT_EQ(static_cast<int>(devices.workers.size()),
                 std::min(num_images, kMaxGpuWorkers * num_gpus));
       // No GPU is opened that gets no image.
@@ -159,7 +159,7 @@ TEST_F(RefineDevicesTest, NoMoreWorkersThanImages) {
   EXPECT_EQ(Create(1, 3).workers.size(), 3u);
 }
 
-TEST_F(RefineDevicesTest, EveryGpuGetsAnImageBeforeOneGetsTwo) {
+TEST_F(PipelineDevicesTest, EveryGpuGetsAnImageBeforeOneGetsTwo) {
   EXPECT_EQ(Names(Create(2, 2)),
             std::vector<std::string>({"GPU 0 (Card)", "GPU 1 (Card)"}));
   EXPECT_EQ(Names(Create(2, 3)),
@@ -175,7 +175,7 @@ TEST_F(RefineDevicesTest, EveryGpuGetsAnImageBeforeOneGetsTwo) {
                 {"GPU 2 (Card)", "GPU 3 (Card)", "GPU 3 (Card)"}));
 }
 
-TEST_F(RefineDevicesTest, TakesTheNamedGpusInTheirOrder) {
+TEST_F(PipelineDevicesTest, TakesTheNamedGpusInTheirOrder) {
   options_.gpu_indices = {2, 0};
   EXPECT_EQ(Create(3).description, "GPU 2 (Card), GPU 0 (Card)");
   options_.gpu_indices = {0, 3};
@@ -185,14 +185,14 @@ TEST_F(RefineDevicesTest, TakesTheNamedGpusInTheirOrder) {
   ExpectRefusal(ErrorCode::kDevice, {"gpu_index", "no GPU 1", "number 0"}, 1);
 }
 
-TEST_F(RefineDevicesTest, LeavesOutGpusWithoutCodeUnlessNamed) {
+TEST_F(PipelineDevicesTest, LeavesOutGpusWithoutCodeUnlessNamed) {
   without_code_ = {0};
   EXPECT_EQ(Create(2).description, "GPU 1 (Card)");
   options_.gpu_indices = {0, 1};
   ExpectRefusal(ErrorCode::kDevice, {"GPU 0 has no code"}, 2);
 }
 
-TEST_F(RefineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {
+TEST_F(PipelineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {
   overview_.max_num_pixels = 23000000;
   memory_[0] = kGigabyte;
   const std::vector<std::string> texts = {"GPU 0 (Card)",
@@ -209,7 +209,7 @@ TEST_F(RefineDevicesTest, SaysWhatAnImageNeedsWhereNoneFits) {
   ExpectRefusal(ErrorCode::kDevice, texts, 2);
 }
 
-TEST_F(RefineDevicesTest, GivesGpusAsManyWorkersAsFit) {
+TEST_F(PipelineDevicesTest, GivesGpusAsManyWorkersAsFit) {
   size_t most = 0;
   for (size_t tenths = 20; tenths <= 20 * kMaxGpuWorkers; ++tenths) {
     memory_[0] = static_cast<size_t>(Plan().device) * tenths / 10;
@@ -221,13 +221,13 @@ TEST_F(RefineDevicesTest, GivesGpusAsManyWorkersAsFit) {
   EXPECT_EQ(most, static_cast<size_t>(kMaxGpuWorkers));
 }
 
-TEST_F(RefineDevicesTest, GoesOnWhereASecondWorkerCannotBeMade) {
+TEST_F(PipelineDevicesTest, GoesOnWhereASecondWorkerCannotBeMade) {
   max_num_devices_ = 1;
   for (const std::vector<int>& gpu_indices :
        {std::vector<int>(), std::vector<int>({0, 1})}) {
     options_.gpu_indices = gpu_indices;
     testing::internal::CaptureStderr();
-    const RefineDevices devices = Create(2);
+    const PipelineDevices devices = Create(2);
     EXPECT_THAT(testing::internal::GetCapturedStderr(),
                 testing::HasSubstr("GPU 1 (Card) works on 1 image at a time"));
     EXPECT_EQ(Names(devices),

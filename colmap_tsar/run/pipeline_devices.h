@@ -32,7 +32,7 @@ namespace tsar {
 using UploadedViews = SharedCache<UploadedView>;
 
 // A device of a run, which works on one image at a time.
-struct RefineWorker {
+struct PipelineWorker {
   std::string name;  // "GPU 1 (NVIDIA H200)", or "the CPU".
   std::unique_ptr<Device> device;
   // Shared by the workers of one memory.
@@ -51,9 +51,9 @@ struct RefineWorker {
 };
 
 // The devices of a run and the division of its memory.
-struct RefineDevices {
+struct PipelineDevices {
   std::string description;  // "2 CPU threads", or the GPUs' names.
-  std::vector<RefineWorker> workers;
+  std::vector<PipelineWorker> workers;
   // Declared after the workers, so that the views are freed before the devices
   // that own their memory.
   std::vector<std::unique_ptr<UploadedViews>> view_caches;
@@ -82,13 +82,14 @@ struct RefineDevices {
 // images), kOutOfMemory (one image alone needs more than machine_bytes; no
 // memory is left on a named GPU or on the last one, or main memory for its
 // copies) and kBadOption (gpu_index).
-RefineDevices CreateRefineDevices(const DeviceOptions& options,
-                                  const MemoryPlan& plan,
-                                  int num_images,
-                                  const GpuSystem& gpus = GpuSystem::Cuda(),
-                                  int64_t machine_bytes = MainMemoryBytes());
+PipelineDevices OpenPipelineDevices(const DeviceOptions& options,
+                                    const MemoryPlan& plan,
+                                    int num_images,
+                                    const GpuSystem& gpus = GpuSystem::Cuda(),
+                                    int64_t machine_bytes = MainMemoryBytes());
 
 // The peak memory of each GPU; nothing for the CPU.
-std::vector<RunSummary::GpuMemory> PeakGpuMemory(const RefineDevices& devices);
+std::vector<RunSummary::GpuMemory> PeakGpuMemory(
+    const PipelineDevices& devices);
 
 }  // namespace tsar
