@@ -159,15 +159,13 @@ MemoryPlan PlanMemory(const Workspace& workspace,
 
 class FusionPass : public ImagePass<FusedImage, FusionView> {
  public:
-  using Use = std::function<void(size_t place, const FusedImage& fused)>;
-
   // max_num_views: of the images that are at work at the same time.
   FusionPass(const Workspace& workspace,
              const FusionPlan& plan,
              const FusionOptions& fusion,
              const std::vector<PipelineWorker>& workers,
              size_t max_num_views,
-             const Use& use)
+             const UsePoints& use)
       : workspace_(workspace),
         plan_(plan),
         fusion_(fusion),
@@ -177,10 +175,10 @@ class FusionPass : public ImagePass<FusedImage, FusionView> {
     for (const PipelineWorker& worker : workers) {
       ++num_workers[worker.name];
     }
+    const size_t views_of_image = MaxNumViews(plan, 1);
     // As many copies as the workers' memory was planned for.
     for (const auto& [gpu, count] : num_workers) {
-      copies_.try_emplace(
-          gpu, std::min(max_num_views, count * MaxNumViews(plan, 1)));
+      copies_.try_emplace(gpu, std::min(max_num_views, count * views_of_image));
     }
   }
 
@@ -205,17 +203,16 @@ class FusionPass : public ImagePass<FusedImage, FusionView> {
     std::vector<Copies::Pointer> copies;
     const ScopedSynchronization before_copies_are_released(device);
     if (device.IsCuda()) {
-      copies = copies_.at(workers_[worker].name)
-                   .GetAll(
-                       images,
-                       [&](int i) {
-                         auto copy =
-                             std::make_shared<const DeviceImage<FusionPixel>>(
-                                 device, views->Get(i).pixels);
-                         device.Synchronize();
-                         return copy;
-                       },
-                       [] { return false; });
+      const auto copy_to_gpu = [&](int i) {
+        auto copy = std::make_shared<const DeviceImage<FusionPixel>>(
+            device, views->Get(i).pixels);
+        device.Synchronize();
+        return copy;
+      };
+      copies =
+          copies_.at(workers_[worker].name).GetAll(images, copy_to_gpu, [] {
+            return false;
+          });
     }
     const auto input = [&](size_t i) -> FusionInput {
       const FusionView& view = views->Get(images[i]);
@@ -248,19 +245,18 @@ class FusionPass : public ImagePass<FusedImage, FusionView> {
   const FusionPlan& plan_;
   const FusionOptions& fusion_;
   const std::vector<PipelineWorker>& workers_;
-  const Use& use_;
+  const UsePoints& use_;
   std::map<std::string, Copies> copies_;  // By the GPU's name.
 };
 
 }  // namespace
 
-FusionDevices FuseImages(
-    const Workspace& workspace,
-    const FusionPlan& plan,
-    const FusionOptions& fusion,
-    const DeviceOptions& devices,
-    const std::function<void(size_t place, const FusedImage& fused)>& use,
-    Progress& progress) {
+FusionDevices FuseImages(const Workspace& workspace,
+                         const FusionPlan& plan,
+                         const FusionOptions& fusion,
+                         const DeviceOptions& devices,
+                         const UsePoints& use,
+                         Progress& progress) {
   const MemoryPlan memory = PlanMemory(workspace, plan, fusion, devices);
   const PipelineDevices opened =
       OpenPipelineDevices(devices, memory, static_cast<int>(plan.order.size()));

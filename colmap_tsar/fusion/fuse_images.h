@@ -37,20 +37,22 @@ struct FusionDevices {
   std::vector<RunSummary::GpuMemory> peak_gpu_memory;
 };
 
-// Fuses the images of a plan, and passes their points to a function, from
-// several threads. place: the index of the image in the plan's order.
+// Called from several threads with the points of each image. place: the index
+// of the image in the plan's order.
+using UsePoints = std::function<void(size_t place, const FusedImage& fused)>;
+
+// Fuses the images of a plan.
 //
 // Main memory holds the images at work with their sources, as many as fit into
 // cache_size, but at least one image; views that the next ones need stay there.
 //
 // Throws Error kInterrupted where the user asked to stop, and what
 // OpenPipelineDevices, the readers of maps and photos and the function throw.
-FusionDevices FuseImages(
-    const Workspace& workspace,
-    const FusionPlan& plan,
-    const FusionOptions& fusion,
-    const DeviceOptions& devices,
-    const std::function<void(size_t place, const FusedImage& fused)>& use,
-    Progress& progress);
+FusionDevices FuseImages(const Workspace& workspace,
+                         const FusionPlan& plan,
+                         const FusionOptions& fusion,
+                         const DeviceOptions& devices,
+                         const UsePoints& use,
+                         Progress& progress);
 
 }  // namespace tsar

@@ -17,7 +17,7 @@ BUDGETS = (
     ("colmap_tsar/cli", SOURCES, 3210),
     ("colmap_tsar/compose", SOURCES, 2310),
     ("colmap_tsar/device", SOURCES, 1680),
-    ("colmap_tsar/fusion", SOURCES, 1466),
+    ("colmap_tsar/fusion", SOURCES, 1464),
     ("colmap_tsar/io", SOURCES, 4208),
     ("colmap_tsar/matching", SOURCES, 2040),
     ("colmap_tsar/priors", SOURCES, 1820),
