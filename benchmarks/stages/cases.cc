@@ -57,15 +57,14 @@ std::vector<StageCase> TransferCases(const StageInputs& in) {
              UploadViews(in.view_set.SourcePointers(), in.device),
              in.device);
        }},
-      // Depth 4, normal 12, confidence 4, provenance 1.
+      // Depth 4, normal 12, provenance 1.
       {"Download",
        pixels,
-       21.0 * pixels,
+       17.0 * pixels,
        [&in] {
          in.composed.map.depth.ToHost();
          in.composed.map.normal.ToHost();
          in.composed.provenance.ToHost();
-         in.confidence.ToHost();
        }},
   };
 }

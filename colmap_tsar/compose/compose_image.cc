@@ -134,10 +134,12 @@ RefineResult ComposeImage(const ViewData& reference,
                              min_fill_confidence,
                              device);
   FillByPrior(inputs, min_fill_confidence, &composed, &confidence, device);
-  DropDoubtful(static_cast<float>(options.min_confidence),
-               &composed,
-               &confidence,
-               device);
+  const DeviceImage<uint8_t> levels =
+      FinishMap(static_cast<float>(options.min_confidence),
+                view.MapIntrinsics(),
+                confidence.View(),
+                &composed,
+                device);
   if (options.sigma_maps) {
     result.maps.sigma = ComputeSceneSigma(composed,
                                           inputs,
@@ -156,7 +158,7 @@ RefineResult ComposeImage(const ViewData& reference,
                                  plane_ids.View(),
                                  device)
                            .ToHost();
-  Download(composed, confidence, view.MapIntrinsics(), &result.maps);
+  Download(composed, levels, &result.maps);
   timer.Finish("download");
   result.reason_to_keep = ReasonToKeep(result.maps, options);
   return result;

@@ -115,37 +115,33 @@ struct ConfidenceKernel {
   }
 };
 
-struct DropKernel {
+struct FinishKernel {
+  // The cosine with the ray of normals that are tilted to the camera: that of a
+  // plane that the ray still meets.
+  static constexpr float kGrazing = -1e-3f;
+
   float min_confidence;
+  Intrinsics intrinsics;
+  ImageView<const float> confidence;
   ComposedViews map;
-  ImageView<float> confidence;
-  TSAR_HD void operator()(int x, int y) const {
+
+  TSAR_HD uint8_t operator()(int x, int y) const {
     if (!(confidence(x, y) > 0.f) || confidence(x, y) < min_confidence) {
       map.Set(x, y, 0.f, {}, Provenance::kNone);
-      confidence(x, y) = 0.f;
+      return 0;
     }
+    Vec3f& normal = map.normal(x, y);
+    const Vec3f ray =
+        intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
+    if (Dot(normal, ray) > 0.f) {
+      // To negate the normal would turn its surface over.
+      const Vec3f direction = Normalized(ray);
+      normal =
+          Normalized(normal + direction * (kGrazing - Dot(normal, direction)));
+    }
+    return ToConfidenceLevel(confidence(x, y));
   }
 };
-
-// The cosine with the ray of normals that are tilted to the camera: that of a
-// plane that the ray still meets.
-constexpr float kGrazing = -1e-3f;
-
-// To negate such a normal would turn its surface over.
-void FaceCamera(const Intrinsics& intrinsics, Image<Vec3f>* normals) {
-  for (int y = 0; y < normals->Height(); ++y) {
-    for (int x = 0; x < normals->Width(); ++x) {
-      Vec3f& normal = (*normals)(x, y);
-      const Vec3f ray =
-          intrinsics.Ray(static_cast<float>(x), static_cast<float>(y));
-      if (Dot(normal, ray) > 0.f) {
-        const Vec3f direction = Normalized(ray);
-        normal = Normalized(normal +
-                            direction * (kGrazing - Dot(normal, direction)));
-      }
-    }
-  }
-}
 
 }  // namespace
 
@@ -171,15 +167,16 @@ DeviceImage<float> ComputeComposedConfidence(const ComposedMap& composed,
                           ConfidenceKernel{composed.provenance.View(), score});
 }
 
-void DropDoubtful(float min_confidence,
-                  ComposedMap* composed,
-                  DeviceImage<float>* confidence,
-                  Device& device) {
-  ParallelFor(
+DeviceImage<uint8_t> FinishMap(float min_confidence,
+                               const Intrinsics& intrinsics,
+                               ImageView<const float> confidence,
+                               ComposedMap* composed,
+                               Device& device) {
+  return MapPixels<uint8_t>(
       device,
-      composed->map.depth.Width(),
-      composed->map.depth.Height(),
-      DropKernel{min_confidence, composed->Views(), confidence->View()});
+      confidence.width,
+      confidence.height,
+      FinishKernel{min_confidence, intrinsics, confidence, composed->Views()});
 }
 
 void FillHoles(ImageView<const Rgb> color,
@@ -212,14 +209,12 @@ void FillHoles(ImageView<const Rgb> color,
 }
 
 void Download(const ComposedMap& composed,
-              const DeviceImage<float>& confidence,
-              const Intrinsics& intrinsics,
+              const DeviceImage<uint8_t>& levels,
               RefinedMaps* maps) {
   maps->depth = composed.map.depth.ToHost();
   maps->normal = composed.map.normal.ToHost();
-  FaceCamera(intrinsics, &maps->normal);
   maps->provenance = composed.provenance.ToHost();
-  maps->confidence = confidence.ToHost();
+  maps->confidence = levels.ToHost();
 }
 
 }  // namespace tsar

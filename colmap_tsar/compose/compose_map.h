@@ -66,12 +66,16 @@ DeviceImage<float> ComputeComposedConfidence(const ComposedMap& composed,
                                              ImageView<const float> score,
                                              Device& device);
 
-// Clears depth, normal, provenance and confidence where the confidence is less
-// than min_confidence, which is in [0, 1], or 0.
-void DropDoubtful(float min_confidence,
-                  ComposedMap* composed,
-                  DeviceImage<float>* confidence,
-                  Device& device);
+// Clears depth, normal and provenance where the confidence is less than
+// min_confidence, which is in [0, 1], or 0. Other normals that face away from
+// the camera, a few of those that were measured at grazing angles, are tilted
+// as little as is needed; all others keep their bytes. Returns the confidences
+// by ToConfidenceLevel(), 0 where cleared. intrinsics: of the map.
+DeviceImage<uint8_t> FinishMap(float min_confidence,
+                               const Intrinsics& intrinsics,
+                               ImageView<const float> confidence,
+                               ComposedMap* composed,
+                               Device& device);
 
 // R2: fills small holes by the filter F_B, and marks them as interpolated.
 // color, intrinsics: those of the map. num_iterations: the window doubles from
@@ -84,12 +88,9 @@ void FillHoles(ImageView<const Rgb> color,
                ComposedMap* composed,
                Device& device);
 
-// Downloads the maps that are always made. Normals that face away from the
-// camera, a few of those that were measured at grazing angles, are tilted as
-// little as is needed; all others keep their bytes. intrinsics: of the map.
+// Downloads the maps that are always made.
 void Download(const ComposedMap& composed,
-              const DeviceImage<float>& confidence,
-              const Intrinsics& intrinsics,
+              const DeviceImage<uint8_t>& levels,
               RefinedMaps* maps);
 
 }  // namespace tsar

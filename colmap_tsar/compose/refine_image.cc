@@ -139,18 +139,20 @@ RefineResult RefineImage(
             options.num_iterations,
             &composed,
             device);
-  DeviceImage<float> confidence =
+  const DeviceImage<float> confidence =
       ComputeComposedConfidence(composed, single_view.score.View(), device);
-  DropDoubtful(static_cast<float>(options.min_confidence),
-               &composed,
-               &confidence,
-               device);
+  const DeviceImage<uint8_t> levels =
+      FinishMap(static_cast<float>(options.min_confidence),
+                views.MapIntrinsics(),
+                confidence.View(),
+                &composed,
+                device);
   if (options.sigma_maps) {
     result.maps.sigma =
         ComputeSigma(composed, views.Scale(), {}, device).ToHost();
   }
   timer.Finish("composition");
-  Download(composed, confidence, views.MapIntrinsics(), &result.maps);
+  Download(composed, levels, &result.maps);
   timer.Finish("download");
   result.reason_to_keep = ReasonToKeep(result.maps, options);
   return result;

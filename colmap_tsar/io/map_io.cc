@@ -37,15 +37,12 @@ int ReadHeaderNumber(std::istream& stream) {
 }
 
 template <typename Reader, typename T>
-Image<T> ReadMap(const std::filesystem::path& path, int64_t* num_not_finite) {
+Image<T> ReadMap(const std::filesystem::path& path) {
   Reader reader(path);
   auto map = Image<T>::Uninitialized(reader.Size().width, reader.Size().height);
   ForEachPiece(map.NumPixels(), [&](size_t first, size_t count) {
     reader.Read(first, {map.Data() + first, count});
   });
-  if (num_not_finite != nullptr) {
-    *num_not_finite = reader.NumNotFinite();
-  }
   return map;
 }
 
@@ -63,11 +60,12 @@ class MapWriter {
   void Write(std::span<const float> values) {
     ForEachPiece(values.size(), [&](size_t first, size_t count) {
       const std::span<const float> piece = values.subspan(first, count);
-      bool is_finite = true;
+      // A count is vectorized, a bool is not.
+      int num_bad = 0;
       for (const float value : piece) {
-        is_finite &= IsFinite(value);
+        num_bad += IsFinite(value) ? 0 : 1;
       }
-      Require(is_finite, "not finite");
+      Require(num_bad == 0, "not finite");
       Put(piece.data(), piece.size_bytes());
     });
   }
@@ -196,14 +194,12 @@ MapSize ReadMapSize(const std::filesystem::path& path) {
   return MapReader(path).Size();
 }
 
-Image<float> ReadDepthMap(const std::filesystem::path& path,
-                          int64_t* num_not_finite) {
-  return ReadMap<DepthMapReader, float>(path, num_not_finite);
+Image<float> ReadDepthMap(const std::filesystem::path& path) {
+  return ReadMap<DepthMapReader, float>(path);
 }
 
-Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
-                           int64_t* num_not_finite) {
-  return ReadMap<NormalMapReader, Vec3f>(path, num_not_finite);
+Image<Vec3f> ReadNormalMap(const std::filesystem::path& path) {
+  return ReadMap<NormalMapReader, Vec3f>(path);
 }
 
 uint64_t PutDepthMap(const Image<float>& depth, AtomicFile* file) {

@@ -110,15 +110,9 @@ void ForEachPiece(size_t num_pixels, const Function& function) {
 // Reads only the header, and checks the file's length.
 MapSize ReadMapSize(const std::filesystem::path& path);
 
-// Depths that are negative, NaN or infinite become 0; num_not_finite, if given,
-// receives the number of the last two.
-Image<float> ReadDepthMap(const std::filesystem::path& path,
-                          int64_t* num_not_finite = nullptr);
-
-// Normals with an element that is NaN or infinite become (0, 0, 0);
-// num_not_finite, if given, receives their number.
-Image<Vec3f> ReadNormalMap(const std::filesystem::path& path,
-                           int64_t* num_not_finite = nullptr);
+// Whole maps, as DepthMapReader and NormalMapReader read them.
+Image<float> ReadDepthMap(const std::filesystem::path& path);
+Image<Vec3f> ReadNormalMap(const std::filesystem::path& path);
 
 // The writers replace the file atomically (see AtomicFile). They reject, with
 // kMismatch, maps that break COLMAP's fusion: empty maps and values that are

@@ -165,40 +165,36 @@ class TextReader : ModelFile {
   // Throws if the record has more than was read.
   void EndRecord() {
     if (!AtEnd()) {
-      throw Corrupt("has \"" + ReadModelName() + "\" behind its end");
+      throw Corrupt("has \"" + std::string(ReadWord()) + "\" behind its end");
     }
   }
 
   template <typename T>
   T Read() {
-    const std::string word = ReadModelName();
+    const std::string_view word = ReadWord();
     // As COLMAP, with a sign.
-    const std::optional<T> number = ParseNumber<T>(
-        std::string_view(word).substr(word.starts_with('+') ? 1 : 0));
+    const std::optional<T> number =
+        ParseNumber<T>(word.substr(word.starts_with('+') ? 1 : 0));
     if (!number) {
-      throw Corrupt("has \"" + word + "\" in the place of a number");
+      throw Corrupt("has \"" + std::string(word) +
+                    "\" in the place of a number");
     }
     return *number;
   }
 
-  // Reads a word.
-  std::string ReadModelName() {
-    if (AtEndOfLine()) {
-      throw Corrupt("ends too early");
-    }
-    const size_t begin = position_;
-    position_ = std::min(line_.find_first_of(kBlank, begin), line_.size());
-    return line_.substr(begin, position_ - begin);
-  }
+  std::string ReadModelName() { return std::string(ReadWord()); }
 
   // The rest of the line, without blanks and a comment behind it.
   std::string ReadImageName() {
     if (AtEndOfLine()) {
       return "";
     }
-    const std::string name =
+    std::string name =
         line_.substr(position_, line_.find(" #", position_) - position_);
-    return name.substr(0, name.find_last_not_of(kBlank) + 1);
+    while (IsBlank(name.back())) {
+      name.pop_back();
+    }
+    return name;
   }
 
   // They have a line of their own, which may be blank.
@@ -207,7 +203,7 @@ class TextReader : ModelFile {
     }
     for (int i = 0; !AtEnd(); ++i) {
       constexpr int kNumWords = 3;
-      const bool is_number = ParseNumber<double>(ReadModelName()).has_value();
+      const bool is_number = ParseNumber<double>(ReadWord()).has_value();
       if (!is_number || (AtEnd() && i % kNumWords != kNumWords - 1)) {
         throw Corrupt(
             "is not the line of points of the image before it, of which each "
@@ -230,7 +226,19 @@ class TextReader : ModelFile {
   }
 
  private:
-  static constexpr std::string_view kBlank = " \t\r";
+  static bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
+  // Valid until the next line.
+  std::string_view ReadWord() {
+    if (AtEndOfLine()) {
+      throw Corrupt("ends too early");
+    }
+    const size_t begin = position_;
+    while (position_ < line_.size() && !IsBlank(line_[position_])) {
+      ++position_;
+    }
+    return std::string_view(line_).substr(begin, position_ - begin);
+  }
 
   bool NextLine() {
     position_ = 0;
@@ -242,8 +250,9 @@ class TextReader : ModelFile {
   bool AtEnd() { return AtEndOfLine() || line_[position_] == '#'; }
 
   bool AtEndOfLine() {
-    position_ =
-        std::min(line_.find_first_not_of(kBlank, position_), line_.size());
+    while (position_ < line_.size() && IsBlank(line_[position_])) {
+      ++position_;
+    }
     return position_ == line_.size();
   }
 

@@ -143,7 +143,7 @@ RefinedMaps EmptyMaps(const Image<float>& depth, const RefineOptions& options) {
   const int height = depth.Height();
   RefinedMaps maps{Image<float>(width, height),
                    Image<Vec3f>(width, height),
-                   Image<float>(width, height),
+                   Image<uint8_t>(width, height),
                    Image<uint8_t>(width, height)};
   if (NeedsEvidence(options)) {
     maps.planes = Image<uint16_t>(width, height);
@@ -161,9 +161,10 @@ void CountPixels(const RefinedMaps& maps,
   for (const uint8_t provenance : maps.provenance) {
     ++histogram[provenance];
   }
-  (*counts)["pixels"] = static_cast<int64_t>(maps.depth.NumPixels());
+  const auto num_pixels = static_cast<int64_t>(maps.provenance.NumPixels());
+  (*counts)["pixels"] = num_pixels;
   (*counts)["depth_after"] =
-      std::ranges::count_if(maps.depth, [](float z) { return z > 0.f; });
+      num_pixels - histogram[static_cast<size_t>(Provenance::kNone)];
   for (size_t provenance = 1; provenance < kProvenanceNames.size();
        ++provenance) {
     std::string name = kProvenanceNames[provenance];

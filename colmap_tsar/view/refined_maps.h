@@ -3,12 +3,10 @@
 
 #pragma once
 
-#include "colmap_tsar/base/arithmetic.h"
 #include "colmap_tsar/base/image.h"
 #include "colmap_tsar/base/macros.h"
 #include "colmap_tsar/base/vector.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -41,7 +39,7 @@ constexpr std::array<const char*, 8> kProvenanceNames = {"none",
 struct RefinedMaps {
   Image<float> depth;         // See map_io.h.
   Image<Vec3f> normal;        // See map_io.h.
-  Image<float> confidence;    // In [0, 1].
+  Image<uint8_t> confidence;  // See ToConfidenceLevel().
   Image<uint8_t> provenance;  // Values of Provenance; 0 = no depth.
   // 1 + the index of the pixel's scene plane (scene_model.h), 0 = none; empty
   // without a model of the scene.
@@ -54,11 +52,12 @@ struct RefinedMaps {
 
 // The values of confidence maps: a confidence in [0, 1] in 255 steps. 0 is
 // reserved for no depth; positive values below one step become 1.
-inline uint8_t ToConfidenceLevel(float confidence) {
-  return confidence > 0.f
-             ? static_cast<uint8_t>(
-                   RoundToInt(255.f * std::clamp(confidence, 1.f / 255.f, 1.f)))
-             : uint8_t{0};
+TSAR_HD inline uint8_t ToConfidenceLevel(float confidence) {
+  if (!(confidence > 0.f)) {
+    return 0;
+  }
+  const float level = 255.f * (confidence < 1.f ? confidence : 1.f);
+  return static_cast<uint8_t>(level < 1.f ? 1.f : level + 0.5f);
 }
 
 TSAR_HD inline float ConfidenceOfLevel(uint8_t level) {

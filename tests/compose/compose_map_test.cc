@@ -177,8 +177,8 @@ TEST_F(ComposeTest, FilledPixelsAreWorthLessThanTrustedOnes) {
 }
 
 TEST_F(ComposeTest, DoubtfulDepthsAreDropped) {
-  constexpr float kValues[] = {0.2f, 0.29f, 0.3f, 0.9f};
-  constexpr int kCount = 4;
+  constexpr float kValues[] = {0.f, 0.2f, 0.29f, 0.3f, 0.9f};
+  constexpr int kCount = 5;
   const Image<float> depth(kCount, 1, 5.f);
   const Image<Vec3f> normal(kCount, 1, kOwnNormal);
   const Image<uint8_t> provenance(
@@ -191,16 +191,54 @@ TEST_F(ComposeTest, DoubtfulDepthsAreDropped) {
     map.map.depth = DeviceImage<float>(*device_, depth);
     map.map.normal = DeviceImage<Vec3f>(*device_, normal);
     map.provenance = DeviceImage<uint8_t>(*device_, provenance);
-    DeviceImage<float> confidence(*device_, values);
-    DropDoubtful(limit, &map, &confidence, *device_);
+    const Image<uint8_t> levels =
+        FinishMap(limit,
+                  {1.f, 1.f, 0.f, 0.f},
+                  DeviceImage<float>(*device_, values).View(),
+                  &map,
+                  *device_)
+            .ToHost();
     for (int x = 0; x < kCount; ++x) {
-      const bool stays = kValues[x] >= limit;
+      const bool stays = kValues[x] > 0.f && kValues[x] >= limit;
       EXPECT_EQ(map.map.depth.ToHost()(x, 0), stays ? 5.f : 0.f);
       EXPECT_EQ(map.map.normal.ToHost()(x, 0), stays ? kOwnNormal : Vec3f{});
       EXPECT_EQ(map.provenance.ToHost()(x, 0), stays ? provenance(x, 0) : 0);
-      EXPECT_EQ(confidence.ToHost()(x, 0), stays ? kValues[x] : 0.f);
+      EXPECT_EQ(levels(x, 0), stays ? ToConfidenceLevel(kValues[x]) : 0);
     }
   }
+}
+
+TEST_F(ComposeTest, NormalsThatFaceAwayAreTiltedAndNoOthers) {
+  const Intrinsics intrinsics{2.f, 2.f, 1.f, 0.f};
+  // The rays are (-0.5, 0, 1), (0, 0, 1), (0.5, 0, 1) and (1, 0, 1).
+  Image<Vec3f> normal(4, 1);
+  normal(1, 0) = {0.6f, 0.f, -0.8f};
+  normal(2, 0) = normal(3, 0) = Normalized(Vec3f{1.f, 0.2f, -0.49f});
+  Image<float> confidence(4, 1, 0.5f);
+  confidence(3, 0) = 0.f;
+  ComposedMap map;
+  map.map.depth = DeviceImage<float>(*device_, Image<float>(4, 1, 4.f));
+  map.map.normal = DeviceImage<Vec3f>(*device_, normal);
+  map.provenance = DeviceImage<uint8_t>(*device_, Image<uint8_t>(4, 1));
+  const DeviceImage<uint8_t> levels =
+      FinishMap(0.f,
+                intrinsics,
+                DeviceImage<float>(*device_, confidence).View(),
+                &map,
+                *device_);
+  const Image<Vec3f> finished = map.map.normal.ToHost();
+  for (int x = 0; x < 2; ++x) {
+    EXPECT_EQ(finished(x, 0).x, normal(x, 0).x);
+    EXPECT_EQ(finished(x, 0).y, normal(x, 0).y);
+    EXPECT_EQ(finished(x, 0).z, normal(x, 0).z);
+  }
+  const Vec3f& tilted = finished(2, 0);
+  EXPECT_LT(Dot(tilted, intrinsics.Ray(2.f, 0.f)), 0.f);
+  EXPECT_NEAR(Norm(tilted), 1.f, 1e-6f);
+  // Tilted by less than a degree.
+  EXPECT_GT(Dot(tilted, normal(2, 0)), 0.9998f);
+  EXPECT_EQ(levels.ToHost()(2, 0), 128);
+  EXPECT_EQ(finished(3, 0), Vec3f());
 }
 
 }  // namespace

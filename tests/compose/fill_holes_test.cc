@@ -102,31 +102,5 @@ TEST_F(FillHolesTest, LeavesAreasWithTooLittleSupport) {
   });
 }
 
-TEST(Download, TiltsNormalsThatFaceAwayAndNoOthers) {
-  const auto device = CreateTestDevice(1);
-  const Intrinsics intrinsics{2.f, 2.f, 1.f, 0.f};
-  // The rays are (-0.5, 0, 1), (0, 0, 1) and (0.5, 0, 1).
-  Image<Vec3f> normal(3, 1);
-  normal(1, 0) = {0.6f, 0.f, -0.8f};
-  normal(2, 0) = Normalized(Vec3f{1.f, 0.2f, -0.49f});
-  ComposedMap map;
-  map.map.depth = DeviceImage<float>(*device, Image<float>(3, 1, 4.f));
-  map.map.normal = DeviceImage<Vec3f>(*device, normal);
-  map.provenance = DeviceImage<uint8_t>(*device, Image<uint8_t>(3, 1));
-  RefinedMaps maps;
-  const DeviceImage<float> confidence(*device, Image<float>(3, 1));
-  Download(map, confidence, intrinsics, &maps);
-  for (int x = 0; x < 2; ++x) {
-    EXPECT_EQ(maps.normal(x, 0).x, normal(x, 0).x);
-    EXPECT_EQ(maps.normal(x, 0).y, normal(x, 0).y);
-    EXPECT_EQ(maps.normal(x, 0).z, normal(x, 0).z);
-  }
-  const Vec3f& tilted = maps.normal(2, 0);
-  EXPECT_LT(Dot(tilted, intrinsics.Ray(2.f, 0.f)), 0.f);
-  EXPECT_NEAR(Norm(tilted), 1.f, 1e-6f);
-  // Tilted by less than a degree.
-  EXPECT_GT(Dot(tilted, normal(2, 0)), 0.9998f);
-}
-
 }  // namespace
 }  // namespace tsar

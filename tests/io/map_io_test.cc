@@ -69,17 +69,20 @@ TEST_F(MapIoTest, ReadsDepthsRowByRowAndNormalsPlaneByPlane) {
 }
 
 TEST_F(MapIoTest, MakesBadValuesInvalidAndCountsThoseNotFinite) {
-  int64_t count = -1;
-  const Image<float> depth = ReadDepthMap(
-      Write(MapBytes("5&1&1&", {kNan, kInf, -kInf, -1.f, 2.f})), &count);
-  EXPECT_EQ(count, 3);
-  EXPECT_THAT(std::vector<float>(depth.begin(), depth.end()),
-              testing::ElementsAre(0.f, 0.f, 0.f, 0.f, 2.f));
-  const Image<Vec3f> normal = ReadNormalMap(
-      Write(MapBytes("3&1&3&", {0, 1, 2, kInf, 1, 2, 0, 1, kNan})), &count);
-  EXPECT_EQ(count, 2);
-  EXPECT_THAT(std::vector<Vec3f>(normal.begin(), normal.end()),
-              testing::ElementsAre(Vec3f(), (Vec3f{1, 1, 1}), Vec3f()));
+  DepthMapReader depths(
+      Write(MapBytes("5&1&1&", {kNan, kInf, -kInf, -1.f, 2.f})));
+  std::vector<float> depth(5);
+  depths.Read(0, depth);
+  EXPECT_EQ(depths.NumNotFinite(), 3);
+  EXPECT_EQ(ReadDepthMap(folder_.Path() / "view.jpg.bin")(1, 0), 0.f);
+  EXPECT_THAT(depth, testing::ElementsAre(0.f, 0.f, 0.f, 0.f, 2.f));
+  NormalMapReader normals(
+      Write(MapBytes("3&1&3&", {0, 1, 2, kInf, 1, 2, 0, 1, kNan})));
+  std::vector<Vec3f> normal(3);
+  normals.Read(0, normal);
+  EXPECT_EQ(normals.NumNotFinite(), 2);
+  EXPECT_EQ(ReadNormalMap(folder_.Path() / "view.jpg.bin")(2, 0), Vec3f());
+  EXPECT_THAT(normal, testing::ElementsAre(Vec3f(), (Vec3f{1, 1, 1}), Vec3f()));
 }
 
 TEST_F(MapIoTest, WritesTheBytesThatColmapReads) {
@@ -147,8 +150,10 @@ TEST_F(MapIoTest, RefusesToWriteWhatFusionCannotRead) {
   const auto path = folder_.Path() / "out.bin";
   WriteText(path, "old");
   for (const float value : {kNan, kInf}) {
+    Image<float> depth(200, 100);  // More than is written at a time.
+    depth(150, 60) = value;
     ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
-      WriteDepthMap(UserPath(path), Image<float>(2, 2, value));
+      WriteDepthMap(UserPath(path), depth);
     });
     ExpectError(ErrorCode::kMismatch, {"not finite"}, [&] {
       WriteNormalMap(UserPath(path), Image<Vec3f>(2, 2, Vec3f{0, 0, value}));

@@ -84,7 +84,8 @@ RefinedMaps Draw(const Camera& camera, int num_wrong_per_mille) {
   RefinedMaps maps;
   maps.depth = Image<float>(camera.width, camera.height);
   maps.normal = Image<Vec3f>(camera.width, camera.height, Vec3f{0, 0, -1});
-  maps.confidence = Image<float>(camera.width, camera.height, 0.5f);
+  maps.confidence =
+      Image<uint8_t>(camera.width, camera.height, ToConfidenceLevel(0.5f));
   maps.provenance = Image<uint8_t>(camera.width, camera.height);
   maps.planes = Image<uint16_t>(camera.width, camera.height);
   for (int y = 0; y < camera.height; ++y) {

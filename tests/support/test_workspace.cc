@@ -97,7 +97,7 @@ void WriteTestMaps(const std::filesystem::path& root,
 RefinedMaps MakeRefinedMaps(float depth, int width, int height) {
   return {Image<float>(width, height, depth),
           Image<Vec3f>(width, height, Vec3f{0.f, 0.f, -1.f}),
-          Image<float>(width, height, 0.5f),
+          Image<uint8_t>(width, height, ToConfidenceLevel(0.5f)),
           Image<uint8_t>(width, height, 4)};
 }
 

@@ -23,12 +23,6 @@
 namespace tsar {
 namespace {
 
-Image<uint8_t> ToLevels(const Image<float>& confidence) {
-  Image<uint8_t> levels(confidence.Width(), confidence.Height());
-  std::ranges::transform(confidence, levels.begin(), &ToConfidenceLevel);
-  return levels;
-}
-
 // Encodes one channel with the bit depth of T.
 template <typename T>
 void PutPng(const Image<T>& values,
@@ -82,7 +76,7 @@ std::vector<PreparedFile> PrepareFiles(const RefinedMaps& maps,
   add("normal", paths.normal, [&](AtomicFile* file) {
     return PutNormalMap(maps.normal, file);
   });
-  add_png("confidence", paths.confidence, ToLevels(maps.confidence));
+  add_png("confidence", paths.confidence, maps.confidence);
   add_png("provenance", paths.provenance, maps.provenance);
   if (!maps.planes.Empty()) {
     add_png("planes", paths.planes, maps.planes);
