@@ -5,6 +5,7 @@
 
 #include "colmap_tsar/compose/refine_image.h"
 #include "colmap_tsar/view/filter/confirmation.h"
+#include "colmap_tsar/view/refined_maps.h"
 
 #include "tests/support/test_device.h"
 #include <gtest/gtest.h>
@@ -191,12 +192,9 @@ TEST_F(ComposeTest, DoubtfulDepthsAreDropped) {
     map.map.depth = DeviceImage<float>(*device_, depth);
     map.map.normal = DeviceImage<Vec3f>(*device_, normal);
     map.provenance = DeviceImage<uint8_t>(*device_, provenance);
+    const DeviceImage<float> confidence(*device_, values);
     const Image<uint8_t> levels =
-        FinishMap(limit,
-                  {1.f, 1.f, 0.f, 0.f},
-                  DeviceImage<float>(*device_, values).View(),
-                  &map,
-                  *device_)
+        FinishMap(limit, {1, 1, 0, 0}, confidence.View(), &map, *device_)
             .ToHost();
     for (int x = 0; x < kCount; ++x) {
       const bool stays = kValues[x] > 0.f && kValues[x] >= limit;
@@ -220,18 +218,12 @@ TEST_F(ComposeTest, NormalsThatFaceAwayAreTiltedAndNoOthers) {
   map.map.depth = DeviceImage<float>(*device_, Image<float>(4, 1, 4.f));
   map.map.normal = DeviceImage<Vec3f>(*device_, normal);
   map.provenance = DeviceImage<uint8_t>(*device_, Image<uint8_t>(4, 1));
+  const DeviceImage<float> on_device(*device_, confidence);
   const DeviceImage<uint8_t> levels =
-      FinishMap(0.f,
-                intrinsics,
-                DeviceImage<float>(*device_, confidence).View(),
-                &map,
-                *device_);
+      FinishMap(0.f, intrinsics, on_device.View(), &map, *device_);
   const Image<Vec3f> finished = map.map.normal.ToHost();
-  for (int x = 0; x < 2; ++x) {
-    EXPECT_EQ(finished(x, 0).x, normal(x, 0).x);
-    EXPECT_EQ(finished(x, 0).y, normal(x, 0).y);
-    EXPECT_EQ(finished(x, 0).z, normal(x, 0).z);
-  }
+  EXPECT_EQ(finished(0, 0), normal(0, 0));
+  EXPECT_EQ(finished(1, 0), normal(1, 0));
   const Vec3f& tilted = finished(2, 0);
   EXPECT_LT(Dot(tilted, intrinsics.Ray(2.f, 0.f)), 0.f);
   EXPECT_NEAR(Norm(tilted), 1.f, 1e-6f);
@@ -239,6 +231,24 @@ TEST_F(ComposeTest, NormalsThatFaceAwayAreTiltedAndNoOthers) {
   EXPECT_GT(Dot(tilted, normal(2, 0)), 0.9998f);
   EXPECT_EQ(levels.ToHost()(2, 0), 128);
   EXPECT_EQ(finished(3, 0), Vec3f());
+}
+
+TEST(ConfidenceLevel, IsZeroForNoDepthAlone) {
+  EXPECT_EQ(ToConfidenceLevel(0.f), 0);
+  EXPECT_EQ(ToConfidenceLevel(1e-6f), 1);
+  EXPECT_EQ(ToConfidenceLevel(0.01f), 3);
+  EXPECT_EQ(ToConfidenceLevel(1.f), 255);
+  EXPECT_EQ(ToConfidenceLevel(1.1f), 255);
+}
+
+TEST(ConfidenceLevel, IsTheNearest) {
+  for (int level = 1; level <= 255; ++level) {
+    const auto bits = static_cast<uint8_t>(level);
+    const float confidence = ConfidenceOfLevel(bits);
+    EXPECT_EQ(ToConfidenceLevel(confidence), level);
+    EXPECT_EQ(ToConfidenceLevel(confidence - 0.45f / 255.f), level);
+    EXPECT_EQ(ToConfidenceLevel(confidence + 0.45f / 255.f), level);
+  }
 }
 
 }  // namespace

@@ -54,9 +54,8 @@ struct LabelOptions {
   // The cost of an observation where the superpixel has no plane. A plane with
   // a higher cost is not chosen, unless the pairwise costs outweigh that.
   float cost_of_unexplained = 0.6f;
-  // The cost of an outlier depth that other views confirm and the view did not
-  // trust: most of these are wrong on textureless surfaces, but many together
-  // distinguish a chest from the wall behind it.
+  // The weight of a depth that other views confirm and the view did not trust:
+  // most are wrong on bare surfaces, but many tell a chest from its wall.
   float confirmed_weight = 0.2f;
   // The share of measured pixels at which ViewLabels::strengths is half of its
   // value with many measurements.

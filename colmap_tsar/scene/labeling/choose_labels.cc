@@ -84,10 +84,15 @@ class BorderCosts {
   std::vector<Vec3f> rays_;  // Of the pixels of each border.
 };
 
-// The unary cost of a superpixel without a plane. weight: see ViewEvidence.
-float UnlabeledCost(float weight,
+// The unary cost of a superpixel without a plane.
+float UnlabeledCost(const ViewEvidence& evidence,
+                    int superpixel,
                     float num_pixels,
                     const LabelOptions& options) {
+  float weight = evidence.weights[superpixel];
+  if (!evidence.confirmed_pixels.empty()) {
+    weight += options.confirmed_weight * evidence.confirmed_pixels[superpixel];
+  }
   return options.cost_of_unexplained * weight +
          options.unlabeled_cost * std::max(num_pixels - weight, 0.f);
 }
@@ -140,8 +145,7 @@ ViewLabels ChooseLabels(const ObservedView& view,
       const float vote = votes.Empty() ? 0.f : votes(k, s);
       graph.unary.push_back(costs(k, s).cost + vote);
     }
-    graph.unary.push_back(
-        UnlabeledCost(evidence.weights[s], num_pixels[s], options));
+    graph.unary.push_back(UnlabeledCost(evidence, s, num_pixels[s], options));
   }
   for (const SuperpixelBorder& border : evidence.borders) {
     graph.edges.push_back({border.first, border.second});

@@ -215,6 +215,22 @@ TEST_F(LabelViewTest, ConfirmedDepthsTellAPlaneFromTheOneBehindIt) {
   EXPECT_EQ(Label(planes).strengths[chest], 0.f);
 }
 
+// A few are wrong on any bare surface; without a plane they are unexplained.
+TEST_F(LabelViewTest, FewConfirmedDepthsDoNotTakeThePlane) {
+  DrawEdgesEverywhere();
+  Measure(WallAt(5.f), 0, 7);
+  const int bare = 2 * kNumColumns + 4;
+  for (const int num_wrong : {0, 15, 60}) {
+    int count = 0;
+    ForSamplesOf(bare, [&](RayDepth* sample) {
+      sample->z = count++ < num_wrong ? 3.f : 0.f;
+    });
+    inputs_.confirmed_samples = inputs_.samples;
+    ForSamplesOf(bare, [](RayDepth* sample) { *sample = {}; });
+    EXPECT_EQ(Label({WallAt(5.f)}).planes[bare], num_wrong < 60 ? 0 : -1);
+  }
+}
+
 TEST_F(LabelViewTest, StrengthIsTheShareOfMeasurementsOnThePlane) {
   Measure(WallAt(5.f), 0, 7);
   const int mixed = 2 * kNumColumns + 4;
